@@ -10,7 +10,7 @@ use splitsum::environment::{Environment, LoadOptions};
 use splitsum::metrics::{Comparison, HEADLINE, metric};
 use splitsum::pipeline::{Frame, Options, Pipeline, RenderRequest};
 use splitsum::precompute::PrefilterBy;
-use splitsum::runner::provenance::now_utc;
+use splitsum::run::provenance::now_utc;
 use splitsum::scene::{CameraKind, MaterialOverride, Scene};
 use splitsum::shade::method_by_name;
 use splitsum::tonemap::ToneCurve;

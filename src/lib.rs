@@ -140,7 +140,8 @@ pub mod oracle;
 pub mod pipeline;
 pub mod slips;
 
-pub mod runner;
+pub mod experiment;
+pub mod run;
 
 pub mod study;
 #[cfg(feature = "view")]

@@ -9,13 +9,13 @@ use splitsum::bakes::convention::{PRESETS, Preset, preset_by_name};
 use splitsum::bakes::make::{self, Making};
 use splitsum::brdf::MODELS;
 use splitsum::environment::{Environment, LoadOptions};
-use splitsum::pipeline::BakeRequest;
-use splitsum::runner::RenderFault;
-use splitsum::runner::axis::{
+use splitsum::experiment::axis::{
     AXES, BRDF, DFG_SIZE, IRRADIANCE_SIZE, MASKING, PREFILTER_LEVEL_COUNT, PREFILTER_SIZE, PREFILTER_WEIGHT, Part,
     Point, Settings,
 };
-use splitsum::runner::value::Value;
+use splitsum::experiment::value::Value;
+use splitsum::pipeline::BakeRequest;
+use splitsum::run::RenderFault;
 use splitsum::spelling::suggestion;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;

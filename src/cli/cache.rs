@@ -3,7 +3,7 @@
 use super::tell;
 use clap::Args;
 use splitsum::pipeline::DiskCache;
-use splitsum::runner::RenderFault;
+use splitsum::run::RenderFault;
 use std::env;
 use std::path::PathBuf;
 

@@ -3,10 +3,10 @@
 use super::{Failure, print, print_data, tell};
 use clap::Args;
 use serde::{Serialize, Serializer};
+use splitsum::experiment::axis::{AXES, CONTRAST, EXPOSURE};
+use splitsum::experiment::value::{Kind, Range};
 use splitsum::metrics::{Comparison, Epsilon, METRICS};
 use splitsum::pixels::{Decoded, GrayImage, exr};
-use splitsum::runner::axis::{AXES, CONTRAST, EXPOSURE};
-use splitsum::runner::value::{Kind, Range};
 use splitsum::table::markdown::{Align, MarkdownTable};
 use splitsum::tonemap::ToneCurve;
 use std::path::{Path, PathBuf};

@@ -3,12 +3,13 @@
 use super::Failure;
 use super::cache::CacheArguments;
 use super::run::open_device;
+use splitsum::experiment::{Cell, Plan};
 use splitsum::pipeline::{DeviceChoice, DeviceInfo, DiskCache, chosen_device, is_kept};
-use splitsum::runner::estimate::{
+use splitsum::run::RenderFault;
+use splitsum::run::estimate::{
     Estimate, Host, Item, Source, Speeds, constants, device_speeds, estimate, items, lack, recorded, samples_per_second,
 };
-use splitsum::runner::timing::TimingJob;
-use splitsum::runner::{Cell, Plan, RenderFault};
+use splitsum::run::timing::TimingJob;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 use std::time::Instant;

@@ -4,11 +4,11 @@ use super::Failure;
 use clap::builder::ValueParser;
 use clap::error::ErrorKind;
 use clap::{Arg, ArgAction, ArgMatches, Args, Command, Error, FromArgMatches};
-use splitsum::runner::axis::named::{ambiguous, hint};
-use splitsum::runner::axis::{AXES, Named, Point, Reference, View};
-use splitsum::runner::config::{CAMERA, SEED};
-use splitsum::runner::lights::{coordinates, parse_light};
-use splitsum::runner::value::{Kind, Value};
+use splitsum::experiment::axis::named::{ambiguous, hint};
+use splitsum::experiment::axis::{AXES, Named, Point, Reference, View};
+use splitsum::experiment::config::{CAMERA, SEED};
+use splitsum::experiment::lights::{coordinates, parse_light};
+use splitsum::experiment::value::{Kind, Value};
 use splitsum::scene::{CameraKind, Light, Orbit, Scene};
 
 /// What is seen, beside the axes.

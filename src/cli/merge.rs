@@ -4,8 +4,8 @@ use super::run::{command_line, conclude};
 use super::stop::STOP;
 use super::{Failure, tell};
 use clap::Args;
-use splitsum::runner::RunOptions;
-use splitsum::runner::chunk::{Hole, PlanFile, merge};
+use splitsum::run::RunOptions;
+use splitsum::run::chunk::{Hole, PlanFile, merge};
 use std::fmt::Write;
 use std::path::PathBuf;
 

@@ -28,8 +28,8 @@ mod view;
 
 use clap::{Parser, Subcommand};
 use splitsum::cost::child::COMMAND;
-use splitsum::runner::chunk::ChunkError;
-use splitsum::runner::{RenderFault, RunError};
+use splitsum::run::chunk::ChunkError;
+use splitsum::run::{RenderFault, RunError};
 use splitsum::spelling::printable;
 use std::process::ExitCode;
 

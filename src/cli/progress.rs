@@ -2,7 +2,7 @@
 
 use super::tell;
 use indicatif::{ProgressBar, ProgressStyle};
-use splitsum::runner::Progress;
+use splitsum::run::Progress;
 use std::io::IsTerminal;
 
 /// Progress on standard error.

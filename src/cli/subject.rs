@@ -3,7 +3,8 @@
 use super::{Failure, tell};
 use clap::Args;
 use splitsum::environment::LoadOptions;
-use splitsum::runner::{ConfigError, Plan, frozen};
+use splitsum::experiment::{ConfigError, Plan};
+use splitsum::run::frozen;
 use splitsum::study::questions::check;
 use std::path::PathBuf;
 

@@ -1,9 +1,9 @@
 //! The text of docs/columns.md, from the lists of axes, metrics, tables and questions.
 
 use super::questions::QUESTIONS;
+use crate::experiment::axis::Named;
 use crate::metrics::METRICS;
-use crate::runner::axis::Named;
-use crate::runner::columns::{CELL, Column, TABLES};
+use crate::run::columns::{CELL, Column, TABLES};
 use crate::table::markdown::{Align, MarkdownTable};
 use std::fmt::Write;
 

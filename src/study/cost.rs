@@ -6,7 +6,7 @@ use crate::cost::child::Compiler;
 use crate::cost::family::{FRAME, Family, Texel};
 use crate::cost::isa::Counts;
 use crate::cost::model::{Bound, Pass};
-use crate::runner::columns::{Column, column};
+use crate::run::columns::{Column, column};
 use crate::table::csv::{Cell, to_text};
 use crate::table::markdown::{Align, MarkdownTable};
 

@@ -4,7 +4,7 @@ use super::questions::Answer;
 use super::table::Table;
 use crate::files::{RECORD_BYTES_MAX, read_text};
 use crate::pixels::PixelsError;
-use crate::runner::store::ANSWERS_FOLDER;
+use crate::run::store::ANSWERS_FOLDER;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 

@@ -1,9 +1,9 @@
 //! Tables of answers: columns with their meaning, rows as CSV and as Markdown.
 
-pub use crate::runner::columns::{Column, column};
+pub use crate::run::columns::{Column, column};
 
-use crate::runner::axis::AXES;
-use crate::runner::value::Value;
+use crate::experiment::axis::AXES;
+use crate::experiment::value::Value;
 use crate::table::csv::{self, Cell};
 use crate::table::markdown::{Align, MarkdownTable, significant};
 

@@ -8,7 +8,7 @@ use super::record::{ANSWER_FILE, AnswerRecord, ToldAnswer, WriteError, told};
 use super::summary;
 use crate::files::holds;
 use crate::pixels::Staged;
-use crate::runner::store::ANSWERS_FOLDER;
+use crate::run::store::ANSWERS_FOLDER;
 use std::path::PathBuf;
 
 /// The summary, beside the tables of the run.

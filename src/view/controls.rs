@@ -2,8 +2,8 @@
 
 use super::state::{Side, State};
 use crate::environment::{BUILTIN_PREFIX, BUILTINS};
-use crate::runner::axis::{AXES, ENVIRONMENT, METHOD, Named, Part, Point, SAMPLES, SIZE};
-use crate::runner::value::{Kind, Range, Value};
+use crate::experiment::axis::{AXES, ENVIRONMENT, METHOD, Named, Part, Point, SAMPLES, SIZE};
+use crate::experiment::value::{Kind, Range, Value};
 use crate::scene::SCENES;
 use egui::{ComboBox, DragValue, Rect, Response, Slider, SliderClamping, TextEdit, Ui};
 use std::collections::BTreeMap;
@@ -250,7 +250,7 @@ fn reach(kind: Kind) -> (std::ops::RangeInclusive<f64>, bool) {
         Kind::Number(Range { min, max, .. }) | Kind::NumberOrName { range: Range { min, max, .. }, .. } => {
             (min..=max, false)
         }
-        _ => (crate::runner::value::ALPHA_MIN..=1.0, false),
+        _ => (crate::experiment::value::ALPHA_MIN..=1.0, false),
     }
 }
 

@@ -2,9 +2,9 @@
 
 use super::picture::{Picture, Tone};
 use super::state::{Image, Side, State};
-use crate::runner::axis::{AXES, METHOD, Named, Point, SAMPLES, View};
-use crate::runner::lights::{light_text, parse_light};
-use crate::runner::value::Value;
+use crate::experiment::axis::{AXES, METHOD, Named, Point, SAMPLES, View};
+use crate::experiment::lights::{light_text, parse_light};
+use crate::experiment::value::Value;
 use crate::scene::{CameraKind, LightKind, Orbit};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;

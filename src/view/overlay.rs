@@ -1,8 +1,8 @@
 //! What is painted over the picture, and the picture of both halves.
 
 use super::worker::{Shot, Shown};
+use crate::experiment::axis::SAMPLES;
 use crate::pixels::Rgb8Image;
-use crate::runner::axis::SAMPLES;
 use crate::table::colormap::ColorScale;
 use egui::{Align2, Color32, FontId, Pos2, Rect, Stroke, Ui, pos2, vec2};
 

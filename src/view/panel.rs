@@ -7,9 +7,9 @@ use super::overlay::{composed, label, legend, outlined, wipe_line};
 use super::picture::{Picture, Tone, at};
 use super::state::{Side, State};
 use super::worker::{Shown, Standing};
+use crate::experiment::axis::{AXES, ENVIRONMENT, ENVIRONMENT_ROTATION, EXPOSURE, METHOD, SCENE};
+use crate::experiment::value::{Value, decimal};
 use crate::pipeline::Frame;
-use crate::runner::axis::{AXES, ENVIRONMENT, ENVIRONMENT_ROTATION, EXPOSURE, METHOD, SCENE};
-use crate::runner::value::{Value, decimal};
 use crate::scene::{CameraKind, Light, LightKind, Orbit, scene_extensions, scene_format};
 use egui::{
     Align2, Color32, ColorImage, ComboBox, CursorIcon, DragValue, FontId, Key, Pos2, Rect, Sense, Stroke, TextureHandle,
@@ -236,7 +236,7 @@ impl Panel {
                     self.controls.place(format!("light {index} {axis}"), &response);
                     is_moved |= response.changed();
                 }
-                if is_moved && let Ok(moved) = crate::runner::lights::light(light.kind, place, Some(light.color)) {
+                if is_moved && let Ok(moved) = crate::experiment::lights::light(light.kind, place, Some(light.color)) {
                     light.position_or_direction = moved.position_or_direction.as_vec3().as_dvec3();
                 }
                 let most = light.color.into_iter().fold(0.0, f32::max);

@@ -3,9 +3,11 @@
 use super::picture::{Look, Picture, Tone};
 use crate::bakes::given::Given;
 use crate::environment::{BUILTIN_PREFIX, Environment};
+use crate::experiment::axis::{
+    AXES, ENVIRONMENT, METHOD, Part, Point, REFERENCE, Reference, SAMPLES, SCENE, SIZE, View,
+};
+use crate::experiment::value::Value;
 use crate::pipeline::RenderRequest;
-use crate::runner::axis::{AXES, ENVIRONMENT, METHOD, Part, Point, REFERENCE, Reference, SAMPLES, SCENE, SIZE, View};
-use crate::runner::value::Value;
 use crate::scene::Scene;
 use std::path::Path;
 use std::sync::Arc;

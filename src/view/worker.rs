@@ -6,11 +6,11 @@
 use super::picture::{Picture, of_frame, of_gbuffer, of_tables};
 use super::state::{Image, Side, State};
 use crate::environment::{Environment, LoadOptions};
+use crate::experiment::axis::{AXES, Part, Point};
+use crate::experiment::value::Value;
 use crate::metrics::{Comparison, HEADLINE, metric};
 use crate::pipeline::{DeviceInfo, Frame, Options, Pipeline, PipelineError, Recent};
 use crate::pixels::Rgb8Image;
-use crate::runner::axis::{AXES, Part, Point};
-use crate::runner::value::Value;
 use crate::scene::Scene;
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};

@@ -6,7 +6,7 @@ mod chromium;
 mod compare;
 mod contrast;
 mod failed;
-#[path = "../numeric/runner/fake.rs"]
+#[path = "../numeric/run/fake.rs"]
 mod fake;
 mod fixture;
 mod joined;

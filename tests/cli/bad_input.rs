@@ -213,7 +213,7 @@ fn list_prints_every_name() {
     let dir = tempfile::tempdir().unwrap();
     use splitsum::precompute::prefilter;
     let text = stdout(&splitsum(dir.path(), &["list"]));
-    let names = splitsum::runner::axis::AXES.iter().map(|axis| axis.name);
+    let names = splitsum::experiment::axis::AXES.iter().map(|axis| axis.name);
     let names = names.chain(splitsum::shade::METHODS.iter().map(|method| method.name));
     let names = names.chain(splitsum::math::sequence::SEQUENCES.iter().map(|sequence| sequence.name));
     let names = names.chain(prefilter::level_bias::LEVEL_BIASES.iter().map(|bias| bias.name));

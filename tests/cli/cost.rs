@@ -7,9 +7,9 @@ use splitsum::cost::family::{Family, STREAMED_BYTES};
 use splitsum::cost::isa::Counts;
 use splitsum::cost::model::Pass;
 use splitsum::environment::layout::{LAYOUTS, MapLayout};
+use splitsum::experiment::axis::{LAYOUT, METHOD, Point};
 use splitsum::gbuffer::pass::PIPELINES;
 use splitsum::gpu::shader_names;
-use splitsum::runner::axis::{LAYOUT, METHOD, Point};
 use splitsum::shade::{METHODS, Method};
 use std::path::Path;
 

@@ -19,7 +19,7 @@ const ROWS: &[&[&[&str]]] = &[
     &[&["metrics"], &["table"]],
     &[&["bakes"], &["ladder"]],
     &[&["pipeline"], &["oracle"], &["slips"], &["cost"]],
-    &[&["runner"]],
+    &[&["experiment", "run"]],
     &[&["study"], &["view"]],
 ];
 

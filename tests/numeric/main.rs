@@ -9,6 +9,7 @@ mod design;
 mod diffuse;
 mod disk_cache;
 mod environment;
+mod experiment;
 #[path = "../shared/gltf.rs"]
 mod gltf_files;
 mod harmonics;
@@ -26,7 +27,7 @@ mod placement;
 mod precompute;
 mod reference;
 mod robustness;
-mod runner;
+mod run;
 mod scene;
 mod sequence;
 mod slips;

@@ -3,10 +3,10 @@
 mod screen;
 
 use screen::{Screen, Win};
+use splitsum::experiment::axis::{AXES, Named, PREFILTER_BY, Part};
+use splitsum::experiment::value::Kind;
 use splitsum::pixels::{Rgb8Image, exr};
 use splitsum::precompute::PrefilterBy;
-use splitsum::runner::axis::{AXES, Named, PREFILTER_BY, Part};
-use splitsum::runner::value::Kind;
 use splitsum::shade::{DIFFUSE, METHODS};
 use splitsum::table::colormap::{OFF_MASK_COLOR, SIGNED_ERROR};
 use std::collections::BTreeSet;

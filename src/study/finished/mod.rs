@@ -9,12 +9,12 @@ pub use notes::notes;
 pub use read::{FinishedError, provenance};
 
 use crate::cost::record::CostRecord;
+use crate::experiment::axis::{AXES, ENVIRONMENT, ENVIRONMENT_CLIP, ENVIRONMENT_SCALE, Point, SCENE};
+use crate::experiment::config::Config;
+use crate::experiment::value::Value;
 use crate::metrics::{Epsilon, METRICS};
-use crate::runner::axis::{AXES, ENVIRONMENT, ENVIRONMENT_CLIP, ENVIRONMENT_SCALE, Point, SCENE};
-use crate::runner::config::Config;
-use crate::runner::store::{FailureRecord, StopReason};
-use crate::runner::timing::TimingRecord;
-use crate::runner::value::Value;
+use crate::run::store::{FailureRecord, StopReason};
+use crate::run::timing::TimingRecord;
 use serde_json::Value as Json;
 use std::path::PathBuf;
 
@@ -44,7 +44,7 @@ pub struct Bin {
     pub scores: MetricValues,
 }
 
-/// One step of an error over the pixels with n·v in `seen`: see `runner::columns::STEP_NUMBERS`.
+/// One step of an error over the pixels with n·v in `seen`: see `run::columns::STEP_NUMBERS`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StepRow {
     pub seen: [f64; 2],

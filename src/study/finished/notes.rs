@@ -1,9 +1,9 @@
 //! Oddities of a folder that keep nobody from reading it.
 
 use super::read::{last_command, text};
-use crate::runner::frozen::EXPERIMENT_FILE;
-use crate::runner::provenance;
-use crate::runner::store::{Store, TIMINGS_FOLDER};
+use crate::run::frozen::EXPERIMENT_FILE;
+use crate::run::provenance;
+use crate::run::store::{Store, TIMINGS_FOLDER};
 use std::path::Path;
 
 /// Whatever is odd about the run in `dir` that does not keep it from being read.

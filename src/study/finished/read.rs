@@ -2,17 +2,17 @@
 
 use super::{Bin, CellImages, Finished, FinishedCell, Light, MetricValues, StepRow, Stop, point_of};
 use crate::cost::record::COSTS_FILE;
+use crate::experiment::config::Config;
+use crate::experiment::fault::Faults;
+use crate::experiment::inputs::load_methods;
+use crate::experiment::value::Value;
 use crate::files::read_regular;
 use crate::metrics::BiasVariance;
-use crate::runner::config::Config;
-use crate::runner::environments::{LUMINANCE_COLUMNS, RANGE_COLUMN};
-use crate::runner::fault::Faults;
-use crate::runner::frozen::EXPERIMENT_FILE;
-use crate::runner::inputs::load_methods;
-use crate::runner::provenance::{self, EXPERIMENT_FOLDER, PROVENANCE_FILE, ProvenanceError, SET_FOLDER};
-use crate::runner::store::{StopReason, Store, StoreError, TIMINGS_FOLDER};
-use crate::runner::tables::{FAILED, HEADLINE, REFERENCE_COLUMNS};
-use crate::runner::value::Value;
+use crate::run::environments::{LUMINANCE_COLUMNS, RANGE_COLUMN};
+use crate::run::frozen::EXPERIMENT_FILE;
+use crate::run::provenance::{self, EXPERIMENT_FOLDER, PROVENANCE_FILE, ProvenanceError, SET_FOLDER};
+use crate::run::store::{StopReason, Store, StoreError, TIMINGS_FOLDER};
+use crate::run::tables::{FAILED, HEADLINE, REFERENCE_COLUMNS};
 use crate::spelling::printable;
 use crate::table::csv::{Row, TableError, TableRows};
 use serde_json::Value as Json;

@@ -3,8 +3,8 @@
 
 use super::estimate::geometric_mean;
 use super::{Frame, Key, Row, by, distinct_in_order, fits};
-use crate::runner::axis::METHOD;
-use crate::runner::value::Value;
+use crate::experiment::axis::METHOD;
+use crate::experiment::value::Value;
 
 /// A sampling method in one case.
 #[derive(Clone, Debug)]

@@ -12,8 +12,8 @@
 //! simulated studies of 6, 10 and 20 environments (`tests/numeric/study/estimate.rs`).
 
 use super::line::t_95;
-use crate::runner::statistics::{COVERAGE, median_order, order_coverage, quantile};
-use crate::runner::value::Value;
+use crate::experiment::value::Value;
+use crate::run::statistics::{COVERAGE, median_order, order_coverage, quantile};
 
 /// Fewer environments than this have no 95 % interval.
 pub const CLUSTERS_MIN: usize = 6;

@@ -12,12 +12,12 @@ pub mod times;
 pub use shape::Shape;
 
 use super::finished::{Bin, Finished, FinishedCell};
-use crate::metrics::{HEADLINE, Metric, Space, Verdict, metric, verdict};
-use crate::runner::axis::{
+use crate::experiment::axis::{
     AXES, DIFFUSE_METHOD, ENVIRONMENT, ENVIRONMENT_CLIP, METHOD, Part, Point, SAMPLES, SCENE, index_of,
 };
-use crate::runner::tables::DISPLAY_HEADLINE;
-use crate::runner::value::Value;
+use crate::experiment::value::Value;
+use crate::metrics::{HEADLINE, Metric, Space, Verdict, metric, verdict};
+use crate::run::tables::DISPLAY_HEADLINE;
 use crate::scene::is_design;
 use crate::shade::NONE;
 use crate::table::csv::Cell;

@@ -1,9 +1,9 @@
 //! The shape of an experiment: which values each axis has. Says which questions it can serve, before anything is rendered.
 
 use super::Row;
-use crate::runner::axis::{AXES, METHOD, Terms};
-use crate::runner::config::Config;
-use crate::runner::value::Value;
+use crate::experiment::axis::{AXES, METHOD, Terms};
+use crate::experiment::config::Config;
+use crate::experiment::value::Value;
 use crate::shade::{METHODS, Method, method_by_name};
 use crate::study::finished::Finished;
 

@@ -2,10 +2,10 @@
 
 use super::band::{Level, crossing_interval};
 use super::{Frame, Row};
-use crate::runner::axis::{ENVIRONMENT, index_of};
-use crate::runner::timing::Key;
-use crate::runner::timing_ratios::{Ratio, ratios};
-use crate::runner::value::Value;
+use crate::experiment::axis::{ENVIRONMENT, index_of};
+use crate::experiment::value::Value;
+use crate::run::timing::Key;
+use crate::run::timing_ratios::{Ratio, ratios};
 
 /// Frame time of a sampling method at one count over that of a method without samples.
 #[derive(Clone, Copy, Debug, PartialEq)]

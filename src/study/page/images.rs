@@ -2,11 +2,11 @@
 //! Images are never reduced: averaging texels would hide noise.
 
 use super::told::Told;
+use crate::experiment::axis::SCENE;
+use crate::experiment::value::Value;
 use crate::metrics::{Comparison, Epsilon};
 use crate::pixels::packed;
 use crate::pixels::{Decoded, GrayImage, RgbImage, exr};
-use crate::runner::axis::SCENE;
-use crate::runner::value::Value;
 use crate::scene::is_design;
 use crate::study::finished::FinishedCell;
 use crate::tonemap::ToneCurve;

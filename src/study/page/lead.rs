@@ -3,10 +3,10 @@
 use super::images::{mask_of, read};
 use super::model::{PageAxis, Role};
 use super::told::Told;
+use crate::experiment::axis::SCENE;
 use crate::metrics::Comparison;
 use crate::pixels::png::encode_rgb8;
 use crate::pixels::{Rgb8Image, RgbImage};
-use crate::runner::axis::SCENE;
 use crate::scene::is_design;
 use crate::study::frame::{Frame, Row};
 use crate::study::questions::Answer;

@@ -4,12 +4,12 @@
 
 use super::told::Told;
 use crate::environment::orientation;
+use crate::experiment::axis::ENVIRONMENT_ORIENTATION;
+use crate::experiment::value::Value;
 use crate::files::read_regular;
 use crate::glsl::constants;
-use crate::runner::axis::ENVIRONMENT_ORIENTATION;
-use crate::runner::live::{LIVE_FILE, LiveEnvironment, LiveLobe, LiveRecord};
-use crate::runner::live_model::{self, LiveModel};
-use crate::runner::value::Value;
+use crate::run::live::{LIVE_FILE, LiveEnvironment, LiveLobe, LiveRecord};
+use crate::run::live_model::{self, LiveModel};
 use crate::scene::camera::PERSPECTIVE_FOV_DEG;
 use crate::scene::{Material, Projection};
 use crate::shade::{METHODS, Method};

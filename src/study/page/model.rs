@@ -2,10 +2,10 @@
 
 use super::images::{DESIGN, ImageSet};
 use super::told::{Told, score};
+use crate::experiment::axis::{AXES, Part, SCENE};
+use crate::experiment::value::{Kind, Value};
 use crate::metrics::{METRICS, Metric, verdict};
-use crate::runner::axis::{AXES, Part, SCENE};
-use crate::runner::tables::FAILED;
-use crate::runner::value::{Kind, Value};
+use crate::run::tables::FAILED;
 use crate::scene::is_design;
 use crate::study::finished::FinishedCell;
 use crate::study::frame::axis;

@@ -3,8 +3,8 @@
 use super::lead::rests_on_cpu_times;
 use super::model::{field, roughness};
 use super::told::{Told, link};
-use crate::runner::axis::AXES;
-use crate::runner::value::Value;
+use crate::experiment::axis::AXES;
+use crate::experiment::value::Value;
 use crate::study::figure::svg::{WIDTHS, svg};
 use crate::study::figure::vega::vega;
 use crate::study::frame::axis;

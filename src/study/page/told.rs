@@ -4,7 +4,7 @@
 
 use crate::files;
 use crate::metrics::{METRICS, Metric};
-use crate::runner::sheets::sheet_files;
+use crate::run::sheets::sheet_files;
 use crate::study::finished::{Finished, FinishedCell};
 use crate::study::questions::Answer;
 use serde_json::{Value as Json, json};

@@ -39,7 +39,7 @@ pub const QUESTION: Question = Question {
 };
 
 pub(super) fn lacks(shape: &Shape) -> Option<&'static str> {
-    let has_counts = shape.is_swept(crate::runner::axis::SAMPLES);
+    let has_counts = shape.is_swept(crate::experiment::axis::SAMPLES);
     lacks_methods(shape).or_else(|| (!has_counts).then_some("axes.samples has fewer than two counts"))
 }
 

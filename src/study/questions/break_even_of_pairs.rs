@@ -8,7 +8,7 @@ use super::numbers::middle_marks;
 use super::prelude::*;
 use super::{FIXED, SAMPLED, UPPER};
 use crate::metrics::{Space, VIEWS};
-use crate::runner::tables::DISPLAY_HEADLINE;
+use crate::run::tables::DISPLAY_HEADLINE;
 use crate::study::frame::curve::beside;
 
 pub const QUESTION: Question = Question {

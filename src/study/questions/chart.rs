@@ -2,8 +2,8 @@
 
 use super::numbers::{Numbers, is_formula};
 use super::words::{count, short};
-use crate::runner::axis::{AXES, ENVIRONMENT};
-use crate::runner::value::Value;
+use crate::experiment::axis::{AXES, ENVIRONMENT};
+use crate::experiment::value::Value;
 use crate::study::figure::{Figure, Mark, Panel, Ramp, Scale, Series, Shape as Form};
 use crate::study::frame::Row;
 

@@ -11,8 +11,8 @@
 use super::break_even::{self, Case, pairs};
 use super::prelude::*;
 use super::{FIXED, SAMPLED};
-use crate::runner::statistics::TOO_FEW_ROUNDS;
-use crate::runner::timing_ratios::Ratio;
+use crate::run::statistics::TOO_FEW_ROUNDS;
+use crate::run::timing_ratios::Ratio;
 use crate::study::frame::band::{Level, between, crossing_interval};
 use crate::study::frame::curve::beside;
 use crate::study::frame::times::{self, TimeLevel, TimeMatch, time_match};

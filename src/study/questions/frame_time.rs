@@ -9,8 +9,8 @@
 
 use super::prelude::*;
 use super::{DEVICE, DEVICE_TYPE, MAP_SIZE, MS_HI};
-use crate::runner::timing::{FRAME, Key, Summary, TimingRecord, summarize, swept_axes};
-use crate::runner::timing_ratios::{Ratio, ratios};
+use crate::run::timing::{FRAME, Key, Summary, TimingRecord, summarize, swept_axes};
+use crate::run::timing_ratios::{Ratio, ratios};
 
 pub const QUESTION: Question = Question {
     name: "frame-time",

@@ -12,8 +12,8 @@ use super::figure::Figure;
 use super::finished::Finished;
 use super::frame::{Frame, Shape};
 use super::table::{Column, Table, column};
-use crate::runner::config::Config;
-use crate::runner::fault::ConfigError;
+use crate::experiment::config::Config;
+use crate::experiment::fault::ConfigError;
 use crate::spelling::suggestion;
 
 /// Columns of several questions.

@@ -3,8 +3,8 @@
 
 use super::words::{count, label, listed, number, range, range_words, scope_sentence, short};
 use crate::environment::BUILTIN_PREFIX;
-use crate::runner::axis::{ALPHA, AXES, ENVIRONMENT, METHOD, Part, SAMPLES};
-use crate::runner::value::Value;
+use crate::experiment::axis::{ALPHA, AXES, ENVIRONMENT, METHOD, Part, SAMPLES};
+use crate::experiment::value::Value;
 use crate::study::figure::{Mark, Shape as Form};
 use crate::study::frame::estimate::{CLUSTERS_MIN, Estimate, Middle, estimate};
 use crate::study::frame::{Frame, Row, values};

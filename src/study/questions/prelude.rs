@@ -4,8 +4,8 @@ pub use super::chart::{Along, Chart, INTERVAL, Tile, dot, joined, light_panels, 
 pub use super::numbers::{ALL, Numbers, ROUGHNESS, by_light, from_usual, heading, roughness, sides};
 pub use super::words::*;
 pub use super::{Finding, Question};
-pub use crate::runner::axis::*;
-pub use crate::runner::value::Value;
+pub use crate::experiment::axis::*;
+pub use crate::experiment::value::Value;
 pub use crate::scene::is_design;
 pub use crate::shade::NONE;
 pub use crate::study::figure::{Figure, Mark, Shape as Form};

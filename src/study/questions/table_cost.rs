@@ -9,8 +9,8 @@
 use super::frame_time::{ends, key_axes, key_cells, map_size, text, way};
 use super::prelude::*;
 use super::{DEVICE, DEVICE_TYPE, MAP_SIZE, MS_HI};
-use crate::runner::timing::{Key, PRECOMPUTE, TimingRecord, summarize};
-use crate::runner::timing_ratios::{Payback, Ratio, TableCost, ratios};
+use crate::run::timing::{Key, PRECOMPUTE, TimingRecord, summarize};
+use crate::run::timing_ratios::{Payback, Ratio, TableCost, ratios};
 use crate::shade::METHODS;
 
 pub const QUESTION: Question = Question {
@@ -119,7 +119,7 @@ fn digest(methods: &[(String, Vec<&TimingRecord>)], ratios: &[Ratio]) -> Table {
             range(sets.iter().map(|(_, own)| own.iter().map(|(_, ms)| ms).sum::<f64>()))
         };
         let median =
-            |(key, pass): &(Key, &crate::runner::timing::PassSamples)| (key.clone(), summarize(&pass.ms).median);
+            |(key, pass): &(Key, &crate::run::timing::PassSamples)| (key.clone(), summarize(&pass.ms).median);
         let all = kinds.iter().flat_map(|(_, own)| own.iter().map(median)).collect();
         table.row(cells![method.as_str(), "all", ms(all), none.clone(), none.clone()]);
         for (kind, own) in &kinds {
@@ -166,7 +166,7 @@ fn figure(frame: &Frame, sets: &[&TimingRecord], method: &str) -> Option<Figure>
     let passes = grouped(sets.iter().flat_map(|record| &record.passes), |pass| pass.pass.clone());
     let bar = |(y, (name, own)): (usize, &(String, Vec<_>))| {
         let ms: Vec<f64> =
-            own.iter().map(|pass: &&crate::runner::timing::PassSamples| summarize(&pass.ms).median).collect();
+            own.iter().map(|pass: &&crate::run::timing::PassSamples| summarize(&pass.ms).median).collect();
         let longest = ms.iter().copied().fold(0.0, f64::max);
         Mark::new(Form::HorizontalBar { y: y as f64, base: 0.0, to: longest }, 0)
             .tip(format!("{name}: {} ms", range(ms)))

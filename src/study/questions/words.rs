@@ -1,9 +1,9 @@
 //! Numbers, counts and scopes as sentences say them.
 
 use crate::environment::BUILTIN_PREFIX;
-use crate::runner::axis::{AXES, ENVIRONMENT};
-use crate::runner::images::short_value;
-use crate::runner::value::Value;
+use crate::experiment::axis::{AXES, ENVIRONMENT};
+use crate::experiment::value::Value;
+use crate::run::images::short_value;
 use crate::study::frame::{Frame, Row, estimate::Estimate, values};
 use crate::table::markdown::significant;
 

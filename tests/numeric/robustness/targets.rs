@@ -6,10 +6,10 @@
 use splitsum::bakes::container::{TEXELS_MAX, from_bytes};
 use splitsum::bakes::{sh, source};
 use splitsum::environment::{Environment, EnvironmentError, LoadOptions};
+use splitsum::experiment::fault::Faults;
+use splitsum::experiment::{Config, Plan};
 use splitsum::oracle::{Kind, Queries};
 use splitsum::pixels::{GrayImage, RgbImage, exr};
-use splitsum::runner::fault::Faults;
-use splitsum::runner::{Config, Plan};
 use splitsum::scene::{Scene, SceneFiles};
 use splitsum::study::finished::Finished;
 use splitsum::study::page::{PageOptions, Told, write};
@@ -251,7 +251,7 @@ pub fn experiment(bytes: &[u8]) {
                 plan.request(&cell.point);
                 plan.label(cell);
             }
-            splitsum::runner::timing::jobs(&plan);
+            splitsum::run::timing::jobs(&plan);
         }
         Err(error) => {
             assert!(!error.faults.is_empty());

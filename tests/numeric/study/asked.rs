@@ -2,9 +2,9 @@
 
 use super::paper::{F64, Made, column, finding, finished, numbers, only};
 use splitsum::brdf::{Ggx, MaskingShadowing};
+use splitsum::experiment::axis::Point;
+use splitsum::experiment::value::Value;
 use splitsum::precompute::dfg::reference::dfg;
-use splitsum::runner::axis::Point;
-use splitsum::runner::value::Value;
 use splitsum::study::questions::Finding;
 
 pub fn samples(point: &Point) -> Option<f64> {

@@ -2,14 +2,14 @@
 
 use super::asked::{CURVES, digest, samples};
 use super::paper::{Made, Paper, column, finding, finished, numbers, only};
-use crate::runner::fake::{ERROR_AT_ONE, SPLIT_SUM_ERROR};
-use crate::runner::runs;
+use crate::run::fake::{ERROR_AT_ONE, SPLIT_SUM_ERROR};
+use crate::run::runs;
 use splitsum::study::figure::{Mark, Panel, Shape};
 use splitsum::study::finished::{Bin, Finished, MetricValues};
 
 #[test]
 fn a_run_has_the_break_even_of_its_error_model() {
-    let (dir, plan) = (tempfile::tempdir().unwrap(), runs::plan(crate::runner::run::EXPERIMENT));
+    let (dir, plan) = (tempfile::tempdir().unwrap(), runs::plan(crate::run::run::EXPERIMENT));
     runs::finished(&plan, dir.path());
     let run = Finished::read(dir.path()).unwrap();
     let found = finding(&run, "break-even");

@@ -3,7 +3,7 @@
 use super::paper::{Made, alu, costs, finished, numbers};
 use splitsum::cost::isa::Counts;
 use splitsum::cost::record::RecordedPass;
-use splitsum::runner::axis::Point;
+use splitsum::experiment::axis::Point;
 use splitsum::study::frame::Frame;
 use splitsum::study::questions::question;
 

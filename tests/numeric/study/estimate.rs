@@ -1,7 +1,7 @@
 //! Intervals over environments, held against simulated studies whose truth is known.
 
-use splitsum::runner::statistics::{Random, median_order, order_coverage};
-use splitsum::runner::value::Value;
+use splitsum::experiment::value::Value;
+use splitsum::run::statistics::{Random, median_order, order_coverage};
 use splitsum::study::frame::estimate::{CLUSTERS_MIN, Estimate, Middle, estimate};
 use std::f64::consts::TAU;
 

@@ -1,8 +1,8 @@
 //! Groups, pairs and distinct images of a frame, and lines, on runs that were made up.
 
 use super::paper::{F64, Made, finished};
-use splitsum::runner::axis::Point;
-use splitsum::runner::value::Value;
+use splitsum::experiment::axis::Point;
+use splitsum::experiment::value::Value;
 use splitsum::study::finished::{Finished, Light};
 use splitsum::study::frame::curve::curves;
 use splitsum::study::frame::line::{Line, t_95};

@@ -1,7 +1,7 @@
 //! Errors by view, tone curve and light, of runs whose numbers are known.
 
 use super::paper::{F64, Paper, bins, column, numbers, only};
-use splitsum::runner::tables::HEADLINE;
+use splitsum::run::tables::HEADLINE;
 use splitsum::study::finished::MetricValues;
 
 #[test]

@@ -1,6 +1,6 @@
 //! The report without a browser: what is embedded, what cannot break out of the page, which files it may replace.
 
-use crate::runner::runs::{finished, plan};
+use crate::run::runs::{finished, plan};
 use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
 use flate2::read::DeflateDecoder;

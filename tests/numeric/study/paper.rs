@@ -1,14 +1,14 @@
 //! Finished runs that were never rendered: the cells of a plan with scores by a formula, or rows with errors, bins, lights and times of choice.
 
-use crate::runner::runs;
+use crate::run::runs;
 use splitsum::cost::isa::{Counts, ShaderCounts};
 use splitsum::cost::model::Pass;
 use splitsum::cost::record::{CostRecord, RecordedPass};
+use splitsum::experiment::Plan;
+use splitsum::experiment::axis::{AXES, METHOD, Point, index_of};
+use splitsum::experiment::value::Value;
 use splitsum::metrics::METRICS;
-use splitsum::runner::Plan;
-use splitsum::runner::axis::{AXES, METHOD, Point, index_of};
-use splitsum::runner::tables::HEADLINE;
-use splitsum::runner::value::Value;
+use splitsum::run::tables::HEADLINE;
 use splitsum::study::finished::{Bin, Finished, FinishedCell, Light, MetricValues};
 use splitsum::study::frame::Frame;
 use splitsum::study::questions::{Finding, question};
@@ -105,7 +105,7 @@ pub fn finished(axes: &str, cell: impl Fn(&Point) -> Option<Made>) -> Finished {
 /// The same of a whole experiment.
 pub fn finished_of(text: &str, cell: impl Fn(&Point) -> Option<Made>) -> Finished {
     let plan: Plan = runs::plan(text);
-    let of = |planned: &splitsum::runner::Cell| {
+    let of = |planned: &splitsum::experiment::Cell| {
         let made = cell(&planned.point);
         let scores = |made: Made| MetricValues::of(|name| Some(if name == "flip" { made.flip } else { made.error }));
         FinishedCell {

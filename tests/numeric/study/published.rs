@@ -1,8 +1,8 @@
 //! What the repository shows of published runs is what they say, and every column is explained.
 
-use crate::runner::run::EXPERIMENT;
-use crate::runner::runs::{invoke, log, plan};
-use splitsum::runner::columns::{CELL, TABLES};
+use crate::run::run::EXPERIMENT;
+use crate::run::runs::{invoke, log, plan};
+use splitsum::run::columns::{CELL, TABLES};
 use splitsum::study::columns;
 use splitsum::study::publish::with_answers;
 use splitsum::table::csv::Table;
@@ -47,7 +47,7 @@ fn every_column_of_every_table_is_explained() {
     let text = format!("printed_slips = true\n{EXPERIMENT}[timing]\nwarmup = 1\nrounds = 3\n[ladder]\n");
     let (dir, plan) = (tempfile::tempdir().unwrap(), plan(&text));
     invoke(&plan, dir.path(), &log(), usize::MAX).unwrap();
-    let axes = splitsum::runner::axis::Named::all().map(|axis| axis.name());
+    let axes = splitsum::experiment::axis::Named::all().map(|axis| axis.name());
     let metrics: Vec<&str> = splitsum::metrics::METRICS.iter().map(|metric| metric.description().name).collect();
     let known: Vec<&str> = axes.chain(metrics.iter().copied()).chain([CELL.name]).collect();
     for (file, columns, _) in TABLES {

@@ -2,9 +2,9 @@
 
 use super::paper::{alu, costs, numbers, scaled};
 use super::told::{sentences, unfounded, word_count};
-use crate::runner::runs::{finished, plan};
-use splitsum::runner::axis::{AXES, Point};
-use splitsum::runner::value::Value;
+use crate::run::runs::{finished, plan};
+use splitsum::experiment::axis::{AXES, Point};
+use splitsum::experiment::value::Value;
 use splitsum::study::figure::svg::{WIDTHS, svg};
 use splitsum::study::figure::vega::vega;
 use splitsum::study::finished::Finished;

@@ -2,9 +2,9 @@
 
 use super::estimate::normal;
 use super::paper::{F64, Paper, column, numbers, only};
-use crate::runner::timing_ratios::{record, swept};
-use splitsum::runner::statistics::Random;
-use splitsum::runner::timing::TimingRecord;
+use crate::run::timing_ratios::{record, swept};
+use splitsum::run::statistics::Random;
+use splitsum::run::timing::TimingRecord;
 use splitsum::study::frame::Frame;
 use splitsum::study::frame::band::{Level, between, crossing_interval};
 use splitsum::study::frame::times::{TimeLevel, time_match};

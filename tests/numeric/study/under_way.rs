@@ -1,8 +1,8 @@
 //! Reading the folder of a run that is at work: what is done is told, and told as such.
 
-use crate::runner::run::EXPERIMENT;
-use crate::runner::runs::{invoke, log, plan, read, written};
-use splitsum::runner::store::Store;
+use crate::run::run::EXPERIMENT;
+use crate::run::runs::{invoke, log, plan, read, written};
+use splitsum::run::store::Store;
 use splitsum::study::finished::{Finished, notes};
 use splitsum::study::page::{PageOptions, Told, write};
 

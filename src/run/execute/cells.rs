@@ -1,0 +1,303 @@
+//! Renders each reference and each radiance once and has every cell scored.
+//!
+//! The device belongs to this thread. Scores and files are made by others meanwhile, in any order; the record of a cell is written last, when
+//! all files that it names are there.
+
+use super::{Progress, Run, RunError, milliseconds, of_cell};
+use crate::experiment::axis::Point;
+use crate::experiment::plan::{Cell, Plan, ReferenceGroup};
+use crate::files::content_hash;
+use crate::ladder::BANDS;
+use crate::metrics::{BiasVariance, Repeats};
+use crate::pipeline::{DeviceInfo, Frame, FrameTimings, RenderRequest};
+use crate::pixels::Rgb8Image;
+use crate::run::images;
+use crate::run::renderer::Renderer;
+use crate::run::scoring::{CellFault, ReferenceImage, Rendered};
+use crate::run::store::{CellRecord, Spent, StepRecord, Store, StoreError};
+use crate::tonemap::ToneCurve;
+use std::path::Path;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::{Receiver, Sender, SyncSender, channel, sync_channel};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::Instant;
+
+/// Pixels of rendered cells that may wait for their scores, some 30 bytes each: enough that the device goes on to the next reference,
+/// few enough to bound memory.
+const QUEUE_PIXELS: u64 = 1 << 22;
+/// Cells that may wait, whatever their size.
+const QUEUE_LENGTHS: std::ops::RangeInclusive<u64> = 4..=256;
+
+/// A cell that was scored, or why it cannot be.
+type Scored<'p> = (&'p Cell, Result<CellRecord, CellFault>);
+
+/// Where rendered cells are handed in and scored ones come back.
+struct Desk<'p> {
+    /// Gone when all is handed in.
+    jobs: Option<SyncSender<Rendered<'p>>>,
+    answers: Receiver<Scored<'p>>,
+}
+
+/// The image of a point and what else was made of it.
+struct Made {
+    frame: Arc<Frame>,
+    bias_variance: Option<BiasVariance>,
+    steps: Arc<Vec<StepRecord>>,
+}
+
+/// The display images of a reference, by tone curve.
+type ReferencePictures = Vec<(ToneCurve, Arc<Rgb8Image>)>;
+
+impl<'p> Run<'p> {
+    /// All cells that are not done.
+    pub(super) fn cells(&mut self, renderer: &mut dyn Renderer, progress: &mut dyn Progress) -> Result<(), RunError> {
+        let (plan, store, device) = (self.plan, self.store.clone(), renderer.device());
+        let is_over = AtomicBool::new(false);
+        let (jobs, queue) = sync_channel(queue_length(plan));
+        let queue = Mutex::new(queue);
+        let worker =
+            Worker { queue: &queue, plan, store: &store, device: &device, stop: self.options.stop, is_over: &is_over };
+        std::thread::scope(|scope| {
+            let (results, answers) = channel();
+            for _ in 0..std::thread::available_parallelism().map_or(1, usize::from) {
+                let results = results.clone();
+                scope.spawn(move || worker.work_off(&results));
+            }
+            drop(results);
+            let mut desk = Desk { jobs: Some(jobs), answers };
+            let result = plan.groups().iter().try_for_each(|group| self.group(group, renderer, &mut desk, progress));
+            is_over.store(self.is_stopped() || matches!(result, Err(RunError::Store(_))), Ordering::Relaxed);
+            // Without their sender the workers end when all is scored. What was rendered is kept also when the device was lost.
+            desk.jobs = None;
+            let rest = self.collect(&mut desk, true, progress);
+            result.and(rest)
+        })
+    }
+
+    /// All cells of one reference that are not done.
+    fn group(
+        &mut self,
+        group: &ReferenceGroup<'p>,
+        renderer: &mut dyn Renderer,
+        desk: &mut Desk<'p>,
+        progress: &mut dyn Progress,
+    ) -> Result<(), RunError> {
+        let todo = group.radiances.iter().flat_map(|(_, cells)| cells).find(|cell| !self.is_done(cell));
+        let (Some(first), false) = (todo.copied(), self.is_stopped()) else { return Ok(()) };
+        let point = self.plan.reference_point(&first.point);
+        // Shared work is counted with the first cell that needs it.
+        let mut spent = Spent::default();
+        let reference = match of_cell(self.reference(group.id, &point, renderer, &mut spent))? {
+            Ok(reference) => Arc::new(reference),
+            Err(reason) => {
+                let cells: Vec<&Cell> = group.radiances.iter().flat_map(|(_, cells)| cells).copied().collect();
+                return self.fail(&cells, &format!("its reference: {reason}"), progress);
+            }
+        };
+        let mut reference_pictures = ReferencePictures::new();
+        for (id, cells) in &group.radiances {
+            let todo: Vec<&Cell> = cells.iter().copied().filter(|cell| !self.is_done(cell)).collect();
+            let (Some(first), false) = (todo.first(), self.is_stopped()) else { continue };
+            let rendered = match reference.rendered.as_ref().filter(|_| *id == group.id) {
+                Some(frame) => Ok(Made { frame: frame.clone(), bias_variance: None, steps: Arc::default() }),
+                None => of_cell(self.radiance(&first.point, &reference, renderer, &mut spent))?,
+            };
+            let linear = Arc::default();
+            for cell in todo {
+                if self.is_stopped() {
+                    return Ok(());
+                }
+                let Made { frame, bias_variance, steps } = match &rendered {
+                    Ok(rendered) => rendered,
+                    Err(reason) => {
+                        self.fail(&[cell], reason, progress)?;
+                        continue;
+                    }
+                };
+                let started = Instant::now();
+                let pictures = self.displays(cell, frame, &reference, &mut reference_pictures, renderer);
+                spent.display_ms = milliseconds(started);
+                match of_cell(pictures)? {
+                    Ok(pictures) => desk.hand_in(Rendered {
+                        cell,
+                        frame: frame.clone(),
+                        reference: reference.clone(),
+                        pictures,
+                        bias_variance: *bias_variance,
+                        steps: steps.clone(),
+                        linear: Arc::clone(&linear),
+                        spent: std::mem::take(&mut spent),
+                    }),
+                    Err(reason) => self.fail(&[cell], &reason, progress)?,
+                }
+                self.collect(desk, false, progress)?;
+                self.write_tables_sometimes()?;
+            }
+        }
+        Ok(())
+    }
+
+    /// The image of a cell's point with a set of the sequence.
+    fn render(&self, point: &Point, set: u32, renderer: &mut dyn Renderer) -> Result<Frame, CellFault> {
+        Ok(renderer.render(&RenderRequest { point_set: set, ..self.plan.request(point) })?)
+    }
+
+    /// The image of a point, and its bias and variance where the experiment asks for them.
+    fn radiance(
+        &self,
+        point: &Point,
+        reference: &ReferenceImage,
+        renderer: &mut dyn Renderer,
+        spent: &mut Spent,
+    ) -> Result<Made, CellFault> {
+        let started = Instant::now();
+        let frame = Arc::new(self.render(point, point.settings().point_set, renderer)?);
+        spent.add(|spent| &mut spent.image_ms, &frame.timings, milliseconds(started));
+        let started = Instant::now();
+        let mut made = Made { frame, bias_variance: None, steps: Arc::default() };
+        if let Some(samples) = self.plan.ladder_of(point) {
+            let steps = renderer.attributions(&self.plan.request(point), samples, &BANDS)?;
+            made.steps = Arc::new(StepRecord::of(&steps));
+            spent.ladder_ms = Some(milliseconds(started));
+        }
+        let Some(repeats) = self.plan.repeats_of(point) else { return Ok(made) };
+        let mut images = Repeats::new(&reference.mask)?;
+        for set in 1..=repeats {
+            images.add(&self.render(point, set, renderer)?.radiance)?;
+        }
+        let parts = images.finish(&reference.radiance, reference.standard_error.as_ref(), reference.epsilon)?;
+        spent.add(|spent| &mut spent.image_ms, &FrameTimings::default(), milliseconds(started));
+        made.bias_variance = parts;
+        Ok(made)
+    }
+
+    /// Whether the image of a reference is what a finished cell was judged against, byte for byte. Without such a cell nothing vouches for
+    /// the image, so that it is made again.
+    fn is_as_recorded(&self, reference: &str, name: &str, path: &Path) -> Result<bool, StoreError> {
+        for cell in self.plan.cells.iter().filter(|cell| cell.reference == reference) {
+            if let Some(hash) = self.store.cell(&cell.id)?.and_then(|record| record.files.get(name).cloned()) {
+                return Ok(content_hash(path).is_ok_and(|found| found == hash));
+            }
+        }
+        Ok(false)
+    }
+
+    /// The reference of a group: read back where an earlier invocation left it, else rendered.
+    fn reference(
+        &mut self,
+        id: &str,
+        point: &Point,
+        renderer: &mut dyn Renderer,
+        spent: &mut Spent,
+    ) -> Result<ReferenceImage, CellFault> {
+        let name = images::radiance_name(self.plan, point, id);
+        let path = self.store.image_path(&name);
+        let request = self.plan.reference_request(point);
+        let stop = self.store.reference(id)?;
+        if self.is_as_recorded(id, &name, &path)?
+            && let Some(reference) = ReferenceImage::read(&path, &request, stop)
+        {
+            self.references_read += 1;
+            return Ok(reference);
+        }
+        let started = Instant::now();
+        let frame = Arc::new(renderer.render(&request)?);
+        // One from the cache has no times: what it costs to make is not known from it.
+        if !frame.timings.frame.is_empty() {
+            spent.add(|spent| &mut spent.reference_ms, &frame.timings, milliseconds(started));
+        }
+        let reference = ReferenceImage::of_frame(frame, &request);
+        if let Some(stop) = &reference.stop {
+            self.store.write_reference(id, stop)?;
+        }
+        Ok(reference)
+    }
+
+    /// The display images of a cell and its reference.
+    fn displays(
+        &mut self,
+        cell: &Cell,
+        frame: &Frame,
+        reference: &ReferenceImage,
+        reference_pictures: &mut ReferencePictures,
+        renderer: &mut dyn Renderer,
+    ) -> Result<[Arc<Rgb8Image>; 2], CellFault> {
+        let curve = cell.point.settings().curve;
+        let test = Arc::new(renderer.tonemap(&frame.radiance, curve)?);
+        if let Some((_, picture)) = reference_pictures.iter().find(|(known, _)| *known == curve) {
+            return Ok([test, picture.clone()]);
+        }
+        let of_reference = Arc::new(renderer.tonemap(&reference.radiance, curve)?);
+        reference_pictures.push((curve, of_reference.clone()));
+        Ok([test, of_reference])
+    }
+
+    /// Keeps what came back; `to_the_end` waits until the workers are gone.
+    fn collect(&mut self, desk: &mut Desk<'p>, to_the_end: bool, progress: &mut dyn Progress) -> Result<(), RunError> {
+        loop {
+            let answer = if to_the_end { desk.answers.recv().ok() } else { desk.answers.try_recv().ok() };
+            let Some((cell, scored)) = answer else { return Ok(()) };
+            let scored = of_cell(scored)?;
+            // After a stop it is dropped, so that the user never waits for more than the current one.
+            if self.is_stopped() {
+                continue;
+            }
+            match scored {
+                Ok(record) => {
+                    self.store.write_cell(&record)?;
+                    self.remember(&record);
+                    progress.step(&self.plan.label(cell), None);
+                }
+                Err(reason) => self.fail(&[cell], &reason, progress)?,
+            }
+        }
+    }
+}
+
+impl<'p> Desk<'p> {
+    /// Waits while the queue is full. Workers that are gone have panicked, and the scope passes that on.
+    fn hand_in(&self, rendered: Rendered<'p>) {
+        if let Some(jobs) = &self.jobs {
+            let _ = jobs.send(rendered);
+        }
+    }
+}
+
+fn queue_length(plan: &Plan) -> usize {
+    let pixels = |cell: &Cell| plan.size_of(cell).iter().map(|&side| u64::from(side)).product::<u64>();
+    let largest = plan.cells.iter().map(pixels).max().unwrap_or(1);
+    (QUEUE_PIXELS / largest).clamp(*QUEUE_LENGTHS.start(), *QUEUE_LENGTHS.end()) as usize
+}
+
+/// The state of each of the other threads.
+#[derive(Clone, Copy)]
+struct Worker<'w, 'p> {
+    queue: &'w Mutex<Receiver<Rendered<'p>>>,
+    plan: &'p Plan,
+    store: &'w Store,
+    device: &'w DeviceInfo,
+    stop: &'w AtomicBool,
+    /// Set when a file could not be written: then the run ends.
+    is_over: &'w AtomicBool,
+}
+
+impl<'p> Worker<'_, 'p> {
+    /// Scores cells until there are none or the run ends.
+    fn work_off(&self, answers: &Sender<Scored<'p>>) {
+        loop {
+            let rendered = self.queue.lock().unwrap_or_else(PoisonError::into_inner).recv();
+            let Ok(rendered) = rendered else { return };
+            // Answers after a stop would be dropped: nobody waits for them.
+            if self.stop.load(Ordering::Relaxed) || self.is_over.load(Ordering::Relaxed) {
+                continue;
+            }
+            let scored = rendered.score(self.plan, self.store, self.device);
+            if matches!(scored, Err(CellFault::Store(_))) {
+                self.is_over.store(true, Ordering::Relaxed);
+            }
+            if answers.send((rendered.cell, scored)).is_err() {
+                return;
+            }
+        }
+    }
+}

@@ -1,0 +1,95 @@
+//! What a run is to do and what comes of it.
+
+use crate::pipeline::{SharedWork, Tally};
+use crate::run::provenance::ProvenanceError;
+use crate::run::renderer::RenderFault;
+use crate::run::store::{FailureRecord, StoreError};
+use crate::run::timing::TimingRecord;
+use std::collections::BTreeSet;
+use std::path::PathBuf;
+
+/// Why a run ended early.
+#[derive(Debug, thiserror::Error)]
+pub enum RunError {
+    #[error(transparent)]
+    Store(#[from] StoreError),
+    #[error("the device was lost: {0}; what is done is kept, run the same command again to go on")]
+    DeviceLost(String),
+    /// The renderer could not be made.
+    #[error("{0}")]
+    NoRenderer(String),
+}
+
+impl From<ProvenanceError> for RunError {
+    fn from(error: ProvenanceError) -> Self {
+        Self::Store(error.into())
+    }
+}
+
+impl From<RenderFault> for RunError {
+    fn from(fault: RenderFault) -> Self {
+        if fault.device_lost { Self::DeviceLost(fault.message) } else { Self::NoRenderer(fault.message) }
+    }
+}
+
+/// The part of a plan that one process does.
+#[derive(Debug, Default)]
+pub struct Share {
+    /// Ids of cells.
+    pub cells: BTreeSet<String>,
+    /// Ids of timed configurations, whole blocks.
+    pub timings: BTreeSet<String>,
+    /// Whether it makes what the live view of the whole run needs.
+    pub has_live: bool,
+}
+
+/// The outcome of a share.
+#[derive(Debug, Default)]
+pub struct ShareOutcome {
+    /// Cells without a record, each with its reason.
+    pub failures: Vec<FailureRecord>,
+    pub is_stopped: bool,
+}
+
+/// The outcome of a run.
+#[derive(Debug)]
+pub struct Outcome {
+    pub dir: PathBuf,
+    pub timings: Vec<TimingRecord>,
+    /// Cells without a record, each with its reason.
+    pub failures: Vec<FailureRecord>,
+    /// Whether it was stopped before all steps were tried.
+    pub is_stopped: bool,
+    /// The work of this invocation; nothing where all was done before.
+    pub work: Option<Work>,
+}
+
+/// Time and shared work of an invocation.
+#[derive(Clone, Debug, Default)]
+pub struct Work {
+    /// Host time in which the device worked or was waited for, ms.
+    pub waited_ms: f64,
+    pub shared: SharedWork,
+    /// References that an earlier invocation had left in the run's folder.
+    pub references_read_back: usize,
+}
+
+impl Work {
+    /// One line for the user, after `wall_ms` of the whole invocation.
+    pub fn line(&self, wall_ms: f64) -> String {
+        let mut made = Vec::new();
+        for (kind, Tally { made: count, read }) in &self.shared {
+            let from_disk = if *read > 0 { format!(" (and {read} from the cache)") } else { String::new() };
+            made.push(format!("{kind} {count}{from_disk}"));
+        }
+        if self.references_read_back > 0 {
+            made.push(format!("references of the run read back {}", self.references_read_back));
+        }
+        format!(
+            "{:.1} s, {:.0} % of it without the device. Made once and shared: {}",
+            wall_ms / 1e3,
+            100.0 * (1.0 - self.waited_ms / wall_ms).max(0.0),
+            if made.is_empty() { "nothing".to_owned() } else { made.join(", ") }
+        )
+    }
+}

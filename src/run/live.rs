@@ -1,0 +1,186 @@
+//! What a run leaves for the live view of its report: the tables that light a surface and the scenes, packed, in `live.json`.
+
+use super::images::short_text;
+use super::live_model::{LiveModel, models};
+use super::renderer::{RenderFault, Renderer};
+use crate::brdf::MaskingShadowing;
+use crate::experiment::axis::{BRDF, ENVIRONMENT, ENVIRONMENT_CLIP, Point};
+use crate::experiment::plan::Plan;
+use crate::experiment::value::Value;
+use crate::pipeline::{LightTables, RenderRequest};
+use crate::pixels::packed::{self, HALF_MAX};
+use crate::pixels::{Pixels, RgbImage};
+use crate::precompute::dfg::DfgAxes;
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+
+/// The file in the folder of a run.
+pub const LIVE_FILE: &str = "live.json";
+/// Environments of a run that are kept; a live view shows one at a time.
+const ENVIRONMENT_COUNT: usize = 4;
+/// Levels of an environment with more texels are left out: a background of so many is as sharp as a screen.
+const ENVIRONMENT_TEXELS: u32 = 1 << 19;
+
+/// The content of [`LIVE_FILE`].
+#[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
+pub struct LiveRecord {
+    pub environments: Vec<LiveEnvironment>,
+    pub lobes: Vec<LiveLobe>,
+    /// Environments of the run that are not here.
+    pub left_out: usize,
+    /// Older runs have none.
+    #[serde(default)]
+    pub models: Vec<LiveModel>,
+}
+
+/// An image as half floats (see [`packed`]).
+#[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
+pub struct PackedImage {
+    pub size: [u32; 2],
+    pub base64: String,
+}
+
+/// One environment with what was made of it. Packed radiance and `sh9` are divided by `scale`.
+#[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
+pub struct LiveEnvironment {
+    /// For people.
+    pub label: String,
+    /// Power of two, 1 unless the radiance leaves the range of half floats.
+    pub scale: f32,
+    /// Mean luminance. Older runs have none.
+    #[serde(default = "one")]
+    pub mean_luminance: f64,
+    /// How the maps lie in texels: a map layout's name. Older runs have none.
+    #[serde(default = "equirect")]
+    pub layout: String,
+    /// b of `precompute::prefilter::LevelMapping`. Older runs have none.
+    #[serde(default)]
+    pub level_bend: f64,
+    /// The faces of a level below each other.
+    pub levels: Vec<PackedImage>,
+    /// Radiance coefficients in the order of `shaders/lib/sh.glsl`.
+    pub sh9: Vec<[f32; 3]>,
+    pub prefiltered: Vec<LivePrefiltered>,
+}
+
+fn one() -> f64 {
+    1.0
+}
+
+fn centres() -> u32 {
+    DfgAxes::Centres as u32
+}
+
+fn equirect() -> String {
+    "equirect".to_owned()
+}
+
+/// The prefiltered levels of one model.
+#[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
+pub struct LivePrefiltered {
+    pub brdf: String,
+    pub levels: Vec<PackedImage>,
+}
+
+/// The DFG table of one model and masking: what scales f0 in R, what is added in G.
+#[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
+pub struct LiveLobe {
+    pub brdf: String,
+    pub masking: String,
+    pub dfg: PackedImage,
+    /// One of `DFG_AXES_*`; records from before there was a choice do not say.
+    #[serde(default = "centres")]
+    pub dfg_axes: u32,
+    /// The table of lobe shapes (`precompute::lobe_shape`). Older runs have none.
+    #[serde(default)]
+    pub lobe_shapes: Option<PackedImage>,
+}
+
+/// Makes the tables of every model in the first environments of a plan.
+pub fn record(plan: &Plan, renderer: &mut dyn Renderer) -> Result<LiveRecord, RenderFault> {
+    let mut record = LiveRecord { environments: Vec::new(), lobes: Vec::new(), left_out: 0, models: models(plan) };
+    let environments = distinct(plan, &[], |request| request.environment.hash.clone());
+    let lobes = distinct(plan, &[BRDF], |request| (request.brdf.name(), request.masking_shadowing));
+    for (point, request) in environments.iter().take(ENVIRONMENT_COUNT) {
+        let mut environment: Option<LiveEnvironment> = None;
+        for (_, of_lobe) in &lobes {
+            let (brdf, masking) = (of_lobe.brdf.name().to_owned(), masking_name(of_lobe.masking_shadowing));
+            let has_lobe = record.lobes.iter().any(|lobe| lobe.brdf == brdf && lobe.masking == masking);
+            let is_kept = environment.as_ref().is_some_and(|e| e.prefiltered.iter().any(|map| map.brdf == brdf));
+            if has_lobe && is_kept {
+                continue;
+            }
+            let (brdf_of, masking_shadowing) = (of_lobe.brdf, of_lobe.masking_shadowing);
+            let wanted = RenderRequest { brdf: brdf_of, masking_shadowing, ..request.clone() };
+            let tables = renderer.light_tables(&wanted, ENVIRONMENT_TEXELS)?;
+            if !has_lobe {
+                let dfg = pack(&tables.dfg.map(|[a, b]| [a, b, 0.0]), 1.0);
+                let (masking, dfg_axes) = (masking.to_owned(), tables.dfg_axes as u32);
+                let lobe_shapes = Some(pack(&tables.lobe_shapes, 1.0));
+                record.lobes.push(LiveLobe { brdf: brdf.clone(), masking, dfg, dfg_axes, lobe_shapes });
+            }
+            let environment = environment.get_or_insert_with(|| of_environment(point, request, &tables));
+            if !is_kept {
+                let levels = pack_all(&tables.prefiltered, environment.scale);
+                environment.prefiltered.push(LivePrefiltered { brdf, levels });
+            }
+        }
+        record.environments.extend(environment);
+    }
+    record.left_out = environments.len() - record.environments.len();
+    Ok(record)
+}
+
+/// The first cell's point and request for every value of `key`, of the cells that use all of `axes`.
+fn distinct<K: PartialEq>(
+    plan: &Plan,
+    axes: &[usize],
+    key: impl Fn(&RenderRequest) -> K,
+) -> Vec<(Point, RenderRequest)> {
+    let mut found: Vec<(K, (Point, RenderRequest))> = Vec::new();
+    let uses = |point: &Point| axes.iter().all(|&axis| point[axis] != Value::Unset);
+    for cell in plan.cells.iter().filter(|cell| uses(&cell.point)) {
+        let request = plan.request(&cell.point);
+        let own = key(&request);
+        if found.iter().all(|(known, _)| *known != own) {
+            found.push((own, (cell.point.clone(), request)));
+        }
+    }
+    found.into_iter().map(|(_, entry)| entry).collect()
+}
+
+fn masking_name(masking: MaskingShadowing) -> &'static str {
+    let found = MaskingShadowing::ALL.iter().find(|(_, known)| *known == masking);
+    found.map(|(name, _)| *name).expect("a listed masking")
+}
+
+fn of_environment(point: &Point, request: &RenderRequest, tables: &LightTables) -> LiveEnvironment {
+    let largest = tables.environment.iter().chain(&tables.prefiltered).flat_map(|level| level.data.iter().flatten());
+    let scale = half_scale(largest.fold(0.0, |a: f32, b| a.max(*b)));
+    let clip = point[ENVIRONMENT_CLIP].to_string();
+    let name = short_text(ENVIRONMENT, point);
+    LiveEnvironment {
+        label: if clip.is_empty() { name } else { format!("{name} (clipped at 2^{clip})") },
+        scale,
+        mean_luminance: request.environment.luminance.mean,
+        layout: tables.layout.name.to_owned(),
+        level_bend: tables.level_mapping.bend,
+        levels: pack_all(&tables.environment, scale),
+        sh9: tables.sh9.iter().map(|c| c.map(|x| x / scale)).collect(),
+        prefiltered: Vec::new(),
+    }
+}
+
+/// The smallest power of two, at least 1, that brings `largest` into the range of half floats.
+pub fn half_scale(largest: f32) -> f32 {
+    (largest / HALF_MAX).max(1.0).log2().ceil().exp2()
+}
+
+fn pack_all(levels: &[RgbImage], scale: f32) -> Vec<PackedImage> {
+    levels.par_iter().map(|level| pack(level, scale)).collect()
+}
+
+fn pack<const N: usize>(image: &Pixels<[f32; N]>, scale: f32) -> PackedImage {
+    let divided = Pixels::new(image.width, image.height, image.data.iter().map(|t| t.map(|x| x / scale)).collect());
+    PackedImage { size: [image.width, image.height], base64: packed::texels(&divided).base64 }
+}

@@ -1,0 +1,31 @@
+//! Doing an experiment: renders and scores the cells of a plan and writes them to a folder.
+//!
+//! A run ends with tables; `crate::study` answers questions from them.
+
+pub mod chunk;
+pub mod columns;
+pub mod environments;
+pub mod estimate;
+pub mod execute;
+pub mod frozen;
+pub mod host;
+pub mod images;
+pub mod live;
+pub mod live_model;
+pub mod provenance;
+pub mod record;
+pub mod renderer;
+pub mod rows;
+mod scoring;
+pub mod seal;
+pub mod sheets;
+pub mod statistics;
+pub mod store;
+pub mod tables;
+pub mod timing;
+pub mod timing_ratios;
+pub mod trace;
+
+pub use execute::{MakeRenderer, Outcome, Progress, RunError, RunOptions, Work, run};
+pub use images::{STANDARD_ERROR_LAYER, file_words, write_radiance};
+pub use renderer::{RenderFault, Renderer};

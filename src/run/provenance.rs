@@ -1,0 +1,193 @@
+//! Where a run comes from: enough to do it again.
+
+use super::host::UNKNOWN;
+use crate::experiment::plan::{Plan, SCHEMA_VERSION};
+use crate::files::{read_regular, relative};
+use crate::pipeline::DeviceInfo;
+use serde_json::{Value, json};
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use std::time::SystemTime;
+
+/// The file in the folder of a run.
+pub const PROVENANCE_FILE: &str = "provenance.json";
+/// Key of the folder that paths in the frozen experiment are relative to, itself relative to that of the run; null where it names no file.
+pub const EXPERIMENT_FOLDER: &str = "experiment_folder";
+/// Key of the folder that paths in its overrides are relative to; null where they name no file.
+pub const SET_FOLDER: &str = "set_folder";
+/// Key of the list of extensions, the first one first; none in a run that was never extended.
+pub const EXTENSIONS: &str = "extensions";
+/// Largest one that is read, bytes: every session adds a few thousand.
+const MAX_FILE_BYTES: u64 = 1 << 28;
+
+/// A file that cannot be the provenance of a run for this program.
+#[derive(Debug, thiserror::Error)]
+pub enum ProvenanceError {
+    #[error("{}: cannot be read: {error}", path.display())]
+    Io { path: PathBuf, error: std::io::Error },
+    #[error(
+        "{}: is not a provenance file of splitsum: {what}; expected it as `splitsum run` wrote it (a copy of it, or another folder)",
+        path.display()
+    )]
+    Strange { path: PathBuf, what: String },
+    #[error(
+        "{}: holds a run in the format {found}, and this program knows formats up to {SCHEMA_VERSION}; expected the newer program that \
+         wrote it, or another folder", dir.display()
+    )]
+    Newer { dir: PathBuf, found: u64 },
+}
+
+/// The provenance of the run in a folder, whoever asks for it; `None` when there is none. It is an object that says its format.
+pub fn read(dir: &Path) -> Result<Option<Value>, ProvenanceError> {
+    let path = dir.join(PROVENANCE_FILE);
+    let bytes = match read_regular(&path, MAX_FILE_BYTES) {
+        Ok(bytes) => bytes,
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(None),
+        Err(error) => return Err(ProvenanceError::Io { path, error }),
+    };
+    let value: Value = match serde_json::from_slice(&bytes) {
+        Ok(value) => value,
+        Err(error) => return Err(ProvenanceError::Strange { path, what: error.to_string() }),
+    };
+    let strange = |what: &str| Err(ProvenanceError::Strange { path: path.clone(), what: what.to_owned() });
+    match value.get("schema_version").map(Value::as_u64) {
+        _ if !value.is_object() => strange("it holds no object"),
+        None => strange("it has no schema_version"),
+        Some(None) => strange("its schema_version is not a whole number"),
+        Some(Some(found)) if found > SCHEMA_VERSION.into() => {
+            Err(ProvenanceError::Newer { dir: dir.to_owned(), found })
+        }
+        Some(Some(_)) if !value.get("sessions").is_some_and(Value::is_array) => strange("it has no list of sessions"),
+        Some(Some(_)) => Ok(Some(value)),
+    }
+}
+
+/// Hash of an experiment's text, as the provenance names it.
+pub fn experiment_hash(text: &str) -> String {
+    blake3::hash(text.as_bytes()).to_hex().to_string()
+}
+
+/// Keys of a provenance that tell of the experiment file, not of its cells.
+const OF_THE_FILE: [&str; 9] = [
+    "question",
+    "asks",
+    "metric",
+    "experiment_file",
+    "experiment_hash",
+    "overrides",
+    EXPERIMENT_FOLDER,
+    SET_FOLDER,
+    "environment_files",
+];
+
+/// The provenance in the folder `dir` with the text of `plan`, which has the same cells, and the folders of its files as they are now; `None`
+/// where it tells them already.
+pub(super) fn of_now(mut value: Value, plan: &Plan, dir: &Path) -> Option<Value> {
+    let mut new = provenance(plan, dir);
+    let is_same = |key: &&str| value.get(*key) == new.get(*key) || value.get(*key).is_none() && new[*key].is_null();
+    // The file may be named in another way, by another text of the command line.
+    if OF_THE_FILE.iter().filter(|key| **key != "experiment_file" && **key != "overrides").all(is_same) {
+        return None;
+    }
+    OF_THE_FILE.iter().for_each(|key| value[*key] = new[*key].take());
+    Some(value)
+}
+
+/// The provenance of a new run in the folder `dir`; `sessions` stays empty until [`session`] is added.
+pub fn provenance(plan: &Plan, dir: &Path) -> Value {
+    let from_here = |folder: Option<&Path>| folder.map(|folder| relative(dir, folder));
+    let inputs: serde_json::Map<String, Value> =
+        plan.inputs.hashes().into_iter().map(|(name, hash)| (name, Value::String(hash))).collect();
+    json!({
+        "schema_version": SCHEMA_VERSION,
+        "name": plan.config.name,
+        "question": plan.config.question,
+        "asks": plan.config.asks.iter().map(|(name, _)| name).collect::<Vec<_>>(),
+        "metric": plan.config.metric,
+        "experiment_file": plan.config.path.display().to_string(),
+        "experiment_hash": experiment_hash(&plan.config.text),
+        "overrides": plan.config.overrides,
+        EXPERIMENT_FOLDER: from_here(plan.config.files_dir()),
+        SET_FOLDER: from_here(plan.config.set_files_dir()),
+        "plan_hash": plan.hash,
+        "shader_hash": crate::gpu::build_hash(),
+        "cell_count": plan.cells.len(),
+        "excluded": plan.config.exclusions.iter().zip(&plan.excluded)
+            .map(|(exclusion, count)| json!({ "why": exclusion.why, "count": count })).collect::<Vec<_>>(),
+        "reference": { "method": plan.config.reference.method, "samples": plan.config.reference.samples,
+            "relative_error": plan.config.reference.relative_error },
+        "seed": plan.config.seed,
+        "inputs": inputs,
+        "environment_files": plan.environment_names.iter().map(|(file, name)| (name.clone(), json!(file)))
+            .filter(|(name, file)| file != name).collect::<serde_json::Map<_, _>>(),
+        "input_warnings": plan.inputs.warnings(),
+        "metrics": crate::metrics::METRICS.iter().map(|metric| {
+            let d = metric.description();
+            let parameters: serde_json::Map<String, Value> =
+                d.parameters.iter().map(|(name, x)| (name.to_string(), json!(x))).collect();
+            json!({ "name": d.name, "version": d.version, "better": d.better.name(), "space": d.space.name(),
+                "parameters": parameters, "formula": d.formula })
+        }).collect::<Vec<_>>(),
+        "sessions": [],
+    })
+}
+
+/// One invocation that did work: program, device, host, time. `command_line` is what the user typed.
+pub fn session(device: &DeviceInfo, command_line: &[String]) -> Value {
+    json!({
+        "date_utc": now_utc(),
+        "command_line": command_line,
+        "program_version": env!("CARGO_PKG_VERSION"),
+        "program_hash": crate::pipeline::program_hash(),
+        "commit": commit(),
+        "device": {
+            "name": device.name,
+            "type": device.device_type,
+            "driver": device.driver,
+            "api_version": device.api_version,
+            "timestamp_period_ns": device.timestamp_period_ns,
+            "memory_bytes": device.memory_bytes,
+        },
+        "host": {
+            "os": std::env::consts::OS,
+            "cpu": host_cpu(),
+            "cpu_count": std::thread::available_parallelism().map_or(0, usize::from),
+        },
+        // Written at the end; a run that was killed leaves it so.
+        "wall_s": UNKNOWN,
+    })
+}
+
+/// Commit and state of the working tree that the program stands in, or null when it stands in none.
+fn commit() -> Value {
+    let folder: Option<PathBuf> = std::env::current_exe().ok().and_then(|exe| exe.parent().map(PathBuf::from));
+    let git = |arguments: &[&str]| -> Option<String> {
+        let output = Command::new("git").arg("-C").arg(folder.as_ref()?).args(arguments).output().ok()?;
+        output.status.success().then(|| String::from_utf8_lossy(&output.stdout).trim().to_owned())
+    };
+    match git(&["rev-parse", "HEAD"]) {
+        Some(hash) => {
+            let changed = git(&["status", "--porcelain", "--untracked-files=no"]).map(|text| !text.is_empty());
+            json!({ "hash": hash, "dirty": changed })
+        }
+        None => Value::Null,
+    }
+}
+
+fn host_cpu() -> Option<String> {
+    let text = std::fs::read_to_string("/proc/cpuinfo").ok()?;
+    let line = text.lines().find(|line| line.starts_with("model name"))?;
+    Some(line.split_once(':')?.1.trim().to_owned())
+}
+
+/// The machine's name, for people; `host` where it has none.
+pub fn host_name() -> String {
+    let text = std::fs::read_to_string("/proc/sys/kernel/hostname").ok();
+    let name = text.or_else(|| std::env::var("HOSTNAME").ok()).or_else(|| std::env::var("COMPUTERNAME").ok());
+    name.map(|name| name.trim().to_owned()).filter(|name| !name.is_empty()).unwrap_or_else(|| "host".to_owned())
+}
+
+/// The time now: `2026-01-31T23:59:59Z`.
+pub fn now_utc() -> String {
+    humantime::format_rfc3339_seconds(SystemTime::now()).to_string()
+}

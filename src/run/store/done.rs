@@ -1,0 +1,63 @@
+//! `done.json`: how a finished run left its folder, so that the same command again ends at once, whatever the number of cells.
+//!
+//! Contents are not read for it: a file that has its size and its time of change is taken as it was. Where any differs, as in a copy of the
+//! folder, the run checks every record and image and marks the folder anew.
+
+use super::lock::LOCK_FILE;
+use super::{ANSWERS_FOLDER, SUBFOLDERS, Store, StoreError};
+use crate::experiment::plan::Plan;
+use crate::files::names_in;
+use serde::{Deserialize, Serialize};
+use std::path::Path;
+use std::time::UNIX_EPOCH;
+
+/// The mark of a finished run.
+const DONE_FILE: &str = "done.json";
+
+#[derive(Deserialize, Serialize)]
+struct Done {
+    /// Hash over the program, the plan and every file of the run: name, size and time of change.
+    state: String,
+    /// What the run told its user at the end.
+    told: String,
+}
+
+impl Store {
+    /// Marks the run as finished and its folder as it is; `told` is what its user was told.
+    pub fn mark_done(&self, plan: &Plan, told: &str) -> Result<(), StoreError> {
+        let done = Done { state: self.state(plan), told: told.to_owned() };
+        self.write_json(&self.dir().join(DONE_FILE), &done)
+    }
+
+    /// What a run of this plan by this program told at its end, where nothing in the folder has changed since.
+    pub fn told_when_done(&self, plan: &Plan) -> Option<String> {
+        let done: Done = self.read(&self.dir().join(DONE_FILE)).ok()??;
+        (!self.is_under_way() && done.state == self.state(plan)).then_some(done.told)
+    }
+
+    fn state(&self, plan: &Plan) -> String {
+        let config = &plan.config;
+        let mut hasher = blake3::Hasher::new();
+        // The plan's hash holds the contents of its inputs; the rest is what provenance and answers tell of the file.
+        let file = (&config.path, &config.text, &config.overrides, &config.file_dir, &config.set_dir);
+        hasher.update(format!("{} {file:?} {:?}", plan.hash, plan.inputs.warnings()).as_bytes());
+        let mut add = |path: &Path| {
+            let metadata = std::fs::metadata(path).ok();
+            let changed = metadata.as_ref().and_then(|known| known.modified().ok()?.duration_since(UNIX_EPOCH).ok());
+            let facts = (path.file_name(), metadata.map(|known| (known.is_dir(), known.len())), changed);
+            hasher.update(format!("{facts:?}\n").as_bytes());
+        };
+        add(&std::env::current_exe().unwrap_or_default());
+        for folder in SUBFOLDERS.iter().chain(&[ANSWERS_FOLDER, ""]) {
+            let dir = self.dir().join(folder);
+            let names = names_in(&dir).into_iter().filter(|name| !folder.is_empty() || is_of_run(name, &dir));
+            names.for_each(|name| add(&dir.join(name)));
+        }
+        hasher.finalize().to_hex().to_string()
+    }
+}
+
+/// Files of the folder itself: its subfolders change by their files alone, which are seen apart.
+fn is_of_run(name: &str, dir: &Path) -> bool {
+    ![LOCK_FILE, DONE_FILE].contains(&name) && !dir.join(name).is_dir()
+}

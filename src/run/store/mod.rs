@@ -1,0 +1,360 @@
+//! The folder of a run. Records are written last and in one step: no record means not done.
+
+mod done;
+mod fault;
+mod identity;
+mod lock;
+
+pub use super::record::{
+    BinRecord, CellRecord, Exact, FailureRecord, KeptCell, ReferenceStop, Scores, Spent, StepRecord, StopReason,
+};
+pub use fault::StoreError;
+pub use identity::Extension;
+
+use super::seal;
+use crate::experiment::plan::Plan;
+use crate::files::{
+    PLAN_BYTES_MAX, RECORD_BYTES_MAX, content_hash, holds, names_in, open_regular, read_regular, read_text,
+};
+use crate::pixels::{PART_PREFIX, write_atomically};
+use crate::table::csv;
+use lock::{Lock, lock};
+use serde::de::DeserializeOwned;
+use serde::{Deserialize, Serialize};
+use std::fs::File;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// The folder of one run.
+#[derive(Clone, Debug)]
+pub struct Store {
+    dir: PathBuf,
+    /// Held while a run works in the folder; the system releases it when the process ends, however it ends.
+    lock: Option<Arc<Lock>>,
+}
+
+/// Where the chunks of a plan file are done, when the folder is that of a run in chunks.
+pub const CHUNKS_FOLDER: &str = "chunks";
+/// The plan file of a run in chunks.
+pub const PLAN_FILE: &str = "plan.json";
+
+/// Where `study` puts what the tables say.
+pub const ANSWERS_FOLDER: &str = "answers";
+
+/// Raw samples of timed configurations.
+pub const TIMINGS_FOLDER: &str = "timings";
+/// Records of finished cells.
+pub const CELLS_FOLDER: &str = "cells";
+/// Reasons of cells that failed.
+pub const FAILED_FOLDER: &str = "failed";
+/// Where references stopped.
+const REFERENCES_FOLDER: &str = "references";
+
+const SUBFOLDERS: &[&str] = &[CELLS_FOLDER, FAILED_FOLDER, "images", REFERENCES_FOLDER, "tables", TIMINGS_FOLDER];
+
+impl Store {
+    /// The run's folder as it is, for reading.
+    pub fn at(dir: &Path) -> Self {
+        Self { dir: dir.to_owned(), lock: None }
+    }
+
+    /// Makes the folder, or checks that the one that is there holds this experiment.
+    pub fn open(dir: &Path, plan: &Plan) -> Result<Self, StoreError> {
+        let mut store = Self::at(dir);
+        store.check_identity(plan)?;
+        make_subfolders(dir)?;
+        store.take()?;
+        // Another run may have made the folder its own between the check and the lock.
+        store.check_identity(plan)?;
+        for folder in ["", ANSWERS_FOLDER].iter().chain(SUBFOLDERS) {
+            remove_parts(&dir.join(folder))?;
+        }
+        Ok(store)
+    }
+
+    /// The folder, whosever run it holds, for this process alone.
+    pub(super) fn held(dir: &Path) -> Result<Self, StoreError> {
+        let mut store = Self::at(dir);
+        store.take()?;
+        Ok(store)
+    }
+
+    fn take(&mut self) -> Result<(), StoreError> {
+        self.lock = lock(&self.dir)?.map(Arc::new);
+        Ok(())
+    }
+
+    /// A folder that only this process writes to, so that it needs no lock.
+    pub fn own(dir: &Path) -> Result<Self, StoreError> {
+        make_subfolders(dir)?;
+        Ok(Self::at(dir))
+    }
+
+    /// The folder.
+    pub fn dir(&self) -> &Path {
+        &self.dir
+    }
+
+    /// `provenance.json`.
+    pub fn provenance_path(&self) -> PathBuf {
+        self.dir.join("provenance.json")
+    }
+
+    /// A file in `images/`.
+    pub fn image_path(&self, name: &str) -> PathBuf {
+        self.dir.join("images").join(name)
+    }
+
+    /// Removes a file of `images/`, if it is there.
+    pub fn remove_image(&self, name: &str) -> Result<(), StoreError> {
+        remove(self.image_path(name))
+    }
+
+    /// Makes `to`, a file of the run, the file `from`: by a link, since what is linked is never written in place, or by a copy where links do
+    /// not reach. A copy must have the content hash that is told.
+    pub(super) fn place(&self, from: &Path, to: &Path, hash: Option<&str>) -> Result<(), StoreError> {
+        if from == to {
+            return Ok(());
+        }
+        let io = |error| StoreError::Io { path: to.to_owned(), error };
+        remove(to.to_owned())?;
+        if std::fs::hard_link(from, to).is_ok() {
+            return Ok(());
+        }
+        write_atomically(to, |writer| std::io::copy(&mut open_regular(from)?, writer).map(drop))?;
+        match (hash, content_hash(to).map_err(io)?) {
+            (Some(hash), found) if found != hash => {
+                Err(io(std::io::Error::other("the copy differs from what was copied")))
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// Removes a file of the run's folder itself, if it is there.
+    pub(super) fn remove_file(&self, name: &str) -> Result<(), StoreError> {
+        remove(self.dir.join(name))
+    }
+
+    /// A file in `tables/`.
+    pub fn table_path(&self, name: &str) -> PathBuf {
+        self.dir.join("tables").join(name)
+    }
+
+    /// Where the record of a finished cell stands.
+    pub fn cell_path(&self, id: &str) -> PathBuf {
+        self.record_path(CELLS_FOLDER, id)
+    }
+
+    /// The record of a finished cell. One that is not whole, as a power cut may leave it, or that is another's is none: the cell is done
+    /// again.
+    pub fn cell(&self, id: &str) -> Result<Option<CellRecord>, StoreError> {
+        usable(self.whole_cell(id))
+    }
+
+    /// As [`Store::cell`], but a record that cannot be used is a fault.
+    pub fn whole_cell(&self, id: &str) -> Result<Option<CellRecord>, StoreError> {
+        self.record(CELLS_FOLDER, id)
+    }
+
+    /// Keeps a finished cell and forgets its earlier failure.
+    pub fn write_cell(&self, record: &CellRecord) -> Result<(), StoreError> {
+        // Not waited for on the disk, which takes longer than a small cell: a power cut costs the cells of its last seconds, since the
+        // seal tells a record that was cut off.
+        self.write_sealed(&self.cell_path(&record.cell), record)?;
+        remove(self.record_path(FAILED_FOLDER, &record.cell))
+    }
+
+    /// Takes over the record of a cell that was finished in another folder.
+    pub(super) fn take_cell(&self, from: &Self, id: &str) -> Result<(), StoreError> {
+        let path = from.cell_path(id);
+        let text = read_text(&path, RECORD_BYTES_MAX).map_err(|error| StoreError::Io { path, error })?;
+        self.write_text(&self.cell_path(id), &text)?;
+        remove(self.record_path(FAILED_FOLDER, id))
+    }
+
+    /// Why a cell failed the last time it was tried. A record that cannot be used is none.
+    pub fn failure(&self, id: &str) -> Result<Option<FailureRecord>, StoreError> {
+        usable(self.record(FAILED_FOLDER, id))
+    }
+
+    /// Keeps the reason of a failure.
+    pub fn write_failure(&self, record: &FailureRecord) -> Result<(), StoreError> {
+        self.write_sealed(&self.record_path(FAILED_FOLDER, &record.cell), record)
+    }
+
+    /// Where the reference image of this id stopped, as an earlier invocation left it. A record that cannot be used is none: the reference
+    /// is rendered again.
+    pub fn reference(&self, id: &str) -> Result<Option<ReferenceStop>, StoreError> {
+        usable(self.whole_reference(id))
+    }
+
+    /// As [`Store::reference`], but a record that cannot be used is a fault.
+    pub fn whole_reference(&self, id: &str) -> Result<Option<ReferenceStop>, StoreError> {
+        self.record(REFERENCES_FOLDER, id)
+    }
+
+    /// Keeps where a reference stopped.
+    pub fn write_reference(&self, id: &str, stop: &ReferenceStop) -> Result<(), StoreError> {
+        self.write_named(REFERENCES_FOLDER, id, stop)
+    }
+
+    /// A timing record. One that cannot be used is none: the configuration is timed again.
+    pub fn timing<T: DeserializeOwned>(&self, id: &str) -> Result<Option<T>, StoreError> {
+        usable(self.whole_timing(id))
+    }
+
+    /// As [`Store::timing`], but a record that cannot be used is a fault.
+    pub fn whole_timing<T: DeserializeOwned>(&self, id: &str) -> Result<Option<T>, StoreError> {
+        self.record(TIMINGS_FOLDER, id)
+    }
+
+    /// Whether a configuration is timed already, and its record whole.
+    pub fn has_timing(&self, id: &str) -> bool {
+        matches!(self.timing::<serde_json::Value>(id), Ok(Some(_)))
+    }
+
+    /// Forgets a timing record, if it is there.
+    pub(super) fn remove_timing(&self, id: &str) -> Result<(), StoreError> {
+        remove(self.record_path(TIMINGS_FOLDER, id))
+    }
+
+    /// Keeps a timing record.
+    pub fn write_timing<T: Serialize>(&self, id: &str, record: &T) -> Result<(), StoreError> {
+        self.write_named(TIMINGS_FOLDER, id, record)
+    }
+
+    /// A table of the run, replaced in one step. Rows are made one at a time: all together they would take far more memory than
+    /// what they are made of.
+    pub fn write_table(
+        &self,
+        name: &str,
+        columns: &[String],
+        rows: impl IntoIterator<Item = Result<Vec<csv::Cell>, StoreError>>,
+    ) -> Result<(), StoreError> {
+        let (path, part) = (self.dir.join(name), self.dir.join(format!("{name}.part")));
+        let columns: Vec<&str> = columns.iter().map(String::as_str).collect();
+        let mut writer = csv::TableWriter::create(&part, &columns)?;
+        rows.into_iter().try_for_each(|row| Ok::<_, StoreError>(writer.append(&row?)?))?;
+        std::fs::rename(&part, &path).map_err(|error| StoreError::Io { path, error })
+    }
+
+    /// A file of the run, in one step. A file that has this content already is left untouched.
+    pub fn write_text(&self, path: &Path, text: &str) -> Result<(), StoreError> {
+        if holds(path, text.as_bytes()) {
+            return Ok(());
+        }
+        Ok(write_atomically(path, |writer| writer.write_all(text.as_bytes()))?)
+    }
+
+    /// As [`Store::write_text`], of JSON for people: indented, with a last newline.
+    pub fn write_json<T: Serialize>(&self, path: &Path, value: &T) -> Result<(), StoreError> {
+        self.write_text(path, &pretty(path, value)?)
+    }
+
+    /// As [`Store::write_json`], with a checksum.
+    fn write_sealed<T: Serialize>(&self, path: &Path, record: &T) -> Result<(), StoreError> {
+        self.write_text(path, &seal::sealed(&pretty(path, record)?))
+    }
+
+    /// As [`Store::write_sealed`], with the record's name in it, and on return the record is on the disk: what it holds cannot be had again
+    /// the same, or costs much.
+    fn write_named<T: Serialize>(&self, folder: &str, id: &str, record: &T) -> Result<(), StoreError> {
+        let path = self.record_path(folder, id);
+        self.write_sealed(&path, &Named { record: id.to_owned(), content: record })?;
+        let sync = File::open(&path).and_then(|file| file.sync_all());
+        sync.map_err(|error| StoreError::Io { path, error })
+    }
+
+    fn record_path(&self, folder: &str, id: &str) -> PathBuf {
+        self.dir.join(folder).join(format!("{id}.json"))
+    }
+
+    /// The parsed file, or `None` when it does not exist.
+    pub fn read<T: DeserializeOwned>(&self, path: &Path) -> Result<Option<T>, StoreError> {
+        read_bytes(path, PLAN_BYTES_MAX)?.map(|bytes| parsed(path, &bytes)).transpose()
+    }
+
+    /// A record: its checksum must hold, and the name in it be its own. Records of older programs may have neither.
+    fn record<T: DeserializeOwned>(&self, folder: &str, id: &str) -> Result<Option<T>, StoreError> {
+        let path = self.record_path(folder, id);
+        let Some(bytes) = read_bytes(&path, RECORD_BYTES_MAX)? else { return Ok(None) };
+        let (record, name) = (parsed(&path, &bytes)?, parsed::<Name>(&path, &bytes)?);
+        if seal::is_broken(&String::from_utf8_lossy(&bytes)) {
+            return Err(StoreError::Damaged { path });
+        }
+        // A timing names a cell that stands for its configuration.
+        match name.record.or(name.cell.filter(|_| folder != TIMINGS_FOLDER)).filter(|found| found != id) {
+            Some(found) => Err(StoreError::Stranger { path, found }),
+            None => Ok(Some(record)),
+        }
+    }
+}
+
+/// A record whose content does not say whose it is.
+#[derive(Serialize)]
+struct Named<'r, T> {
+    /// The name of its file.
+    record: String,
+    #[serde(flatten)]
+    content: &'r T,
+}
+
+/// The name in a record.
+#[derive(Deserialize)]
+struct Name {
+    record: Option<String>,
+    cell: Option<String>,
+}
+
+/// A record, where it can be used.
+fn usable<T>(read: Result<Option<T>, StoreError>) -> Result<Option<T>, StoreError> {
+    match read {
+        Err(error) if error.is_unusable_record() => Ok(None),
+        read => read,
+    }
+}
+
+/// A whole file, or `None` when it does not exist.
+fn read_bytes(path: &Path, most_bytes: u64) -> Result<Option<Vec<u8>>, StoreError> {
+    match read_regular(path, most_bytes) {
+        Ok(bytes) => Ok(Some(bytes)),
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => Ok(None),
+        Err(error) => Err(StoreError::Io { path: path.to_owned(), error }),
+    }
+}
+
+fn parsed<T: DeserializeOwned>(path: &Path, bytes: &[u8]) -> Result<T, StoreError> {
+    serde_json::from_slice(bytes).map_err(|error| StoreError::Corrupt { path: path.to_owned(), error })
+}
+
+/// Indented, with a last newline.
+fn pretty<T: Serialize>(path: &Path, value: &T) -> Result<String, StoreError> {
+    let text = serde_json::to_string_pretty(value);
+    text.map(|text| text + "\n").map_err(|error| StoreError::Corrupt { path: path.to_owned(), error })
+}
+
+/// Removes a file, if it is there.
+fn remove(path: PathBuf) -> Result<(), StoreError> {
+    match std::fs::remove_file(&path) {
+        Err(error) if error.kind() != std::io::ErrorKind::NotFound => Err(StoreError::Io { path, error }),
+        _ => Ok(()),
+    }
+}
+
+fn make_subfolders(dir: &Path) -> Result<(), StoreError> {
+    SUBFOLDERS.iter().try_for_each(|folder| {
+        let path = dir.join(folder);
+        std::fs::create_dir_all(&path).map_err(|error| StoreError::Folder { path, error })
+    })
+}
+
+/// Whether a file is what a killed run leaves half-written.
+fn is_part(name: &str) -> bool {
+    (name.starts_with(PART_PREFIX) || name.ends_with(".csv.part")) && name.ends_with(".part")
+}
+
+/// Removes what a killed run left half-written.
+fn remove_parts(folder: &Path) -> Result<(), StoreError> {
+    names_in(folder).iter().filter(|name| is_part(name)).try_for_each(|name| remove(folder.join(name)))
+}

@@ -1,0 +1,9 @@
+//! Experiment files and plans.
+
+mod asks;
+mod config;
+mod limits;
+mod names;
+mod plan;
+mod written;
+mod zips;

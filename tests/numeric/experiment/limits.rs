@@ -1,0 +1,77 @@
+//! Experiment files that are large or hostile: what they cost, and what is shown of them.
+
+use crate::cpu_time;
+use splitsum::experiment::fault::FAULTS_SHOWN;
+use splitsum::experiment::{ConfigError, Plan};
+use std::path::Path;
+use std::time::Duration;
+
+/// Many times what each takes: quadratic time takes ten times as long.
+const QUICK: Duration = Duration::from_secs(5);
+
+fn planned(text: &str) -> Result<Plan, ConfigError> {
+    let started = cpu_time();
+    let plan = Plan::from_text(Path::new("large.toml"), text, &[]);
+    let taken = cpu_time() - started;
+    assert!(taken < QUICK, "{taken:?} for {text:.60}");
+    plan
+}
+
+#[test]
+fn the_first_faults_are_shown_and_the_others_counted() {
+    let keys = |count: usize| (0..count).map(|i| format!("k{i} = 1\n")).collect::<String>();
+    let names: Vec<String> = (0..20_000).map(|i| format!("\"no{i}.hdr\"")).collect();
+    for (text, count) in [
+        (format!("name = \"x\"\naxes.alpha = [0.1]\n{}", keys(100_000)), 100_000),
+        (format!("name = \"x\"\naxes.alpha = [0.1]\n{}", "[[exclude]]\n".repeat(20_000)), 40_000),
+        (format!("name = \"x\"\naxes.environment = [{}]\n", names.join(", ")), 20_000),
+        (format!("name = \"x\"\naxes.alpha = [0.1]\n{}", "seed = 1\n".repeat(20_001)), 20_000),
+    ] {
+        let error = planned(&text).unwrap_err();
+        assert_eq!((error.faults.len(), error.faults.len() + error.more), (FAULTS_SHOWN, count), "{:.40}", text);
+        let lines = error.to_string();
+        assert!(lines.ends_with(&format!("\nand {} more", count - FAULTS_SHOWN)), "{lines}");
+        // In the order of the file, which here is that of the lines' numbers.
+        assert!(lines.starts_with("large.toml:"), "{lines}");
+    }
+    let error = planned(&format!("name = \"x\"\naxes.alpha = [0.1]\n{}", keys(FAULTS_SHOWN))).unwrap_err();
+    assert_eq!((error.faults.len(), error.more), (FAULTS_SHOWN, 0));
+    let long = planned(&format!("name = \"{}\"\naxes.alpha = [0.1]\n", "n".repeat(1 << 20))).unwrap_err().to_string();
+    assert!(long.len() < 4000 && long.ends_with('…'));
+}
+
+#[test]
+fn large_sweeps_are_planned_at_once() {
+    let sweep = |counts: u32, alphas: u32, rest: &str| {
+        format!(
+            "name = \"x\"\nsize = [8, 8]\n[axes]\nmethod = [\"sampled\"]\nsamples = {{ linspace = [1, {counts}, {counts}] }}\n\
+             alpha = {{ linspace = [0.1, 1, {alphas}] }}\n{rest}"
+        )
+    };
+    assert_eq!(planned(&sweep(50, 100, "")).unwrap().cells.len(), 5000);
+    // A long axis, in which each value is compared with the others.
+    assert_eq!(planned(&sweep(20_000, 2, "")).unwrap().cells.len(), 40_000);
+    assert!(planned(&sweep(1000, 1000, "")).unwrap_err().to_string().contains("1000000 combinations; at most"));
+    let counts: Vec<String> = (1..=20_000).map(|count| count.to_string()).collect();
+    let exclusion = format!("[[exclude]]\nwhy = \"slow\"\nsamples = [{}]\n", counts.join(", "));
+    let error = planned(&sweep(20_000, 2, &exclusion)).unwrap_err().to_string();
+    assert!(error.contains("20000 values of exclusions"), "{error}");
+}
+
+#[test]
+fn the_name_is_that_of_a_folder() {
+    for (name, is_good) in [
+        ("-rf".to_owned(), false),
+        (".hidden".to_owned(), false),
+        ("a/b".to_owned(), false),
+        ("a\\u0007".to_owned(), false),
+        (String::new(), false),
+        ("n".repeat(101), false),
+        ("n".repeat(100), true),
+        ("_a-1.2".to_owned(), true),
+    ] {
+        let found = planned(&format!("axes.alpha = [0.1]\nname = \"{name}\"\n"));
+        assert_eq!(found.is_ok(), is_good, "{name}");
+        found.err().into_iter().for_each(|e| assert!(e.to_string().starts_with("large.toml:2:8: name: "), "{e}"));
+    }
+}

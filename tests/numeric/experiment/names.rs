@@ -1,0 +1,102 @@
+//! Axes have names, and facts that all of the program goes by; a second name stands for values of the first.
+
+use super::config::{assert_faults, faults};
+use splitsum::experiment::Plan;
+use splitsum::experiment::axis::{ALPHA, AXES, Named, Part};
+use splitsum::experiment::value::ALPHA_MIN;
+use splitsum::precompute::{PrecomputeSettings, PrefilterBy};
+use std::collections::BTreeSet;
+use std::path::Path;
+
+fn plan(axes: &str, set: &[&str]) -> Plan {
+    let set: Vec<String> = set.iter().map(|text| text.to_string()).collect();
+    let text = format!("name = \"x\"\n[axes]\n{axes}\n");
+    Plan::from_text(Path::new("e.toml"), &text, &set).unwrap_or_else(|error| panic!("{error}"))
+}
+
+fn ids(plan: &Plan) -> Vec<&str> {
+    plan.cells.iter().map(|cell| cell.id.as_str()).collect()
+}
+
+#[test]
+fn perceptual_roughness_makes_the_cells_of_its_square() {
+    let alphas = plan("alpha = [0.01, 0.09, 0.25, 0.49, 1]", &[]);
+    let roughnesses = plan("perceptual_roughness = [0.1, 0.3, 0.5, 0.7, 1]", &[]);
+    assert_eq!((ids(&roughnesses), &roughnesses.hash), (ids(&alphas), &alphas.hash));
+    // The narrowest lobe, a range, the command line, an exclusion and a zip.
+    let narrowest = plan("perceptual_roughness = [0.0316227766016838]", &[]);
+    assert_eq!(narrowest.cells[0].point[ALPHA].number(), ALPHA_MIN);
+    assert_eq!(ids(&plan("perceptual_roughness = { linspace = [0.1, 0.5, 3] }", &[])), ids(&alphas)[..3]);
+    assert_eq!(ids(&plan("alpha = [0.3]", &["perceptual_roughness=0.1,0.3"])), ids(&alphas)[..2]);
+    let excluded = "alpha = [0.01, 0.09, 0.25]\n[[exclude]]\nperceptual_roughness = 0.5\nwhy = \"too wide\"";
+    assert_eq!(ids(&plan(excluded, &[])), ids(&alphas)[..2]);
+    let zipped = "perceptual_roughness = [0.1, 0.3]\nmetallic = [0, 1]\n[[zip]]\naxes = [\"perceptual_roughness\", \"metallic\"]";
+    assert_eq!(plan(zipped, &[]).cells.len(), 2);
+    // An index of refraction stands for a reflectance in the same way.
+    assert_eq!(ids(&plan("ior = [1.5]", &[])), ids(&plan("f0 = [0.04]", &[])));
+}
+
+#[test]
+fn both_names_of_an_axis_are_one_too_many() {
+    let text = "name = \"x\"\n[axes]\nalpha = [0.5]\nperceptual_roughness = [0.5]\n";
+    let both = "axes.perceptual_roughness: alpha and perceptual_roughness are two names of one axis";
+    assert_faults(&faults(text, &[]), &[&format!("e.toml:4:1: {both}")]);
+    let text = "name = \"x\"\n[axes]\nalpha = [0.5]\n";
+    let set = ["alpha=0.1", "perceptual_roughness=0.5"];
+    assert_faults(&faults(text, &set), &["--set perceptual_roughness: stands twice"]);
+    let text = "name = \"x\"\n[axes]\nperceptual_roughness = [0.5, 0, 1.5]\n";
+    let expected =
+        ["e.toml:3:30: axes.perceptual_roughness: 0 is outside [", "e.toml:3:33: axes.perceptual_roughness: 1.5 is"];
+    assert_faults(&faults(text, &[]), &expected);
+}
+
+#[test]
+fn a_bare_roughness_is_told_both_names() {
+    let text = "name = \"x\"\nroughness = 0.5\n[axes]\nroughness = [0.5]\n[[exclude]]\nroughness = 1\nwhy = \"?\"\n";
+    let found = faults(text, &["roughness=0.5"]);
+    assert_eq!(found.len(), 5, "{found:#?}");
+    let hinted =
+        found.iter().filter(|fault| fault.contains("perceptual_roughness (") && fault.contains("alpha, which"));
+    assert_eq!(hinted.count(), 4, "{found:#?}");
+}
+
+#[test]
+fn every_fact_of_the_list_is_one_that_the_program_knows() {
+    let names: Vec<&str> = Named::all().map(Named::name).collect();
+    assert_eq!(names.iter().collect::<BTreeSet<_>>().len(), names.len());
+    let plurals: BTreeSet<&str> = AXES.iter().map(|axis| axis.plural).collect();
+    assert_eq!(plurals.len(), AXES.len());
+    for axis in AXES {
+        assert!(!axis.about.is_empty() && !axis.plural.is_empty(), "{}", axis.name);
+        for table in axis.feeds {
+            let sampled = PrecomputeSettings { prefilter: PrefilterBy::Sampled, ..PrecomputeSettings::default() };
+            let has_samples = sampled.samples_of(table).is_some();
+            assert!(has_samples || ["mips", "sh9"].contains(table), "{}: {table}", axis.name);
+        }
+        // A setting of a table reaches one, and its cost.
+        assert!(axis.part != Part::Table || axis.tables_cost && !axis.feeds.is_empty(), "{}", axis.name);
+        assert!(axis.frames_cost || !axis.is_compared, "{}", axis.name);
+    }
+}
+
+/// A method in a file counts by its text: a renamed file keeps its cells, a changed one loses them and no reference.
+#[test]
+fn a_method_in_a_file_counts_by_its_text() {
+    let dir = tempfile::tempdir().unwrap();
+    let text = "#include \"lib/split_sum.glsl\"\nvec3 specular_radiance(Surface s) { return reflectance(s); }\n";
+    let changed = text.replace("reflectance(s)", "2.0 * reflectance(s)");
+    for (name, text) in [("a.glsl", text), ("b.glsl", text), ("c.glsl", &changed)] {
+        std::fs::write(dir.path().join(name), text).unwrap();
+    }
+    let cell = |name: &str| {
+        let text = format!("name = \"x\"\n[axes]\nmethod = [\"file:{name}\"]\nsamples = [1, 2, 4]\n");
+        let plan = Plan::from_text(&dir.path().join("e.toml"), &text, &[]).unwrap_or_else(|error| panic!("{error}"));
+        // It reads no sample count: three counts are one cell.
+        assert_eq!(plan.cells.len(), 1);
+        plan.cells[0].clone()
+    };
+    let [a, b, c] = ["a.glsl", "b.glsl", "c.glsl"].map(cell);
+    assert_eq!((&a.radiance, &a.reference), (&b.radiance, &b.reference));
+    assert_eq!(a.reference, c.reference);
+    assert_ne!(a.radiance, c.radiance);
+}

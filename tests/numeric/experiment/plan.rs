@@ -1,0 +1,404 @@
+//! Counts, ids and groups of plans.
+
+use splitsum::bakes::container::{Encoding, FORMATS, TEXELS};
+use splitsum::environment::LoadOptions;
+use splitsum::experiment::axis::{AXES, Axis, Part, SCENE};
+use splitsum::experiment::plan::Source;
+use splitsum::experiment::value::Kind;
+use splitsum::experiment::{Cell, Plan};
+use splitsum::pixels::RgbImage;
+use splitsum::run::timing;
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::Path;
+
+fn plan(text: &str) -> Plan {
+    Plan::from_text(Path::new("e.toml"), text, &[]).unwrap_or_else(|error| panic!("{error}"))
+}
+
+const SWEEP: &str = r#"
+name = "x"
+[axes]
+brdf = ["ggx", "phong"]
+method = ["sampled", "split-sum"]
+samples = [1, 4, 40]
+alpha = [0.1, 0.5]
+exposure = [1, 10]
+"#;
+
+/// Cells by everything that tells them apart for a person.
+fn by_point(plan: &Plan) -> BTreeMap<String, &Cell> {
+    plan.cells
+        .iter()
+        .map(|cell| {
+            let mut words: Vec<String> = plan.columns_of(cell).iter().map(|(n, v)| format!("{n}={v}")).collect();
+            words.sort();
+            (words.join(" "), cell)
+        })
+        .collect()
+}
+
+#[test]
+fn a_method_without_samples_collapses_the_samples_axis() {
+    let plan = plan(SWEEP);
+    // 2 models x 2 alphas x 2 exposures x (3 sample counts + 1).
+    assert_eq!(plan.cells.len(), 32);
+    assert_eq!(plan.collapsed, 16);
+    for cell in &plan.cells {
+        let is_split_sum = cell.point.get("method").to_string() == "split-sum";
+        assert_eq!(cell.point.get("samples").to_string().is_empty(), is_split_sum);
+    }
+}
+
+#[test]
+fn an_exclusion_leaves_the_same_cells_as_the_collapse() {
+    let text = format!(
+        "{SWEEP}[[exclude]]\nmethod = \"split-sum\"\nsamples = [1, 40]\nwhy = \"none drawn\"\n\
+         [[exclude]]\nmethod = \"split-sum\"\nsamples = 40\nwhy = \"idle\"\n"
+    );
+    let excluded = plan(&text);
+    assert_eq!(excluded.excluded, [16, 0]);
+    let place = text.matches('\n').count() - 3;
+    let [warning] = &excluded.warnings()[..] else { panic!("{:?}", excluded.warnings()) };
+    assert!(warning.ends_with(&format!(":{place}:1: the exclusion \"idle\" matches no combination")), "{warning}");
+    assert_eq!(excluded.collapsed, 0);
+    let ids = |plan: &Plan| plan.cells.iter().map(|c| c.id.clone()).collect::<BTreeSet<_>>();
+    assert_eq!(ids(&excluded), ids(&plan(SWEEP)));
+}
+
+/// What `--set` takes away is no slip of the file, on whichever axis; what is idle in the file is one under `--set`, too.
+#[test]
+fn an_exclusion_is_idle_by_the_file_alone() {
+    let text = format!(
+        "{SWEEP}[[exclude]]\nmethod = \"split-sum\"\nexposure = 1\nwhy = \"used\"\n\
+         [[exclude]]\nmethod = \"split-sum\"\nexposure = 1\nsamples = 40\nwhy = \"hidden\"\n"
+    );
+    let idle = |set: &str| {
+        let plan = Plan::from_text(Path::new("x.toml"), &text, &[set.to_owned()]).unwrap();
+        let told = plan.warnings();
+        ["used", "hidden"].map(|why| told.iter().any(|line| line.contains(&format!("{why:?} matches no"))))
+    };
+    assert_eq!(idle("method=sampled"), [false, true]);
+    assert_eq!(idle("alpha=0.5"), [false, true]);
+}
+
+#[test]
+fn sample_counts_of_maps_by_harmonics_are_told_to_be_idle() {
+    let text = |by: &str| {
+        format!(
+            "name = \"x\"\n[axes]\nmethod = [\"split-sum\", \"sampled\"]\nalpha = [0.5]\nprefilter = {by}\nprefilter_sample_count = [16, 64]\n"
+        )
+    };
+    let told = |by: &str| Plan::from_text(Path::new("x.toml"), &text(by), &[]).unwrap().warnings();
+    let [warning] = &told("[\"harmonic\"]")[..] else { panic!("{:?}", told("[\"harmonic\"]")) };
+    assert!(warning.starts_with("x.toml:6:27: prefilter_sample_count: its 2 values are one cell"), "{warning}");
+    assert!(told("[\"sampled\"]").is_empty() && told("[\"harmonic\", \"sampled\"]").is_empty());
+}
+
+#[test]
+fn metals_that_an_albedo_of_0_makes_black_are_told() {
+    let told = |scene: &str, axes: &str| {
+        let text =
+            format!("name = \"x\"\n[axes]\nscene = [\"{scene}\"]\nalpha = [0.2, 0.5]\nalbedo = [0, 0.5]\n{axes}");
+        Plan::from_text(Path::new("x.toml"), &text, &[]).unwrap().warnings()
+    };
+    let [warning] = &told("spheres", "")[..] else { panic!("{:?}", told("spheres", "")) };
+    assert!(warning.starts_with("x.toml:5:11: albedo: the metals of spheres"), "{warning}");
+    assert!(told("spheres", "metallic = [0]\n").is_empty() && told("sphere", "").is_empty());
+}
+
+#[test]
+fn ids_do_not_depend_on_the_order_of_axes_values_or_keys() {
+    let reordered = r#"
+seed = 1
+[axes]
+exposure = [10, 1]
+alpha = [0.5, 0.1]
+samples = [40, 1, 4]
+method = ["split-sum", "sampled"]
+brdf = ["phong", "ggx"]
+"#;
+    let (a, b) = (plan(SWEEP), plan(&format!("name = \"x\"{reordered}")));
+    let (a, b) = (by_point(&a), by_point(&b));
+    assert_eq!(a.len(), 32);
+    assert_eq!(a.keys().collect::<Vec<_>>(), b.keys().collect::<Vec<_>>());
+    for (key, cell) in &a {
+        assert_eq!(cell.id, b[key].id, "{key}");
+    }
+}
+
+#[test]
+fn ids_depend_on_everything_that_determines_pixels() {
+    let of = |head: &str, options: &LoadOptions| {
+        // The diffuse term is a reference: what changes it changes the image.
+        let axes = "[axes]\nalpha = [0.1]\ndiffuse = [\"reference\"]";
+        let (head, table) = if head.starts_with('[') { ("", head) } else { (head, "") };
+        let (text, path) = (format!("name = \"x\"\n{head}\n{axes}\n{table}\n"), Path::new("e.toml"));
+        let source = Source { path, text: &text, overrides: &[], file_dir: None, set_dir: Path::new("") };
+        let plan = Plan::from_source(&source, options).unwrap_or_else(|error| panic!("{error}"));
+        assert_eq!(plan.cells.len(), 1);
+        [plan.cells[0].id.clone(), plan.cells[0].radiance.clone()]
+    };
+    let plain = LoadOptions::default();
+    let mut ids = BTreeSet::from(of("", &plain));
+    let heads = [
+        "seed = 2",
+        "size = [8, 8]",
+        "camera = \"perspective\"",
+        "background = true",
+        "scene = \"spheres\"",
+        "reference = { samples = 64 }",
+        "reference = { samples = 4096, relative_error = 0.5 }",
+        "precompute = { dfg_size = 8 }",
+        "lights = [{ kind = \"point\", position = [0, 3, 0], color = [1, 1, 1] }]",
+    ];
+    for head in heads {
+        assert!(of(head, &plain).into_iter().all(|id| ids.insert(id)), "{head} changes no id");
+    }
+    // The same name and another content.
+    let other = LoadOptions { builtin_size: [32, 16], ..LoadOptions::default() };
+    assert!(of("", &other).into_iter().all(|id| ids.insert(id)), "the light changes no id");
+    let [repeated, _] = of("[bias_variance]\nrepeats = 3", &plain);
+    assert!(ids.insert(repeated), "repeats change no id");
+    assert!(!ids.insert(of("question = \"another\"", &plain)[0].clone()), "the question changes an id");
+}
+
+/// Every axis has cells of its own for two values, and two references where its part is that of a case; else both values are judged by one.
+#[test]
+fn the_reference_inherits_the_axes_of_cases_alone() {
+    // Tables of files have a test of their own.
+    let is_file = |axis: &&Axis| axis.part == Part::Table && matches!(axis.kind, Kind::NameOrFile { .. });
+    let axes = AXES.iter().filter(|axis| ![Part::Method, Part::Count].contains(&axis.part) && !is_file(axis));
+    for axis in axes {
+        let values = match &axis.kind {
+            Kind::Input if axis.name == AXES[SCENE].name => "\"sphere\", \"spheres\"".to_owned(),
+            Kind::Input => "\"builtin:sky\", \"builtin:studio\"".to_owned(),
+            Kind::Pair { .. } => "[64, 64], [128, 128]".to_owned(),
+            Kind::Count { .. } => "2, 3".to_owned(),
+            Kind::Name { names, .. } => {
+                names()[..2].iter().map(|name| format!("{name:?}")).collect::<Vec<_>>().join(", ")
+            }
+            _ => "0.25, 0.5".to_owned(),
+        };
+        // Counts of samples count where the tables take some.
+        let by = if axis.name == "prefilter" { "" } else { "prefilter = [\"sampled\"]\n" };
+        let plan = plan(&format!(
+            "name = \"x\"\n[axes]\n{by}{} = [{values}]\nmethod = [\"sampled\", \"split-sum\"]\nsamples = [4]\n\
+                 diffuse = [\"irradiance-map\"]\n",
+            axis.name
+        ));
+        assert!(plan.cells.len() > 2, "{}: {} cells", axis.name, plan.cells.len());
+        let references: BTreeSet<&String> = plan.cells.iter().map(|cell| &cell.reference).collect();
+        assert_eq!(references.len(), if axis.part == Part::Case { 2 } else { 1 }, "{}", axis.name);
+        for cell in plan.cells.iter().filter(|_| axis.part == Part::Case) {
+            assert_eq!(plan.reference_point(&cell.point).get(axis.name), cell.point.get(axis.name));
+        }
+    }
+}
+
+#[test]
+fn settings_of_precompute_and_bias_share_the_reference() {
+    let plan = plan(
+        "name = \"x\"\n[precompute]\nprefilter_level_count = 2\n[axes]\nmethod = [\"sampled\", \"split-sum\"]\n\
+         dfg_size = [8, 16]\nprefilter_size = [[32, 32], [64, 64]]\nlod_bias = [0, 1]\n",
+    );
+    // Both read the DFG table (it weights the diffuse term); the map is for split-sum, the bias for sampled only.
+    assert_eq!(plan.cells.len(), 2 * 2 + 2 * 2);
+    assert_eq!(plan.groups().len(), 1);
+}
+
+#[test]
+fn a_cell_without_a_term_has_a_reference_without_it() {
+    let plan = plan("name = \"x\"\n[axes]\nmethod = [\"none\"]\ndiffuse = [\"none\", \"sh9\", \"irradiance-map\"]\n");
+    let [nothing, sh9, map] = &plan.cells[..] else { panic!("{} cells", plan.cells.len()) };
+    assert_ne!(nothing.reference, sh9.reference);
+    assert_eq!(sh9.reference, map.reference);
+    let reference = plan.reference_point(&sh9.point);
+    assert_eq!(reference.get("method").to_string(), "none");
+    assert_eq!(reference.get("diffuse").to_string(), "reference");
+    assert_eq!(plan.request(&sh9.point).reference_samples, 4096);
+}
+
+#[test]
+fn with_all_terms_a_cell_without_one_is_judged_against_the_complete_image() {
+    let text = "name = \"x\"\nreference = { terms = \"all\" }\n[axes]\nmethod = [\"none\", \"split-sum\"]\n";
+    let plan = plan(text);
+    assert_eq!(plan.groups().len(), 1);
+    assert_eq!(plan.reference_point(&plan.cells[0].point).get("method").to_string(), "reference");
+}
+
+#[test]
+fn what_a_method_ignores_collapses() {
+    let cells = |head: &str, axes: &str| plan(&format!("name = \"x\"\n{head}\n[axes]\n{axes}\n")).cells.len();
+    let counts = "dfg_size = [8, 16]\nprefilter_sample_count = [1, 2, 3]\nirradiance_sample_count = [[4, 4], [8, 8]]";
+    // By convolution no sample is taken.
+    assert_eq!(cells("", &format!("method = [\"split-sum\"]\ndiffuse = [\"none\"]\n{counts}")), 2);
+    assert_eq!(cells("", &format!("method = [\"none\"]\ndiffuse = [\"irradiance-map\"]\n{counts}")), 1);
+    let tables = format!("{counts}\nprefilter = [\"sampled\"]");
+    assert_eq!(cells("", &format!("method = [\"sampled\"]\ndiffuse = [\"none\"]\n{tables}")), 1);
+    assert_eq!(cells("", &format!("method = [\"sampled\"]\ndiffuse = [\"sh9\"]\n{tables}")), 2);
+    assert_eq!(cells("", &format!("method = [\"split-sum\"]\ndiffuse = [\"none\"]\n{tables}")), 2 * 3);
+    assert_eq!(cells("", &format!("method = [\"none\"]\ndiffuse = [\"irradiance-map\"]\n{tables}")), 2);
+    // A light's reflection beside no diffuse term is weighted by the DFG table, too.
+    let light = "lights = [{ kind = \"point\", position = [0, 2, 0], color = [1, 1, 1] }]";
+    assert_eq!(cells(light, &format!("method = [\"sampled\"]\ndiffuse = [\"none\"]\n{tables}")), 2);
+    assert_eq!(
+        cells("", "method = [\"sampled-unfiltered\", \"seed0-literal\", \"split-sum\"]\nlod_bias = [-1, 0, 1]"),
+        3
+    );
+}
+
+fn values(plan: &Plan, axis: &str) -> Vec<String> {
+    plan.cells.iter().map(|cell| cell.point.get(axis).to_string()).collect()
+}
+
+#[test]
+fn ranges_hold_their_ends_and_even_steps() {
+    let of = |axis: &str, range: &str| values(&plan(&format!("name = \"x\"\n[axes]\n{axis} = {range}\n")), axis);
+    assert_eq!(of("alpha", "{ linspace = [0.25, 1, 4] }"), ["0.25", "0.5", "0.75", "1"]);
+    assert_eq!(of("samples", "{ pow2 = [0, 4] }"), ["1", "2", "4", "8", "16"]);
+    assert_eq!(of("samples", "{ logspace = [1, 1000, 4] }"), ["1", "10", "100", "1000"]);
+    assert_eq!(of("exposure", "{ pow2 = [-2, 1] }"), ["0.25", "0.5", "1", "2"]);
+    let log = of("exposure", "{ logspace = [0.1, 10, 3] }");
+    assert_eq!((log[0].as_str(), log[2].as_str()), ("0.1", "10"));
+    assert!((log[1].parse::<f64>().unwrap() - 1.0).abs() < 1e-15);
+}
+
+#[test]
+fn zipped_axes_step_together() {
+    let text = "name = \"x\"\n[axes]\nbrdf = [\"ggx\", \"phong\"]\nalpha = [0.1, 0.5]\nsamples = [4, 16]\n[[zip]]\naxes = [\"alpha\", \"samples\"]\n";
+    let plan = plan(text);
+    assert_eq!(values(&plan, "brdf"), ["ggx", "ggx", "phong", "phong"]);
+    assert_eq!(values(&plan, "alpha"), ["0.1", "0.5", "0.1", "0.5"]);
+    assert_eq!(values(&plan, "samples"), ["4", "16", "4", "16"]);
+}
+
+#[test]
+fn sequence_and_storage_format_are_axes_of_the_methods_that_use_them() {
+    let plan = plan(
+        "name = \"x\"\n[axes]\nmethod = [\"sampled\", \"split-sum\"]\ndiffuse = [\"none\"]\n\
+         sequence = [\"hammersley\", \"sobol-owen\", \"r2\", \"random\"]\nstorage_format = [\"f32\", \"f16\"]\n",
+    );
+    // Sampled pixels see the sequence, the tables of the split sum the format.
+    assert_eq!(plan.cells.len(), 4 + 2);
+    assert_eq!(plan.groups().len(), 1, "the reference depends on neither");
+    let requests: Vec<_> = plan.cells.iter().map(|cell| plan.request(&cell.point)).collect();
+    let sequences: Vec<&str> = requests[..4].iter().map(|request| request.sequence.name).collect();
+    assert_eq!(sequences, ["hammersley", "sobol-owen", "r2", "random"]);
+    assert_ne!(requests[4].precompute.storage, requests[5].precompute.storage);
+    let reference = plan.request(&plan.reference_point(&plan.cells[5].point));
+    assert_eq!(reference.precompute.storage, Default::default());
+}
+
+#[test]
+fn size_point_set_and_clip_are_axes() {
+    let plan =
+        plan("name = \"x\"\n[axes]\nsize = [[8, 8], [16, 8]]\npoint_set = [0, 1]\nenvironment_clip_log2 = [-1, 3]\n");
+    assert_eq!(plan.cells.len(), 8);
+    let requests: Vec<_> = plan.cells.iter().map(|cell| plan.request(&cell.point)).collect();
+    assert_eq!((requests[0].size, requests[7].size), ([8, 8], [16, 8]));
+    assert_eq!((requests[0].point_set, requests[7].point_set), (0, 1));
+    let peak = |i: usize| requests[i].environment.image.data.iter().flatten().fold(0.0f32, |a, b| a.max(*b));
+    assert_eq!(peak(0), 0.5);
+    assert!(peak(1) > 0.5 && peak(1) <= 8.0);
+    assert_ne!(requests[0].environment.hash, requests[1].environment.hash);
+    // Each size and clip has its own reference; the point sets share it.
+    assert_eq!(plan.groups().len(), 4);
+}
+
+#[test]
+fn methods_are_timed_in_one_block_whatever_only_one_of_them_has() {
+    // Without a diffuse term only the split sum reads tables, so only it has a storage format.
+    let text = format!("{SWEEP}diffuse = [\"none\"]\nstorage_format = [\"f32\", \"f16\"]\n[timing]\nrounds = 5\n");
+    let plan = plan(&text);
+    let jobs = timing::jobs(&plan);
+    let frames = jobs.iter().filter(|job| job.phase == timing::FRAME);
+    let mut blocks: BTreeMap<&str, Vec<String>> = BTreeMap::new();
+    for job in frames {
+        let words = ["brdf", "method", "samples", "storage_format"].map(|name| job.axes[name].as_str());
+        blocks.entry(&job.block).or_default().push(words.join(" "));
+    }
+    // One block a model: three sample counts and two formats.
+    assert_eq!(blocks.len(), 2, "{blocks:?}");
+    for members in blocks.values() {
+        assert_eq!(members.len(), 5, "{members:?}");
+        assert!(members.iter().any(|m| m.contains("split-sum")) && members.iter().any(|m| m.contains("sampled 40")));
+    }
+}
+
+#[test]
+fn a_reference_under_test_shares_no_points_with_the_one_that_judges_it() {
+    let text = "name = \"x\"\nseed = 7\nreference = { samples = 64 }\n[axes]\nmethod = [\"reference\", \"sampled\"]\nsamples = [64]\n";
+    let plan = plan(text);
+    let [under_test, sampled] = &plan.cells[..] else { panic!("{} cells", plan.cells.len()) };
+    let judge = plan.reference_request(&plan.reference_point(&under_test.point));
+    let request = plan.request(&under_test.point);
+    assert_eq!((judge.method.name, judge.reference_samples), (request.method.name, request.reference_samples));
+    assert_ne!(judge.seed, request.seed);
+    assert_ne!(under_test.radiance, under_test.reference, "one image must not stand for both");
+    assert_eq!((judge.seed, plan.request(&sampled.point).seed), (7, 7));
+}
+
+/// A row of method `reference` names the samples that it draws; the reference that judges it may stop earlier.
+#[test]
+fn a_reference_under_test_does_not_stop_by_itself() {
+    let text = |error: &str| {
+        format!(
+            "name = \"x\"\nreference = {{ samples = 4096{error} }}\n[axes]\nmethod = [\"reference\", \"sampled\"]\nsamples = [64, 128]\ndiffuse = [\"reference\"]\n"
+        )
+    };
+    let plan = |error: &str| Plan::from_text(Path::new("e.toml"), &text(error), &[]).unwrap();
+    let (stopping, fixed) = (plan(", relative_error = 0.05"), plan(""));
+    for (cell, same) in stopping.cells.iter().zip(&fixed.cells) {
+        let is_under_test = cell.point.get("method").text() == "reference";
+        let request = stopping.request(&cell.point);
+        assert_eq!(request.reference_error, (!is_under_test).then_some(0.05));
+        assert_eq!(request.reference_samples, if is_under_test { request.samples } else { 4096 });
+        // The image of a reference under test is the same either way, and so is its name.
+        assert_eq!(cell.radiance == same.radiance, is_under_test);
+        let judge = stopping.reference_request(&stopping.reference_point(&cell.point));
+        assert_eq!(judge.reference_error, Some(0.05));
+        assert_ne!(cell.reference, same.reference);
+    }
+}
+
+#[test]
+fn tables_of_other_tools_count_by_their_content() {
+    let dir = tempfile::tempdir().unwrap();
+    // A cube of 8 levels as KTX 1, all of one colour. Unity reads 7.
+    let bake = |name: &str, value: f32| {
+        let levels = [128, 64, 32, 16, 8, 4, 2, 1].map(|side| vec![RgbImage::filled(side, side, [value; 3]); 6]);
+        let (texel, format) = (&TEXELS[0], FORMATS.iter().find(|format| format.extension == "ktx").unwrap());
+        let encoding = Encoding { texel, levels: &levels, keys: &[], is_packed: false };
+        std::fs::write(dir.path().join(name), (format.write)(&encoding)).unwrap();
+    };
+    bake("a.ktx", 1.0);
+    let path = dir.path().join("e.toml");
+    let text = |file: &str| {
+        format!(
+            "name = \"x\"\n[axes]\nprefiltered = [\"own\", \"file:{file}#unity\"]\nmethod = [\"split-sum\", \"sampled\"]\n\
+             prefilter_size = [[64, 64], [128, 128]]\n"
+        )
+    };
+    let ids = |file: &str| -> Vec<String> {
+        Plan::from_text(&path, &text(file), &[]).unwrap().cells.into_iter().map(|cell| cell.id).collect()
+    };
+    let plan = Plan::from_text(&path, &text("a.ktx"), &[]).unwrap();
+    // Our own map of two sizes, theirs of its own size, and a method that reads none.
+    assert_eq!(plan.cells.len(), 4);
+    let theirs =
+        plan.cells.iter().find(|cell| cell.point.get("prefiltered").to_string() == "file:a.ktx#unity").unwrap();
+    let settings = plan.request(&theirs.point).precompute;
+    assert_eq!(
+        (settings.prefilter_size, settings.prefilter_level_count, settings.level_mapping.name),
+        ([128, 128], 7, "unity")
+    );
+    assert!(plan.reference_request(&plan.reference_point(&theirs.point)).given.prefiltered.is_none());
+    let first = ids("a.ktx");
+    bake("b.ktx", 1.0);
+    assert_eq!(ids("b.ktx"), first);
+    bake("a.ktx", 2.0);
+    let changed = first.iter().zip(&ids("a.ktx")).filter(|(a, b)| a != b).count();
+    assert_eq!(changed, 1);
+    let error = Plan::from_text(&path, &text("c.ktx"), &[]).unwrap_err().to_string();
+    assert!(error.contains("e.toml:3:23: ") && error.contains("c.ktx: cannot be read"), "{error}");
+}

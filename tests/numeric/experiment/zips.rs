@@ -1,0 +1,38 @@
+//! `--set` of axes that vary together: rows are kept whole.
+
+use splitsum::experiment::Plan;
+use std::path::Path;
+
+const ZIPPED: &str = "name = \"x\"\n[axes]\nbrdf = [\"ggx\", \"phong\"]\nalpha = [0.1, 0.5, 1]\nsamples = [4, 16, 64]\n\
+                      [[zip]]\naxes = [\"alpha\", \"samples\"]\n";
+
+/// Rows of model, alpha and samples, or the faults.
+fn rows(overrides: &[&str]) -> Result<Vec<String>, String> {
+    let overrides: Vec<String> = overrides.iter().map(|text| text.to_string()).collect();
+    let plan = Plan::from_text(Path::new("e.toml"), ZIPPED, &overrides).map_err(|error| error.to_string())?;
+    let row = |cell: &splitsum::experiment::Cell| {
+        ["brdf", "alpha", "samples"].map(|axis| cell.point.get(axis).to_string()).join(" ")
+    };
+    Ok(plan.cells.iter().map(row).collect())
+}
+
+#[test]
+fn a_value_of_one_axis_keeps_its_rows_and_the_others_follow() {
+    let whole = rows(&[]).unwrap();
+    assert_eq!(whole, ["ggx 0.1 4", "ggx 0.5 16", "ggx 1 64", "phong 0.1 4", "phong 0.5 16", "phong 1 64"]);
+    assert_eq!(rows(&["alpha=1,0.1"]).unwrap(), ["ggx 0.1 4", "ggx 1 64", "phong 0.1 4", "phong 1 64"]);
+    assert_eq!(rows(&["samples=16", "brdf=phong"]).unwrap(), ["phong 0.5 16"]);
+    // All of them: other rows.
+    assert_eq!(rows(&["samples=9,2", "alpha=0.3,0.4", "brdf=ggx"]).unwrap(), ["ggx 0.3 9", "ggx 0.4 2"]);
+}
+
+#[test]
+fn a_value_of_no_row_is_told_with_the_rows() {
+    let fault = rows(&["alpha=0.5,0.3"]).unwrap_err();
+    assert_eq!(fault, "--set alpha: axes.alpha: 0.3 is in no row of its zip; the rows have 0.1, 0.5, 1");
+    // A value that is none has that fault alone.
+    let fault = rows(&["alpha=7"]).unwrap_err();
+    assert_eq!(fault, "--set alpha: axes.alpha: 7 is outside (0, 1]");
+    let fault = rows(&["alpha=0.3,0.4", "samples=1"]).unwrap_err();
+    assert!(fault.ends_with("zip: alpha has 2 values, samples has 1 value; expected as many for each"), "{fault}");
+}

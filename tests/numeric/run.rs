@@ -1,0 +1,15 @@
+//! Runs of experiments. No test needs a device: runs use a renderer made of formulas.
+
+mod chunk;
+mod environments;
+mod estimate;
+mod extend;
+pub mod fake;
+mod frozen;
+mod host;
+mod resume;
+pub mod run;
+pub mod runs;
+mod statistics;
+mod timed;
+pub mod timing_ratios;

@@ -1,0 +1,218 @@
+//! A renderer made of formulas: an analytic sphere whose error is known for every method.
+
+use splitsum::ladder::{Attribution, SPLIT_SUM, StepNumbers};
+use splitsum::pipeline::{
+    DeviceInfo, Frame, FrameTimings, LightTables, PassTime, RenderRequest, SharedWork, Tally, TimingSamples,
+};
+use splitsum::pixels::{GrayImage, Pixels, Rgb8Image, RgbImage};
+use splitsum::precompute::dfg::DfgAxes;
+use splitsum::run::{RenderFault, Renderer};
+use splitsum::shade::reference_pass::Convergence;
+use splitsum::tonemap::ToneCurve;
+use std::cell::RefCell;
+use std::collections::BTreeMap;
+use std::rc::Rc;
+use std::sync::Arc;
+
+/// What the fake was asked to do, and what it is to refuse.
+#[derive(Debug, Default)]
+pub struct Log {
+    /// Method and sample count of every render.
+    pub renders: Vec<(String, u32)>,
+    pub tonemaps: usize,
+    pub timings: usize,
+    /// Timed frames by model, method and sample count.
+    pub frames: BTreeMap<(&'static str, &'static str, u32), usize>,
+    /// A method whose renders fail.
+    pub broken_method: Option<&'static str>,
+    /// Whether a render fails.
+    pub broken: Option<fn(&RenderRequest) -> bool>,
+    /// The relative error of `split-sum`, where not [`SPLIT_SUM_ERROR`].
+    pub split_sum_error: Option<fn(&RenderRequest) -> f32>,
+    /// Renders until the device is lost.
+    pub renders_left: Option<usize>,
+    /// What the device is called, where not `fake`.
+    pub device: Option<&'static str>,
+}
+
+pub struct Fake(pub Rc<RefCell<Log>>);
+
+/// Relative error of `sampled` at one sample; it falls with the root of the count.
+pub const ERROR_AT_ONE: f32 = 0.4;
+/// Relative error of `split-sum`, whatever the count. Break-even with `sampled` lies between 4 (0.2) and 16 (0.1) samples.
+pub const SPLIT_SUM_ERROR: f32 = 0.15;
+/// Relative standard error of the reference.
+pub const NOISE: f32 = 1e-4;
+/// Relative error of each further point set, of alternating sign.
+pub const SET_ERROR: f32 = 0.01;
+
+/// Where the fake reference stops: at a quarter of the samples it may take, with an error of 1/1000, when at least that was asked for.
+fn convergence(request: &RenderRequest) -> Convergence {
+    let is_met = request.reference_error.is_some_and(|wanted| wanted >= 1e-3);
+    Convergence {
+        term: "shade-specular",
+        sample_count: u64::from(request.reference_samples) / if is_met { 4 } else { 1 },
+        relative_error: 1e-3,
+        is_met: is_met || request.reference_error.is_none(),
+    }
+}
+
+fn set_error(set: u32) -> f32 {
+    match set {
+        0 => 0.0,
+        set if set.is_multiple_of(2) => SET_ERROR,
+        _ => -SET_ERROR,
+    }
+}
+
+impl Renderer for Fake {
+    fn device(&self) -> DeviceInfo {
+        DeviceInfo {
+            name: self.0.borrow().device.unwrap_or("fake").to_owned(),
+            device_type: "cpu",
+            driver: "formula".to_owned(),
+            api_version: "0".to_owned(),
+            timestamp_period_ns: 1.0,
+            memory_bytes: 0,
+            has_exact_filter: true,
+            has_seamless_cubes: true,
+            is_radv: false,
+        }
+    }
+
+    fn check(&self, _: &RenderRequest) -> Result<(), RenderFault> {
+        Ok(())
+    }
+
+    fn render(&mut self, request: &RenderRequest) -> Result<Frame, RenderFault> {
+        let mut log = self.0.borrow_mut();
+        let fault =
+            |message: &str, device_lost| Err(RenderFault { message: message.to_owned(), device_lost, is_input: false });
+        if log.broken_method == Some(request.method.name) || log.broken.is_some_and(|is_broken| is_broken(request)) {
+            return fault("the shader is broken", false);
+        }
+        match &mut log.renders_left {
+            Some(0) => return fault("unplugged", true),
+            Some(left) => *left -= 1,
+            None => {}
+        }
+        log.renders.push((request.method.name.to_owned(), request.samples));
+        let factor = match request.method.name {
+            "reference" => 1.0,
+            "split-sum" => 1.0 + log.split_sum_error.map_or(SPLIT_SUM_ERROR, |error| error(request)),
+            _ => 1.0 + ERROR_AT_ONE / (request.samples as f32).sqrt() + set_error(request.point_set),
+        };
+        let alpha = request.scene.materials.first().map_or(0.5, |m| m.alpha);
+        let [width, height] = request.size;
+        let n_z = |x: u32, y: u32| {
+            let centred = |i: u32, count: u32| (i as f32 + 0.5) / count as f32 * 2.1 - 1.05;
+            let r2 = centred(x, width).powi(2) + centred(y, height).powi(2);
+            (r2 < 1.0).then(|| (1.0 - r2).sqrt())
+        };
+        let n_dot_v = GrayImage::from_fn(width, height, |x, y| n_z(x, y).unwrap_or(0.0));
+        let mask = GrayImage::from_fn(width, height, |x, y| if n_z(x, y).is_some() { 1.0 } else { 0.0 });
+        let radiance = RgbImage::from_fn(width, height, |x, y| {
+            n_z(x, y).map_or([0.0; 3], |n_z| [0.2, 0.5, 1.0].map(|c: f32| factor * c * (alpha + n_z)))
+        });
+        let standard_error =
+            (request.method.name == "reference").then(|| radiance.map(|texel| texel.map(|c| c * NOISE)));
+        Ok(Frame {
+            radiance,
+            convergences: (request.method.name == "reference").then(|| convergence(request)).into_iter().collect(),
+            standard_error,
+            mask: Arc::new(mask),
+            n_dot_v: Arc::new(n_dot_v),
+            // What comes from a cache has no passes; this was rendered.
+            timings: FrameTimings { frame: vec![PassTime { pass: "gbuffer", ms: 1.0 }], ..FrameTimings::default() },
+        })
+    }
+
+    /// Step k adds 0.01 (k + 1).
+    fn attributions(&mut self, _: &RenderRequest, _: u32, bands: &[[f64; 2]]) -> Result<Vec<Attribution>, RenderFault> {
+        let all: f64 = (0..SPLIT_SUM.steps.len()).map(|i| 0.01 * (i + 1) as f64).sum();
+        let step = |i: usize| {
+            let own = 0.01 * (i + 1) as f64;
+            let error = (0..=i).map(|i| 0.01 * (i + 1) as f64).sum();
+            StepNumbers {
+                step: SPLIT_SUM.steps[i].name,
+                share: own / all,
+                error,
+                first_in: own,
+                last_out: own,
+                shapley: own,
+                step_error: 0.0,
+                share_error: 0.0,
+            }
+        };
+        let of_band = |seen_at: [f64; 2]| Attribution {
+            seen_at,
+            pixel_count: 10,
+            error: all,
+            noise: 1e-6,
+            steps: (0..SPLIT_SUM.steps.len()).map(step).collect(),
+        };
+        Ok([[0.0, 1.0]].into_iter().chain(bands.iter().copied()).map(of_band).collect())
+    }
+
+    fn tonemap(&mut self, radiance: &RgbImage, curve: ToneCurve) -> Result<Rgb8Image, RenderFault> {
+        self.0.borrow_mut().tonemaps += 1;
+        Ok(curve.apply_image(radiance))
+    }
+
+    /// Constant light of radiance 1 in a few texels; the lobe reflects f0 whole.
+    fn light_tables(&mut self, request: &RenderRequest, _: u32) -> Result<LightTables, RenderFault> {
+        let chain = |levels: u32| (0..levels).map(|k| RgbImage::filled(8 >> k, (4 >> k).max(1), [1.0; 3])).collect();
+        let mut sh9 = vec![[0.0; 3]; 9];
+        sh9[0] = [(4.0 * std::f32::consts::PI).sqrt(); 3];
+        let dfg = Pixels::filled(4, 4, [1.0, 0.0]);
+        Ok(LightTables {
+            level_mapping: request.precompute.level_mapping,
+            environment: chain(4),
+            layout: &splitsum::environment::layout::LAYOUTS[2],
+            sh9,
+            prefiltered: chain(2),
+            dfg,
+            dfg_axes: DfgAxes::default(),
+            // Every lobe points along r and is as wide as alpha.
+            lobe_shapes: Pixels::new(2, 6, [[[1.0, 0.0, 1.0, 0.0]; 4], [[1.0; 4]; 4], [[1.0; 4]; 4]].concat()),
+        })
+    }
+
+    /// The first frame of a configuration takes 4 ms more than its sample count, the next ones 0, 1, 2, 3, 4, 0 ... more.
+    fn time(
+        &mut self,
+        request: &RenderRequest,
+        of_tables: bool,
+        _: u32,
+        rounds: u32,
+    ) -> Result<TimingSamples, RenderFault> {
+        let mut log = self.0.borrow_mut();
+        log.timings += 1;
+        if of_tables {
+            let rounds = rounds as usize;
+            return Ok(TimingSamples { passes: vec![("dfg", vec![3.0; rounds])], wall_ms: vec![10.0; rounds] });
+        }
+        let frame = log.frames.entry((request.brdf.name(), request.method.name, request.samples)).or_default();
+        let ms: Vec<f64> =
+            (0..rounds as usize).map(|round| f64::from(request.samples) + ((*frame + round + 4) % 5) as f64).collect();
+        *frame += ms.len();
+        Ok(TimingSamples {
+            passes: vec![("gbuffer", vec![1.0; ms.len()]), ("shade-specular", ms.clone())],
+            wall_ms: ms.iter().map(|t| t + 1.5).collect(),
+        })
+    }
+
+    fn waited_ms(&self) -> f64 {
+        0.0
+    }
+
+    /// As many references as were rendered, and two tables that no disk had.
+    fn shared_work(&self) -> SharedWork {
+        let references = self.0.borrow().renders.iter().filter(|(method, _)| method == "reference").count();
+        [("reference", references), ("dfg", 2)].map(|(kind, made)| (kind.to_owned(), Tally { made, read: 0 })).into()
+    }
+
+    fn take_warnings(&mut self) -> Vec<String> {
+        Vec::new()
+    }
+}

@@ -1,0 +1,91 @@
+//! The experiment that a run keeps can be run again as it stands.
+
+use super::runs::{finished, read, snapshot};
+use splitsum::environment::LoadOptions;
+use splitsum::experiment::Plan;
+use splitsum::pixels::{GrayImage, RgbImage};
+use splitsum::run::frozen;
+use splitsum::study::publish::publish;
+use std::path::Path;
+
+const EXPERIMENT: &str = "name = \"files\"\nsize = [16, 16]\nscene = \"ball.obj\"\nreference = { samples = 32 }\n[axes]\n\
+                          environment = [\"maps/a.exr\", \"builtin:constant\"]\nmethod = [\"split-sum\"]\nalpha = [0.1, 0.5]\n";
+const BALL: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 1\nf 1//1 2//1 3//1\n";
+
+fn map(path: &Path, radiance: f32) {
+    std::fs::create_dir_all(path.parent().unwrap()).unwrap();
+    let (radiance, alpha) = (RgbImage::filled(8, 4, [radiance; 3]), GrayImage::filled(8, 4, 1.0));
+    splitsum::pixels::exr::write_rgba(path, &radiance, &alpha, &[]).unwrap();
+}
+
+fn load(path: &Path, set: &[&str]) -> Result<(Plan, Option<String>), String> {
+    let set: Vec<String> = set.iter().map(|text| text.to_string()).collect();
+    frozen::load(path, &set, &LoadOptions::default()).map_err(|error| error.to_string())
+}
+
+/// A folder with an experiment that names files, and a run of it elsewhere, with a map of a third folder.
+fn made() -> (tempfile::TempDir, Plan) {
+    let root = tempfile::tempdir().unwrap();
+    let sweeps = root.path().join("sweeps");
+    map(&sweeps.join("maps/a.exr"), 1.0);
+    map(&root.path().join("others/b.exr"), 2.0);
+    std::fs::write(sweeps.join("ball.obj"), BALL).unwrap();
+    std::fs::write(sweeps.join("files.toml"), EXPERIMENT).unwrap();
+    let plan = Plan::load(&sweeps.join("files.toml"), &[]).unwrap_or_else(|error| panic!("{error}"));
+    (root, plan)
+}
+
+#[test]
+fn a_frozen_experiment_makes_the_plan_of_its_run() {
+    let (root, plan) = made();
+    let run = finished(&plan, &root.path().join("out/runs/files"));
+    let frozen = run.join("experiment.toml");
+    assert!(read(&frozen) == EXPERIMENT.as_bytes(), "the text is the one that was run");
+    let (again, note) = load(&frozen, &[]).unwrap();
+    assert_eq!(again.hash, plan.hash);
+    assert!(note.unwrap().contains("the files it names are in "));
+    // A run of it in its own folder is a finished one, and one elsewhere keeps the way to the files.
+    let before = snapshot(&run);
+    finished(&again, &run);
+    assert_eq!(read(run.join("provenance.json")), before["provenance.json"].0);
+    let elsewhere = finished(&again, &root.path().join("elsewhere"));
+    assert_eq!(load(&elsewhere.join("experiment.toml"), &[]).unwrap().0.hash, plan.hash);
+    // A published run too, and a tree that was moved.
+    publish(&run, &root.path().join("results"), false).unwrap();
+    assert_eq!(load(&root.path().join("results/files/experiment.toml"), &[]).unwrap().0.hash, plan.hash);
+    let moved = tempfile::tempdir().unwrap();
+    for part in ["sweeps", "out", "others"] {
+        std::fs::rename(root.path().join(part), moved.path().join(part)).unwrap();
+    }
+    assert_eq!(load(&moved.path().join("out/runs/files/experiment.toml"), &[]).unwrap().0.hash, plan.hash);
+}
+
+#[test]
+fn a_frozen_experiment_keeps_what_the_command_line_set() {
+    let (root, _) = made();
+    let (file, maps) = (root.path().join("sweeps/files.toml"), root.path().join("others"));
+    let text = String::from_utf8(read(&file)).unwrap();
+    let set = ["environment=b.exr".to_owned(), "alpha=0.25".to_owned()];
+    let plan = Plan::from_text_set_in(&file, &text, &set, &maps).unwrap_or_else(|error| panic!("{error}"));
+    let run = finished(&plan, &root.path().join("run"));
+    let frozen = run.join("experiment.toml");
+    let (again, note) = load(&frozen, &[]).unwrap();
+    assert_eq!(again.hash, plan.hash);
+    assert!(note.unwrap().contains("with --set environment=b.exr --set alpha=0.25"));
+    // What is set now holds; the rest stays.
+    let (narrowed, _) = load(&frozen, &["alpha=0.5"]).unwrap();
+    assert_eq!(narrowed.cells.len(), 1);
+    assert_eq!(narrowed.cells[0].point.get("environment").to_string(), "b.exr");
+    assert_eq!(load(&frozen, &["environment=builtin:sky"]).unwrap().0.cells.len(), 1);
+    let error = load(&frozen, &["scene=sphere"]).unwrap_err();
+    assert!(error.contains("whose files are in another folder"), "{error}");
+}
+
+#[test]
+fn a_frozen_experiment_that_was_changed_is_none() {
+    let (root, plan) = made();
+    let frozen = finished(&plan, &root.path().join("run")).join("experiment.toml");
+    std::fs::write(&frozen, EXPERIMENT.replace("0.5", "0.6")).unwrap();
+    let error = load(&frozen, &[]).unwrap_err();
+    assert!(error.contains("was changed since") && error.contains("copy it to another folder"), "{error}");
+}

@@ -1,0 +1,205 @@
+//! Runs with a renderer made of formulas: what is rendered, scored and written.
+
+use super::fake::{ERROR_AT_ONE, NOISE, SET_ERROR, SPLIT_SUM_ERROR};
+use super::runs::{Bench, invoke, log, plan, read, snapshot, summary};
+use splitsum::run::sheets::sheet_files;
+use splitsum::table::csv::Table;
+use std::collections::BTreeMap;
+
+pub const EXPERIMENT: &str = r#"
+name = "tiny"
+question = "When does sampling win?"
+size = [24, 24]
+reference = { samples = 64 }
+[axes]
+environment = ["builtin:constant"]
+brdf = ["ggx", "phong"]
+method = ["sampled", "split-sum"]
+samples = [1, 4, 16]
+alpha = [0.1, 0.5]
+exposure = [1, 10]
+"#;
+
+#[test]
+fn a_run_renders_each_radiance_once_and_leaves_everything() {
+    let (dir, log, plan) = (tempfile::tempdir().unwrap(), log(), plan(EXPERIMENT));
+    let outcome = invoke(&plan, dir.path(), &log, usize::MAX).unwrap();
+    assert!(outcome.failures.is_empty() && !outcome.is_stopped);
+    // 2 models x 2 alphas, each with one reference, three sample counts and split-sum; two exposures share all of it.
+    let renders = log.borrow().renders.clone();
+    assert_eq!(renders.len(), 4 * 5);
+    assert_eq!(renders.iter().filter(|r| **r == ("reference".to_owned(), 64)).count(), 4);
+
+    let table = Table::read(&dir.path().join("errors.csv")).unwrap();
+    assert_eq!(table.rows.len(), 32);
+    assert_eq!(
+        table.columns[..7],
+        ["cell", "environment", "brdf", "method", "samples", "alpha", "perceptual_roughness"]
+    );
+    for (row, cell) in table.rows.iter().zip(&plan.cells) {
+        assert_eq!(row[0], cell.id);
+    }
+    let method = table.column("method").unwrap();
+    let samples = table.numbers("samples").unwrap();
+    let verdict = table.column("verdict").unwrap();
+    let bias = table.numbers("bias_rel").unwrap();
+    for (i, row) in table.rows.iter().enumerate() {
+        let expected = match samples[i] {
+            None => SPLIT_SUM_ERROR,
+            Some(n) => ERROR_AT_ONE / (n as f32).sqrt(),
+        };
+        assert_eq!(row[method] == "split-sum", samples[i].is_none());
+        // All error of the fake is a factor; f32 pixels carry it to about 1e-7.
+        assert!((bias[i].unwrap() - f64::from(expected)).abs() < 1e-5, "{row:?}");
+        assert_eq!(row[verdict], "resolved");
+    }
+    for metric in splitsum::metrics::linear_metrics() {
+        let floors = table.numbers(&format!("{}_noise_floor", metric.description().name)).unwrap();
+        assert!(floors.iter().all(|floor| floor.is_some_and(|f| f > 0.0)), "{}", metric.description().name);
+    }
+
+    let bins = Table::read(&dir.path().join("errors_by_n_dot_v.csv")).unwrap();
+    let counts = bins.numbers("pixel_count").unwrap();
+    let cells: Vec<&str> = bins.rows.iter().map(|row| row[0].as_str()).collect();
+    let of_first: f64 =
+        counts.iter().zip(&cells).filter(|(_, id)| **id == plan.cells[0].id).map(|(n, _)| n.unwrap()).sum();
+    let inside = |i: usize| (i as f64 + 0.5) / 24.0 * 2.1 - 1.05;
+    let disc = (0..24 * 24).filter(|i| inside(i % 24).powi(2) + inside(i / 24).powi(2) < 1.0).count();
+    assert_eq!(of_first, disc as f64);
+
+    let files = snapshot(dir.path());
+    let count = |folder: &str, end: &str| files.keys().filter(|f| f.starts_with(folder) && f.ends_with(end)).count();
+    assert_eq!(count("images/", ".exr"), 20);
+    // The exposure does not reach the linear error.
+    assert_eq!(count("images/", ".error.png"), 16);
+    // The exposure is swept, so each cell has its own map of visible differences.
+    assert_eq!(count("images/", ".flip.png"), 32);
+    // And a test picture for each cell, and a reference for each model, alpha and exposure.
+    assert_eq!(count("images/", ".png"), 16 + 2 * 32 + 8);
+    assert_eq!(count("tables/", ".png"), 2);
+    assert_eq!(count("cells/", ".json"), 32);
+    assert_eq!(files["experiment.toml"].0, EXPERIMENT.as_bytes());
+    assert!(files.keys().all(|f| !f.ends_with(".part")), "temporary files are left: {:?}", files.keys());
+}
+
+#[test]
+fn a_sheet_that_would_be_too_wide_is_split_between_methods() {
+    let text = "name = \"wide\"\nsize = [640, 8]\nreference = { samples = 32 }\n[axes]\nmethod = [\"sampled\", \"split-sum\"]\n\
+                samples = [1, 2, 3, 4, 5, 6, 7, 8, 9, 10]\n";
+    let dir = tempfile::tempdir().unwrap();
+    invoke(&plan(text), dir.path(), &log(), usize::MAX).unwrap();
+    // 12 columns of at least 200 pixels do not fit on 2600: ten of `sampled` with the reference do, in 206 pixels each.
+    for name in ["wide_1.png", "wide_2.png"] {
+        let sheet = splitsum::pixels::png::read_rgb8(&dir.path().join("tables").join(name)).unwrap();
+        assert!(sheet.width <= 2600, "{name} is {} pixels wide", sheet.width);
+    }
+    assert!(!dir.path().join("tables/wide_3.png").exists());
+    let dir = tempfile::tempdir().unwrap();
+    invoke(&plan(&format!("sheets = false\n{text}")), dir.path(), &log(), usize::MAX).unwrap();
+    assert!(sheet_files(dir.path()).is_empty());
+}
+
+/// What a cell scores does not hang on the cells before it: every tone curve has displays of its own.
+#[test]
+fn each_cell_has_the_record_that_it_has_alone() {
+    let records = |exposures: &str, contrasts: &str| -> BTreeMap<String, serde_json::Value> {
+        let text = EXPERIMENT.replace("exposure = [1, 10]", &format!("exposure = {exposures}\ncontrast = {contrasts}"));
+        let bench = Bench::finished(&text);
+        let record = |cell: &splitsum::experiment::Cell| {
+            let mut record = bench.json(&format!("cells/{}.json", cell.id));
+            // A sweep of tone curves has an image more.
+            record.as_object_mut().unwrap().retain(|name, _| !["spent", "checksum", "files"].contains(&name.as_str()));
+            (cell.id.clone(), record)
+        };
+        bench.plan.cells.iter().map(record).collect()
+    };
+    let values = ["[1]", "[10]"];
+    let apart = values.map(|e| values.map(|c| records(e, c))).into_iter().flatten().flatten();
+    assert_eq!(records("[1, 10]", "[1, 10]"), apart.collect());
+}
+
+#[test]
+fn repeats_part_bias_from_variance() {
+    let (dir, plan) = (tempfile::tempdir().unwrap(), plan(&format!("{EXPERIMENT}[bias_variance]\nrepeats = 8\n")));
+    let log = log();
+    invoke(&plan, dir.path(), &log, usize::MAX).unwrap();
+    // Each of the 12 sampled images is rendered with 8 further sets.
+    assert_eq!(log.borrow().renders.len(), 20 + 12 * 8);
+    let table = Table::read(&dir.path().join("errors.csv")).unwrap();
+    let column = |name: &str| table.numbers(name).unwrap();
+    let (rmse, relmse, samples) = (column("rmse"), column("relmse"), column("samples"));
+    let (var, bias2) = (column("var_hat"), column("bias2_hat"));
+    let (var_rel, bias2_rel) = (column("var_hat_rel"), column("bias2_hat_rel"));
+    for i in 0..table.rows.len() {
+        let Some(count) = samples[i] else {
+            assert_eq!((var[i], bias2[i], var_rel[i], bias2_rel[i]), (None, None, None, None));
+            continue;
+        };
+        // All errors are factors of the reference, so each figure is a multiple of the mean square of its pixels.
+        let factor = f64::from(ERROR_AT_ONE) / count.sqrt();
+        let variance = f64::from(SET_ERROR).powi(2) * 8.0 / 7.0;
+        let bias2_factor = factor.powi(2) - variance / 8.0 - f64::from(NOISE).powi(2);
+        for (score, var, bias2) in
+            [(rmse[i].unwrap().powi(2), var[i], bias2[i]), (relmse[i].unwrap(), var_rel[i], bias2_rel[i])]
+        {
+            let mean_square = score / factor.powi(2);
+            assert!((var.unwrap() / (variance * mean_square) - 1.0).abs() < 1e-4, "{var:?}");
+            assert!((bias2.unwrap() / (bias2_factor * mean_square) - 1.0).abs() < 1e-4, "{bias2:?}");
+        }
+    }
+}
+
+#[test]
+fn each_row_says_where_its_reference_stopped() {
+    // The fake stops at 16 of 64 samples when an error of 1/1000 or more is asked for, else it takes all.
+    for (asked, samples, stopped_by) in [
+        ("", 64.0, "samples"),
+        (", relative_error = 2e-3", 16.0, "relative-error"),
+        (", relative_error = 1e-4", 64.0, "samples"),
+    ] {
+        let text = EXPERIMENT.replace("samples = 64", &format!("samples = 64{asked}"));
+        let (dir, plan) = (tempfile::tempdir().unwrap(), plan(&text));
+        // Stopped between two cells of one reference and gone on with: the second invocation reads that reference back.
+        invoke(&plan, dir.path(), &log(), 3).unwrap();
+        invoke(&plan, dir.path(), &log(), usize::MAX).unwrap();
+        let table = Table::read(&dir.path().join("errors.csv")).unwrap();
+        assert_eq!(table.rows.len(), 32);
+        assert!(table.numbers("reference_samples").unwrap().iter().all(|n| *n == Some(samples)), "{asked}");
+        assert!(table.numbers("reference_relative_error").unwrap().iter().all(|x| *x == Some(1e-3)), "{asked}");
+        let column = table.column("reference_stopped_by").unwrap();
+        assert!(table.rows.iter().all(|row| row[column] == stopped_by), "{asked}");
+        let says = match asked {
+            "" => "64 samples a pixel (relative standard error: median 0.0010, largest 0.0010)",
+            _ if stopped_by == "samples" => "64 samples a pixel at most; 0 of 4 stopped earlier",
+            _ => "64 samples a pixel at most; 4 of 4 stopped earlier at a relative standard error of 0.002",
+        };
+        assert!(summary(dir.path()).contains(says), "{}", summary(dir.path()));
+        let whole = tempfile::tempdir().unwrap();
+        invoke(&plan, whole.path(), &log(), usize::MAX).unwrap();
+        assert!(read(dir.path().join("errors.csv")) == read(whole.path().join("errors.csv")), "{asked}");
+    }
+}
+
+#[test]
+fn the_provenance_names_inputs_sessions_and_what_they_shared() {
+    let bench = Bench::new(&format!("{EXPERIMENT}[timing]\nwarmup = 1\nrounds = 3\n"));
+    bench.invoke(&log(), 3).unwrap();
+    let outcome = bench.invoke(&log(), usize::MAX).unwrap();
+    let line = outcome.work.unwrap().line(1000.0);
+    assert_eq!(
+        line,
+        "1.0 s, 100 % of it without the device. Made once and shared: dfg 2, reference 3, references of the run read back 1"
+    );
+    let value = bench.json("provenance.json");
+    assert_eq!(value["plan_hash"], bench.plan.hash);
+    assert_eq!(value["inputs"]["builtin:constant"].as_str().unwrap().len(), 64);
+    assert_eq!(value["metrics"].as_array().unwrap().len(), splitsum::metrics::METRICS.len());
+    let [first, second] = &value["sessions"].as_array().unwrap()[..] else { panic!("{value:#}") };
+    assert_eq!((&first["device"]["name"], first["program_hash"].as_str().unwrap().len()), (&"fake".into(), 64));
+    assert_eq!(second["shared_work"]["reference"], serde_json::json!({ "made": 3, "read": 0 }));
+    assert!(second["device_s"] == 0.0 && second["wall_s"].as_f64().unwrap() > 0.0);
+    // The fake is no GPU: nobody tells why its clock is low.
+    let timings = bench.table("timings.csv");
+    let slowdown = timings.column("slowdown").unwrap();
+    assert!(timings.rows.iter().all(|row| row[slowdown] == "unknown"));
+}

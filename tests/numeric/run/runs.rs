@@ -1,0 +1,196 @@
+//! Runs with the renderer made of formulas: how they are started, and what of their folders tests look at.
+
+use super::fake::{Fake, Log};
+use splitsum::experiment::Plan;
+use splitsum::run::{MakeRenderer, Outcome, Progress, RenderFault, Renderer, RunError, RunOptions, run};
+use splitsum::study::finished::Finished;
+use splitsum::study::questions::answers;
+use splitsum::study::write::Written;
+use splitsum::table::csv::Table;
+use std::cell::RefCell;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::rc::Rc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// The log of a fake that refuses nothing.
+pub fn log() -> Rc<RefCell<Log>> {
+    Rc::new(RefCell::new(Log::default()))
+}
+
+/// The plan of an experiment file with this text.
+pub fn plan(text: &str) -> Plan {
+    Plan::from_text(Path::new("tiny.toml"), text, &[]).unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// Follows nothing.
+pub struct Silent;
+
+impl Progress for Silent {
+    fn start(&mut self, _: usize, _: usize) {}
+    fn step(&mut self, _: &str, _: Option<&str>) {}
+    fn note(&mut self, _: &str) {}
+}
+
+/// Stops the run after a number of steps, and keeps what is noted.
+pub struct Steps<'a> {
+    pub stop: &'a AtomicBool,
+    pub left: usize,
+    pub notes: Vec<String>,
+}
+
+impl Progress for Steps<'_> {
+    fn start(&mut self, _: usize, _: usize) {}
+
+    fn step(&mut self, _: &str, _: Option<&str>) {
+        self.left = self.left.saturating_sub(1);
+        if self.left == 0 {
+            self.stop.store(true, Ordering::Relaxed);
+        }
+    }
+
+    fn note(&mut self, text: &str) {
+        self.notes.push(text.to_owned());
+    }
+}
+
+/// Method and sample count of each render.
+type Renders = Vec<(String, u32)>;
+
+/// A folder for runs of a plan.
+pub struct Bench {
+    pub dir: tempfile::TempDir,
+    pub plan: Plan,
+}
+
+impl Bench {
+    pub fn new(text: &str) -> Self {
+        Self { dir: tempfile::tempdir().unwrap(), plan: plan(text) }
+    }
+
+    /// With a finished run.
+    pub fn finished(text: &str) -> Self {
+        let bench = Self::new(text);
+        finished(&bench.plan, bench.dir.path());
+        bench
+    }
+
+    /// One invocation that is stopped after `steps` steps.
+    pub fn invoke(&self, log: &Rc<RefCell<Log>>, steps: usize) -> Result<Outcome, RunError> {
+        invoke(&self.plan, self.dir.path(), log, steps)
+    }
+
+    /// Runs what is not done: what was told, and the method and sample count of each render.
+    pub fn again(&self) -> Result<(Vec<String>, Renders), RunError> {
+        let (stop, log) = (AtomicBool::new(false), log());
+        let mut steps = Steps { stop: &stop, left: usize::MAX, notes: Vec::new() };
+        run(&self.plan, &mut fakes(&log) as &mut MakeRenderer, &options(self.dir.path(), &stop), &mut steps)?;
+        let renders = log.borrow().renders.clone();
+        Ok((steps.notes, renders))
+    }
+
+    pub fn path(&self, name: &str) -> PathBuf {
+        self.dir.path().join(name)
+    }
+
+    pub fn read(&self, name: &str) -> Vec<u8> {
+        read(self.path(name))
+    }
+
+    pub fn table(&self, name: &str) -> Table {
+        Table::read(&self.path(name)).unwrap()
+    }
+
+    pub fn json(&self, name: &str) -> serde_json::Value {
+        serde_json::from_slice(&self.read(name)).unwrap()
+    }
+
+    pub fn images(&self) -> BTreeMap<String, Vec<u8>> {
+        contents(&self.path("images"))
+    }
+}
+
+/// Options of a run in `dir` that traces its timings.
+pub fn options<'a>(dir: &Path, stop: &'a AtomicBool) -> RunOptions<'a> {
+    let command_line = vec!["splitsum".to_owned(), "run".to_owned(), "tiny.toml".to_owned()];
+    RunOptions { dir: dir.to_owned(), stop, command_line, extend: false, fail_fast: false, trace: true }
+}
+
+/// Makes fakes that write to one log.
+pub fn fakes(log: &Rc<RefCell<Log>>) -> impl FnMut() -> Result<Box<dyn Renderer>, RenderFault> + 'static {
+    let log = log.clone();
+    move || Ok(Box::new(Fake(log.clone())))
+}
+
+/// One invocation that is stopped after `steps` steps.
+pub fn invoke(plan: &Plan, dir: &Path, log: &Rc<RefCell<Log>>, steps: usize) -> Result<Outcome, RunError> {
+    let stop = AtomicBool::new(false);
+    let mut progress = Steps { stop: &stop, left: steps, notes: Vec::new() };
+    answered(run(plan, &mut fakes(log) as &mut MakeRenderer, &options(dir, &stop), &mut progress))
+}
+
+/// Writes what the tables of a run say, as the command line does.
+fn answered(outcome: Result<Outcome, RunError>) -> Result<Outcome, RunError> {
+    let outcome = outcome?;
+    written(&outcome.dir).write().unwrap();
+    Ok(outcome)
+}
+
+/// The answers of the run in a folder.
+pub fn written(dir: &Path) -> Written {
+    let run = Finished::read(dir).unwrap();
+    Written::new(&run, &answers(&run, None)).unwrap()
+}
+
+/// The summary in the folder of a run.
+pub fn summary(dir: &Path) -> String {
+    String::from_utf8(read(dir.join("summary.md"))).unwrap()
+}
+
+/// One invocation that extends the run of another plan in `dir`, and what it noted.
+pub fn extend(plan: &Plan, dir: &Path, log: &Rc<RefCell<Log>>) -> Result<Outcome, RunError> {
+    let stop = AtomicBool::new(false);
+    let options = RunOptions { extend: true, ..options(dir, &stop) };
+    answered(run(plan, &mut fakes(log) as &mut MakeRenderer, &options, &mut Silent))
+}
+
+/// A finished run in `dir`.
+pub fn finished(plan: &Plan, dir: &Path) -> PathBuf {
+    invoke(plan, dir, &log(), usize::MAX).unwrap_or_else(|error| panic!("{error}"));
+    dir.to_owned()
+}
+
+/// The bytes of a file.
+pub fn read(path: impl AsRef<Path>) -> Vec<u8> {
+    std::fs::read(path.as_ref()).unwrap_or_else(|error| panic!("{}: {error}", path.as_ref().display()))
+}
+
+/// Every file below `dir` with its content and, for files, its time of change.
+pub fn snapshot(dir: &Path) -> BTreeMap<String, (Vec<u8>, std::time::SystemTime)> {
+    let mut files = BTreeMap::new();
+    for entry in std::fs::read_dir(dir).unwrap().map(Result::unwrap) {
+        if entry.path().is_dir() {
+            let name = entry.file_name().into_string().unwrap();
+            files.extend(snapshot(&entry.path()).into_iter().map(|(k, v)| (format!("{name}/{k}"), v)));
+        } else {
+            let time = entry.metadata().unwrap().modified().unwrap();
+            files.insert(entry.file_name().into_string().unwrap(), (std::fs::read(entry.path()).unwrap(), time));
+        }
+    }
+    files
+}
+
+/// Every file below `dir` with its content; nothing when there is no such folder.
+pub fn contents(dir: &Path) -> BTreeMap<String, Vec<u8>> {
+    let files = if dir.exists() { snapshot(dir) } else { BTreeMap::new() };
+    files.into_iter().map(|(name, (bytes, _))| (name, bytes)).collect()
+}
+
+/// Changes a record as a program would that found something else: with a checksum of its own.
+pub fn rewrite(path: &Path, change: impl FnOnce(&mut serde_json::Value)) {
+    let mut record: serde_json::Value = serde_json::from_slice(&read(path)).unwrap();
+    record.as_object_mut().unwrap().remove("checksum").expect("records carry a checksum");
+    change(&mut record);
+    let text = serde_json::to_string_pretty(&record).unwrap() + "\n";
+    std::fs::write(path, splitsum::run::seal::sealed(&text)).unwrap();
+}
