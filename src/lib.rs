@@ -128,6 +128,7 @@ pub mod precompute;
 pub mod shade;
 pub mod tonemap;
 
+pub mod figure;
 pub mod metrics;
 pub mod table;
 
@@ -144,5 +145,7 @@ pub mod experiment;
 pub mod run;
 
 pub mod study;
+
+pub mod report;
 #[cfg(feature = "view")]
 pub mod view;

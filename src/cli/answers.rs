@@ -3,11 +3,11 @@
 use super::report::{known_metric, line};
 use super::{Failure, print, tell};
 use clap::Args;
+use splitsum::report::page::{PageOptions, Told, is_page, write};
+use splitsum::report::publish::{PublishError, check, publish, write_page, write_readme};
+use splitsum::report::write::Written;
 use splitsum::study::finished::{Finished, notes};
-use splitsum::study::page::{PageOptions, Told, is_page, write};
-use splitsum::study::publish::{PublishError, check, publish, write_page, write_readme};
 use splitsum::study::questions::answers;
-use splitsum::study::write::Written;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 

@@ -9,10 +9,10 @@ use splitsum::cost::isa::Counts;
 use splitsum::cost::model::passes;
 use splitsum::experiment::axis::{AXES, BRDF, METHOD, Point, SAMPLES};
 use splitsum::experiment::value::{Kind, Value};
+use splitsum::figure::svg::{WIDTHS, svg};
 use splitsum::shade::{FILE_PREFIX, METHODS, own};
 use splitsum::spelling::suggestion;
 use splitsum::study::cost::{Costs, Shaded};
-use splitsum::study::figure::svg::{WIDTHS, svg};
 use std::path::{Path, PathBuf};
 
 /// Samples a pixel, where none are asked for.

@@ -3,10 +3,10 @@
 use super::{Failure, print, tell};
 use clap::Args;
 use splitsum::metrics::{METRICS, metric};
+use splitsum::report::page::images::{BUDGET_BYTES, Choice, Window};
+use splitsum::report::page::{PAGE_FILE, PageError, PageOptions, Told, Written, check_out, write};
 use splitsum::spelling::suggestion;
 use splitsum::study::finished::{Finished, notes};
-use splitsum::study::page::images::{BUDGET_BYTES, Choice, Window};
-use splitsum::study::page::{PAGE_FILE, PageError, PageOptions, Told, Written, check_out, write};
 use splitsum::study::questions::{Answer, answers};
 use std::path::{Path, PathBuf};
 

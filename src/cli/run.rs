@@ -10,13 +10,13 @@ use splitsum::cost::child::{CompileFault, Job};
 use splitsum::cost::record::CostRecord;
 use splitsum::experiment::Plan;
 use splitsum::pipeline::{DeviceChoice, Options, Pipeline};
+use splitsum::report::page::{PageOptions, Told, write};
+use splitsum::report::write::Written;
 use splitsum::run::chunk::{PlanFile, run_chunk};
 use splitsum::run::store::{FailureRecord, Store};
 use splitsum::run::{Outcome, Progress, RenderFault, Renderer, RunError, RunOptions, run};
 use splitsum::study::finished::Finished;
-use splitsum::study::page::{PageOptions, Told, write};
 use splitsum::study::questions::{answers, question};
-use splitsum::study::write::Written;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 

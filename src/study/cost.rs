@@ -1,11 +1,11 @@
 //! What methods cost by the model of [`crate::cost`], as table, text and figure.
 
-use super::figure::ink::SERIES;
-use super::figure::{Figure, Mark, Panel, Scale, Series, Shape};
 use crate::cost::child::Compiler;
 use crate::cost::family::{FRAME, Family, Texel};
 use crate::cost::isa::Counts;
 use crate::cost::model::{Bound, Pass};
+use crate::figure::ink::SERIES;
+use crate::figure::{Figure, Mark, Panel, Scale, Series, Shape};
 use crate::run::columns::{Column, column};
 use crate::table::csv::{Cell, to_text};
 use crate::table::markdown::{Align, MarkdownTable};

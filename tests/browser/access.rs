@@ -2,7 +2,7 @@
 
 use crate::fixture::{assert_clean, cell, report};
 use serde_json::json;
-use splitsum::study::page::images::Choice;
+use splitsum::report::page::images::Choice;
 
 /// What is wrong with the view that is shown, one text a fault.
 const FAULTS: &str = "(() => { const faults = [], view = document.querySelector('.view:not([hidden])'); \

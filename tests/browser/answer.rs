@@ -2,7 +2,7 @@
 
 use crate::fixture::{HOSTILE, SIDE, assert_clean, report, saved};
 use serde_json::{Value, json};
-use splitsum::study::page::images::Choice;
+use splitsum::report::page::images::Choice;
 use splitsum::table::csv::Table;
 
 #[test]

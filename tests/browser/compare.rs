@@ -4,7 +4,7 @@ use crate::chromium::{self, Page};
 use crate::fixture::{SIDE, assert_clean, cell, page_of, report, report_of};
 use crate::viewer::shown;
 use serde_json::json;
-use splitsum::study::page::images::Choice;
+use splitsum::report::page::images::Choice;
 use splitsum::table::csv::Table;
 use std::path::Path;
 

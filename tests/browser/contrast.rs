@@ -2,7 +2,7 @@
 
 use crate::chromium::Page;
 use crate::fixture::report;
-use splitsum::study::page::images::Choice;
+use splitsum::report::page::images::Choice;
 
 const TEXT: f64 = 4.5;
 

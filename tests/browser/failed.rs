@@ -5,7 +5,7 @@ use crate::fake::Log;
 use crate::fixture::{assert_clean, page_of, report_of, run_of};
 use serde_json::{Value, json};
 use splitsum::pipeline::RenderRequest;
-use splitsum::study::page::images::Choice;
+use splitsum::report::page::images::Choice;
 use splitsum::table::csv::Table;
 use std::path::{Path, PathBuf};
 

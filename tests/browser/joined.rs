@@ -4,8 +4,8 @@ use crate::chromium::{self, Page};
 use crate::fake::Log;
 use crate::fixture::{assert_clean, page_of, report_of, run_of, run_of_text, write_page};
 use serde_json::json;
-use splitsum::study::page::PageOptions;
-use splitsum::study::page::images::Choice;
+use splitsum::report::page::PageOptions;
+use splitsum::report::page::images::Choice;
 use std::path::{Path, PathBuf};
 
 const ALL: &str = "environment = [\"builtin:constant\"]\nbrdf = [\"ggx\"]\nalpha = [0.1, 0.5]\nmethod = [\"sampled\", \"split-sum\"]\nsamples = [1, 4, 16]";

@@ -3,7 +3,7 @@
 use crate::chromium::Page;
 use crate::fixture::{assert_clean, page_of, report};
 use serde_json::{Value, json};
-use splitsum::study::page::images::Choice;
+use splitsum::report::page::images::Choice;
 use splitsum::table::colormap::{OFF_MASK_COLOR, RELATIVE_ERROR, SIGNED_ERROR};
 use splitsum::tonemap::ToneCurve;
 use std::path::Path;

@@ -18,8 +18,8 @@ mod viewer;
 
 use fixture::{HOSTILE_FOLDER, assert_clean, cell, finished_run, page_of, report, write_page};
 use serde_json::json;
-use splitsum::study::page::PageOptions;
-use splitsum::study::page::images::{Choice, Window};
+use splitsum::report::page::PageOptions;
+use splitsum::report::page::images::{Choice, Window};
 use std::path::Path;
 use viewer::open_compare;
 
@@ -99,7 +99,7 @@ fn views_fit_phone_laptop_and_desk() {
 
 #[test]
 fn a_page_is_written_over_a_page_alone() {
-    use splitsum::study::page::{PageError, check_out};
+    use splitsum::report::page::{PageError, check_out};
     let dir = tempfile::tempdir().unwrap();
     let run = finished_run(dir.path(), "run", None);
     let report = page_of(&run, Choice::None);

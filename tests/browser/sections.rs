@@ -4,7 +4,7 @@ use crate::chromium::{self, Page};
 use crate::fixture::{HOSTILE, assert_clean, cell, report, report_of};
 use crate::viewer::{open_compare, shown};
 use serde_json::{Value, json};
-use splitsum::study::page::images::Choice;
+use splitsum::report::page::images::Choice;
 use std::path::Path;
 
 #[test]

@@ -3,7 +3,7 @@
 use crate::chromium::Page;
 use crate::fixture::{assert_clean, report, rows, saved};
 use serde_json::json;
-use splitsum::study::page::images::Choice;
+use splitsum::report::page::images::Choice;
 use splitsum::table::csv::Table;
 
 /// Chooses a value of an axis.

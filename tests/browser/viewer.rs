@@ -5,7 +5,7 @@ use crate::fake::{ERROR_AT_ONE, SPLIT_SUM_ERROR};
 use crate::fixture::{SIDE, assert_clean, cell, report, stored};
 use half::f16;
 use serde_json::json;
-use splitsum::study::page::images::Choice;
+use splitsum::report::page::images::Choice;
 use splitsum::tonemap::ToneCurve;
 use std::path::Path;
 

@@ -16,11 +16,11 @@ const ROWS: &[&[&[&str]]] = &[
     &[&["glsl", "math", "color", "files", "spelling", "pixels"]],
     &[&["brdf", "environment", "scene"], &["gpu"]],
     &[&["precompute", "gbuffer", "shade", "tonemap"]],
-    &[&["metrics"], &["table"]],
+    &[&["metrics"], &["table", "figure"]],
     &[&["bakes"], &["ladder"]],
     &[&["pipeline"], &["oracle"], &["slips"], &["cost"]],
     &[&["experiment", "run"]],
-    &[&["study"], &["view"]],
+    &[&["study", "report"], &["view"]],
 ];
 
 /// What metrics see: images, a mask and the tone curve, never a method.

@@ -4,7 +4,7 @@ use super::numbers::{Numbers, is_formula};
 use super::words::{count, short};
 use crate::experiment::axis::{AXES, ENVIRONMENT};
 use crate::experiment::value::Value;
-use crate::study::figure::{Figure, Mark, Panel, Ramp, Scale, Series, Shape as Form};
+use crate::figure::{Figure, Mark, Panel, Ramp, Scale, Series, Shape as Form};
 use crate::study::frame::Row;
 
 /// Panels of a figure; the table has the others.

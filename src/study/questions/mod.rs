@@ -6,14 +6,14 @@
 mod chart;
 mod numbers;
 mod prelude;
-pub(super) mod words;
+pub mod words;
 
-use super::figure::Figure;
 use super::finished::Finished;
 use super::frame::{Frame, Shape};
 use super::table::{Column, Table, column};
 use crate::experiment::config::Config;
 use crate::experiment::fault::ConfigError;
+use crate::figure::Figure;
 use crate::spelling::suggestion;
 
 /// Columns of several questions.

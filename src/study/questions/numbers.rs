@@ -5,7 +5,7 @@ use super::words::{count, label, listed, number, range, range_words, scope_sente
 use crate::environment::BUILTIN_PREFIX;
 use crate::experiment::axis::{ALPHA, AXES, ENVIRONMENT, METHOD, Part, SAMPLES};
 use crate::experiment::value::Value;
-use crate::study::figure::{Mark, Shape as Form};
+use crate::figure::{Mark, Shape as Form};
 use crate::study::frame::estimate::{CLUSTERS_MIN, Estimate, Middle, estimate};
 use crate::study::frame::{Frame, Row, values};
 use crate::study::table::Table;

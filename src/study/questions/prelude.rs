@@ -6,9 +6,9 @@ pub use super::words::*;
 pub use super::{Finding, Question};
 pub use crate::experiment::axis::*;
 pub use crate::experiment::value::Value;
+pub use crate::figure::{Figure, Mark, Shape as Form};
 pub use crate::scene::is_design;
 pub use crate::shade::NONE;
-pub use crate::study::figure::{Figure, Mark, Shape as Form};
 pub use crate::study::frame::estimate::{Estimate, Middle, estimate, geometric_mean, median};
 pub use crate::study::frame::{
     Frame, Key, Row, Shape, VISIBLE_FROM, ascending, by, distinct_in_order, fits, grouped, grouped_ascending, pair,

@@ -115,7 +115,7 @@ fn records_of_an_earlier_run_price_other_cells_of_the_experiment() {
     // The same images again, at twice as many alphas.
     let ratio = got.bytes / (2.0 * files as f64);
     assert!((1.0..4.0).contains(&ratio), "{ratio}: images, records and tables beside them");
-    assert_eq!(REPORT_BYTES_MAX, splitsum::study::page::images::BUDGET_BYTES);
+    assert_eq!(REPORT_BYTES_MAX, splitsum::report::page::images::BUDGET_BYTES);
 
     // Made on another device: they say nothing here.
     let mut other = splitsum::run::Renderer::device(&*fakes(&log())().unwrap());

@@ -4,8 +4,8 @@ use super::runs::{finished, read, snapshot};
 use splitsum::environment::LoadOptions;
 use splitsum::experiment::Plan;
 use splitsum::pixels::{GrayImage, RgbImage};
+use splitsum::report::publish::publish;
 use splitsum::run::frozen;
-use splitsum::study::publish::publish;
 use std::path::Path;
 
 const EXPERIMENT: &str = "name = \"files\"\nsize = [16, 16]\nscene = \"ball.obj\"\nreference = { samples = 32 }\n[axes]\n\

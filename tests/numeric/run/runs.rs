@@ -2,10 +2,10 @@
 
 use super::fake::{Fake, Log};
 use splitsum::experiment::Plan;
+use splitsum::report::write::Written;
 use splitsum::run::{MakeRenderer, Outcome, Progress, RenderFault, Renderer, RunError, RunOptions, run};
 use splitsum::study::finished::Finished;
 use splitsum::study::questions::answers;
-use splitsum::study::write::Written;
 use splitsum::table::csv::Table;
 use std::cell::RefCell;
 use std::collections::BTreeMap;

@@ -4,7 +4,7 @@ use super::asked::{CURVES, digest, samples};
 use super::paper::{Made, Paper, column, finding, finished, numbers, only};
 use crate::run::fake::{ERROR_AT_ONE, SPLIT_SUM_ERROR};
 use crate::run::runs;
-use splitsum::study::figure::{Mark, Panel, Shape};
+use splitsum::figure::{Mark, Panel, Shape};
 use splitsum::study::finished::{Bin, Finished, MetricValues};
 
 #[test]

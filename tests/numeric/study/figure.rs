@@ -5,9 +5,9 @@ mod legible;
 
 use figures::{Drawn, dots, hard, hostile};
 use serde_json::Value;
-use splitsum::study::figure::svg::{WIDTHS, svg};
-use splitsum::study::figure::vega::vega;
-use splitsum::study::figure::{Figure, Mark, Panel, Scale, ScaleKind, Series, Shape};
+use splitsum::figure::svg::{WIDTHS, svg};
+use splitsum::figure::vega::vega;
+use splitsum::figure::{Figure, Mark, Panel, Scale, ScaleKind, Series, Shape};
 use std::collections::BTreeSet;
 
 /// An SVG of 500 marks, bytes: each has its words three times, which a packed file does not notice.

@@ -8,10 +8,10 @@ use half::f16;
 use serde_json::{Value, json};
 use splitsum::pixels::packed;
 use splitsum::pixels::{GrayImage, RgbImage};
+use splitsum::report::page::images::{BUDGET_BYTES, Choice, Window, collect};
+use splitsum::report::page::render::in_script;
+use splitsum::report::page::{PageOptions, Told, write};
 use splitsum::study::finished::Finished;
-use splitsum::study::page::images::{BUDGET_BYTES, Choice, Window, collect};
-use splitsum::study::page::render::in_script;
-use splitsum::study::page::{PageOptions, Told, write};
 use splitsum::study::questions::{Answer, answers};
 use std::io::Read;
 use std::path::{Path, PathBuf};
@@ -131,8 +131,8 @@ fn a_page_is_the_same_each_time_and_holds_every_cell_and_answer_once() {
         assert_eq!(told["name"], answer.question.name);
         assert_eq!(told["rows"].as_array().unwrap().len(), answer.finding.table.rows.len());
         assert!(page.contains(&format!("id=\"{}\"", answer.question.name)));
-        for width in splitsum::study::figure::svg::WIDTHS {
-            let figure = answer.finding.figure.as_ref().map(|figure| splitsum::study::figure::svg::svg(figure, width));
+        for width in splitsum::figure::svg::WIDTHS {
+            let figure = answer.finding.figure.as_ref().map(|figure| splitsum::figure::svg::svg(figure, width));
             assert!(figure.is_none_or(|figure| page.contains(figure.trim_end())), "{}", answer.question.name);
         }
     }

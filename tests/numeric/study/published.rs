@@ -2,9 +2,9 @@
 
 use crate::run::run::EXPERIMENT;
 use crate::run::runs::{invoke, log, plan};
+use splitsum::report::publish::with_answers;
 use splitsum::run::columns::{CELL, TABLES};
 use splitsum::study::columns;
-use splitsum::study::publish::with_answers;
 use splitsum::table::csv::Table;
 use std::path::{Path, PathBuf};
 

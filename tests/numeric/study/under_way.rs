@@ -2,9 +2,9 @@
 
 use crate::run::run::EXPERIMENT;
 use crate::run::runs::{invoke, log, plan, read, written};
+use splitsum::report::page::{PageOptions, Told, write};
 use splitsum::run::store::Store;
 use splitsum::study::finished::{Finished, notes};
-use splitsum::study::page::{PageOptions, Told, write};
 
 #[test]
 fn the_tables_of_a_run_that_is_at_work_are_those_of_the_cells_that_are_done() {

@@ -1,7 +1,7 @@
 //! Figures that are hard to draw, and a reader of SVGs.
 
 use roxmltree::{Document, Node, NodeId};
-use splitsum::study::figure::{Figure, Mark, Panel, Ramp, Scale, ScaleKind, Series, Shape};
+use splitsum::figure::{Figure, Mark, Panel, Ramp, Scale, ScaleKind, Series, Shape};
 
 /// Dots of the first series.
 pub fn dots([x, y]: [ScaleKind; 2], points: &[[f64; 2]]) -> Figure {

@@ -2,9 +2,9 @@
 
 use super::figures::{Drawn, hard};
 use roxmltree::Node;
-use splitsum::study::figure::ink::{INKS, SERIES};
-use splitsum::study::figure::svg::{WIDTHS, svg};
-use splitsum::study::figure::text::{ASCENT, AXIS, DESCENT, Font, LABEL, NAME, NOTE, TILE, TITLE};
+use splitsum::figure::ink::{INKS, SERIES};
+use splitsum::figure::svg::{WIDTHS, svg};
+use splitsum::figure::text::{ASCENT, AXIS, DESCENT, Font, LABEL, NAME, NOTE, TILE, TITLE};
 
 /// Contrast of marks and of words with their ground (WCAG 2.2, 1.4.11 and 1.4.3).
 const MARKS_LEAST: f64 = 3.0;

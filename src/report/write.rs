@@ -1,14 +1,14 @@
 //! `answers/` in the folder of a run, and its summary.
 
-use super::figure::svg::{WIDTHS, svg};
-use super::figure::vega::vega;
-use super::finished::Finished;
-use super::questions::Answer;
 use super::record::{ANSWER_FILE, AnswerRecord, ToldAnswer, WriteError, told};
 use super::summary;
+use crate::figure::svg::{WIDTHS, svg};
+use crate::figure::vega::vega;
 use crate::files::holds;
 use crate::pixels::Staged;
 use crate::run::store::ANSWERS_FOLDER;
+use crate::study::finished::Finished;
+use crate::study::questions::Answer;
 use std::path::PathBuf;
 
 /// The summary, beside the tables of the run.

@@ -45,7 +45,7 @@ pub fn dashes(index: usize, is_dashed: bool) -> Option<&'static str> {
 }
 
 /// Sizes, weights and strokes.
-const SHAPES: &str = include_str!("../../../assets/report/figure.css");
+const SHAPES: &str = include_str!("../../assets/report/figure.css");
 
 /// The style sheet of a figure. Each colour stands twice: programs without custom properties read the first.
 pub fn style() -> String {

@@ -1,10 +1,10 @@
 //! `answer.json`: the answers of a run in words, for programs.
 
-use super::questions::Answer;
-use super::table::Table;
 use crate::files::{RECORD_BYTES_MAX, read_text};
 use crate::pixels::PixelsError;
 use crate::run::store::ANSWERS_FOLDER;
+use crate::study::questions::Answer;
+use crate::study::table::Table;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 

@@ -1,6 +1,5 @@
 //! Published runs: the small files of finished runs in a folder for git, and a page with the answers of all of them.
 
-use super::finished::{FinishedError, provenance};
 use super::record::{ANSWER_FILE, AnswerRecord, WriteError};
 use super::summary::{SHEETS_FOLDER, bold, sheet_link, sheet_title};
 use super::write::SUMMARY_FILE;
@@ -12,6 +11,7 @@ use crate::run::provenance::{EXPERIMENT_FOLDER, PROVENANCE_FILE, SET_FOLDER};
 use crate::run::sheets::{PUBLISHED_SIZE, sheet_files};
 use crate::run::store::{ANSWERS_FOLDER, TIMINGS_FOLDER};
 use crate::slips;
+use crate::study::finished::{FinishedError, provenance};
 use crate::table::markdown::{self, Align, MarkdownTable, inline, link_label, paragraph};
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
