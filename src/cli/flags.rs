@@ -44,6 +44,7 @@ impl SeenFlags {
             camera: CameraKind::by_name(self.camera.text()).expect("the flag's parser checked the name"),
             orbit: self.orbit.unwrap_or_default(),
             background: self.background,
+            antialias: false,
             lights: self.lights.clone(),
             seed: self.seed.count(),
             reference_error: None,

@@ -35,6 +35,9 @@ pub struct Arguments {
     /// Stops the reference before --samples, once the relative standard error of each of its terms is at most this.
     #[arg(long, value_name = "E", value_parser = |text: &str| Kind::Number(Range::above(0.0, 1.0)).parse_text(text))]
     relative_error: Option<Value>,
+    /// Antialias silhouettes; pixels on them leave the mask.
+    #[arg(long)]
+    antialias: bool,
     #[command(flatten)]
     seen: SeenFlags,
     #[command(flatten)]
@@ -74,6 +77,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let view = View {
         reference_error: arguments.relative_error.as_ref().map(Value::number),
         reference_samples: reference_samples(arguments),
+        antialias: arguments.antialias,
         ..seen.view()
     };
     let curve = settings.curve;

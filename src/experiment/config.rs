@@ -83,6 +83,7 @@ pub struct Config {
     pub camera: CameraKind,
     pub orbit: Orbit,
     pub background: bool,
+    pub antialias: bool,
     pub reference: Reference,
     /// Where its sample count was written.
     pub reference_samples_place: Place,
@@ -139,6 +140,7 @@ pub(super) const KEYS: &[&str] = &[
     "camera",
     "orbit",
     "background",
+    "antialias",
     "reference",
     "axes",
     "zip",
@@ -270,8 +272,9 @@ impl Config {
                 Some(Err(fault)) => faults.add(&at(value), format!("orbit: {fault}; expected [yaw, pitch, distance]")),
                 None => {}
             },
-            "background" | "printed_slips" | "sheets" => match (raw, key) {
+            "background" | "antialias" | "printed_slips" | "sheets" => match (raw, key) {
                 (Raw::Boolean(is_set), "background") => self.background = is_set,
+                (Raw::Boolean(is_set), "antialias") => self.antialias = is_set,
                 (Raw::Boolean(is_set), "sheets") => self.has_sheets = is_set,
                 (Raw::Boolean(is_set), _) => self.has_printed_slips = is_set,
                 (raw, _) => faults.add(&at(value), format!("{key}: {raw} is not true or false")),

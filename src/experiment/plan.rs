@@ -191,6 +191,7 @@ impl Plan {
             camera: self.config.camera,
             orbit: self.config.orbit,
             background: self.config.background,
+            antialias: self.config.antialias,
             lights: self.config.lights.clone(),
             seed,
             reference_samples: self.config.reference.samples,
@@ -252,7 +253,7 @@ impl Plan {
         if !self.config.orbit.is_still() && self.inputs.scenes().any(|scene| scene.is_design) {
             warnings.add(&Place::File(0), "orbit: the scene design has a camera of its own, which does not turn");
         }
-        if self.config.background && self.inputs.scenes().any(|scene| scene.is_design) {
+        if self.config.background && self.inputs.scenes().all(|scene| scene.is_design) {
             warnings.add(
                 &Place::File(0),
                 "background: the scene design shows none: each pixel is an experiment of its own",
@@ -343,6 +344,9 @@ fn radiance_id(config: &Config, inputs: &Inputs, point: &Point, seed: u32, relat
         format!("camera={}", config.camera.name()),
         format!("background={}", config.background),
     ];
+    if config.antialias && !inputs.scene(point[SCENE].text()).is_design {
+        lines.push("antialias=true".to_owned());
+    }
     if !config.orbit.is_still() {
         lines.push(format!("orbit={:?}", config.orbit));
     }

@@ -36,6 +36,8 @@ pub(super) fn key(request: &RenderRequest) -> Option<SharedKey> {
         reference_error,
         lights,
         background,
+        // Comes after what is kept.
+        antialias: _,
         precompute,
         // A table is told by its key, and no reference reads a prefiltered map.
         given: _,

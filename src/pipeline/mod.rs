@@ -3,6 +3,7 @@
 //! Tables, scenes and g-buffers are kept by what determines them, so that a sweep makes each once. With a [`DiskCache`] tables and
 //! references are kept for later runs, too.
 
+mod antialias;
 mod bake;
 mod cache;
 mod disk_cache;
@@ -161,7 +162,8 @@ impl Pipeline {
 
     /// Whether the device can serve `request`, as far as that can be told before anything is allocated.
     pub fn check(&self, request: &RenderRequest) -> Result<(), PipelineError> {
-        fit::check(&self.gpu, request)
+        fit::check(&self.gpu, request)?;
+        if request.is_antialiased() { fit::check(&self.gpu, &request.coverage_points()) } else { Ok(()) }
     }
 
     fn prepare(&mut self, request: &RenderRequest) -> Result<Prepared, PipelineError> {
@@ -185,6 +187,17 @@ impl Pipeline {
 
     /// Renders one radiance image.
     pub fn render(&mut self, request: &RenderRequest) -> Result<Frame, PipelineError> {
+        let frame = self.render_points(request)?;
+        if !request.is_antialiased() {
+            return Ok(frame);
+        }
+        let points = request.coverage_points();
+        let (_, target) = self.with_memory(|pipeline| pipeline.resources.view(&pipeline.gpu, &points))?;
+        Ok(antialias::resolved(frame, &antialias::coverage(&target.mask)))
+    }
+
+    /// As [`Pipeline::render`], without antialiasing.
+    fn render_points(&mut self, request: &RenderRequest) -> Result<Frame, PipelineError> {
         let Some(key) = kept_reference::key(request) else {
             return Ok(self.with_memory(|pipeline| pipeline.rendered(request))?.0);
         };

@@ -1,5 +1,6 @@
 //! What is asked of the pipeline and what it answers.
 
+use super::antialias::POINTS_PER_SIDE;
 use crate::bakes::given::Given;
 use crate::brdf::{Brdf, Compensation, Ggx, MaskingShadowing};
 use crate::environment::{Environment, Placement};
@@ -46,6 +47,8 @@ pub struct RenderRequest {
     pub lights: Vec<Light>,
     /// Shows the environment where nothing is hit.
     pub background: bool,
+    /// Antialiases silhouettes; pixels on them leave the mask. Without effect on the scene `design`.
+    pub antialias: bool,
     pub precompute: PrecomputeSettings,
     /// Tables of other tools; sizes, levels and mapping in `precompute` are theirs.
     pub given: Given,
@@ -100,10 +103,21 @@ impl RenderRequest {
             lod_bias: 0.0,
             lights: Vec::new(),
             background: false,
+            antialias: false,
             precompute: PrecomputeSettings::default(),
             given: Given::default(),
             seed: 1,
         }
+    }
+
+    /// Whether silhouettes are antialiased: the pixels of the scene `design` have none.
+    pub(super) fn is_antialiased(&self) -> bool {
+        self.antialias && !self.scene.is_design
+    }
+
+    /// The request whose g-buffer has the points at which coverage is sampled.
+    pub(super) fn coverage_points(&self) -> Self {
+        Self { size: self.size.map(|side| side * POINTS_PER_SIDE), antialias: false, ..self.clone() }
     }
 
     /// The terms that are taken from the reference, specular first.

@@ -65,6 +65,7 @@ impl State {
             camera,
             orbit: Orbit::new(written.orbit).map_err(|fault| format!("orbit: {fault}"))?,
             background: written.background,
+            antialias: false,
             lights: lights.map_err(|fault| format!("lights: {fault}"))?,
             seed: written.seed,
             reference_error: None,

@@ -110,6 +110,7 @@ fn neighbours(base: &RenderRequest) -> Vec<RenderRequest> {
         lod_bias,
         lights: _,
         background,
+        antialias: _,
         precompute,
         given: _,
         seed,

@@ -2,6 +2,7 @@
 //!
 //! Without a Vulkan device each test prints one line and passes; `GOLDEN=require` makes that a failure. Everything runs under the
 //! validation layer (core and synchronisation) and any message fails the test; `SPLITSUM_VALIDATION=0` turns the layer off.
+mod antialias;
 mod brdf;
 #[path = "../shared/chi_square.rs"]
 mod chi_square;

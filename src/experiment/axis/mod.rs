@@ -66,6 +66,7 @@ pub struct View {
     pub camera: CameraKind,
     pub orbit: Orbit,
     pub background: bool,
+    pub antialias: bool,
     pub lights: Vec<Light>,
     pub seed: u32,
     /// Samples of a reference diffuse term beside another method; the reference method itself takes `samples`.
@@ -126,6 +127,7 @@ impl Settings {
             lod_bias: self.lod_bias,
             lights: view.lights.clone(),
             background: view.background,
+            antialias: view.antialias,
             precompute,
             given,
             seed: view.seed,

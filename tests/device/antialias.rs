@@ -1,0 +1,45 @@
+//! Antialiased silhouettes against the area of a disc.
+
+use crate::harness::{constant_environment, request, scene, with_pipeline};
+use splitsum::pipeline::RenderRequest;
+use splitsum::scene::{CameraKind, MaterialOverride};
+use splitsum::shade::{diffuse_by_name, method_by_name};
+use std::f64::consts::PI;
+
+/// Under constant light a surface that reflects all of it and the background are one colour, edge or not; against black the image has the
+/// area of the disc.
+#[test]
+fn edges_have_the_radiance_of_what_they_cover() {
+    with_pipeline(|pipeline| {
+        let white = constant_environment([1.0; 3]);
+        let size = [24, 24];
+        let grey = MaterialOverride { albedo: Some([0.5; 3]), f0: Some([0.0; 3]), ..MaterialOverride::default() };
+        let (method, half_side) = (method_by_name("none").unwrap(), 1.05);
+        let diffuse = diffuse_by_name("irradiance-map").unwrap();
+        let own = RenderRequest {
+            method,
+            diffuse,
+            antialias: true,
+            background: true,
+            ..request(&white, scene("sphere", grey), CameraKind::Ortho, size)
+        };
+        let plain = pipeline.render(&RenderRequest { antialias: false, background: false, ..own.clone() }).unwrap();
+        let level = plain.radiance.get(12, 12)[0];
+        let frame = pipeline.render(&own).unwrap();
+        for (texel, hit) in frame.radiance.data.iter().zip(&frame.mask.data) {
+            let range = if *hit == 1.0 { level..=level } else { level.min(1.0)..=level.max(1.0) };
+            // Pixels of one colour differ by f32 rounding.
+            assert!(
+                range.start() - 1e-6 <= texel[0] && texel[0] <= range.end() + 1e-6,
+                "{texel:?} on a surface of {level} before 1"
+            );
+        }
+        let black = pipeline.render(&RenderRequest { background: false, ..own }).unwrap();
+        let area: f64 = black.radiance.data.iter().map(|texel| f64::from(texel[0] / level)).sum();
+        let disc = PI / (4.0 * half_side * half_side) * f64::from(size[0] * size[1]);
+        assert!((area / disc - 1.0).abs() < 2e-3, "{area} pixels of {disc}");
+        // What is half covered is not scored, and all that is whole is.
+        let scored: f32 = black.mask.data.iter().sum();
+        assert!(f64::from(scored) < disc && f64::from(scored) > disc - PI * f64::from(size[0]), "{scored} of {disc}");
+    });
+}
