@@ -49,7 +49,7 @@ has_python() {
 }
 has_python || install_packages python3-venv
 require_rust
-require has_compiler g++ has_loader libvulkan1 has_driver mesa-vulkan-drivers
+require compiler loader driver
 program=${SPLITSUM:-target/release/splitsum}
 [ -n "${SPLITSUM:-}" ] || cargo build --release --locked
 work=${BENCH_PEERS_WORK:-}
@@ -80,7 +80,7 @@ pip_install "$work/pillow.log" pillow==12.0.0 || stop "pip cannot install pillow
 
 cmgen=
 if wants cmgen; then
-    if has_command cmgen || (install_packages libfilament-tools) >"$work/cmgen.log" 2>&1; then
+    if has_command cmgen || install_packages libfilament-tools >"$work/cmgen.log" 2>&1; then
         cmgen=$(command -v cmgen)
         versions="$versions,cmgen=$(dpkg-query -W -f '${Version}' libfilament-tools 2>/dev/null | sed 's/[+-].*//')"
     else
@@ -98,8 +98,7 @@ if wants khronos; then
 fi
 modules=
 if wants three; then
-    if { has_node && has_npm || (install_packages nodejs npm); } >"$work/three.log" 2>&1 &&
-        { has_browser || (install_packages chromium); } >>"$work/three.log" 2>&1 &&
+    if require node npm browser >"$work/three.log" 2>&1 &&
         npm install --silent --no-audit --no-fund --prefix "$work" three@0.187.0 >>"$work/three.log" 2>&1; then
         modules=$work/node_modules
     else
@@ -110,7 +109,7 @@ mitsuba=
 if wants mitsuba; then
     llvm=/usr/lib/$(uname -m)-linux-gnu/libLLVM-19.so
     if pip_install "$work/mitsuba.log" mitsuba==3.9.1 numpy &&
-        { [ -e "$llvm" ] || (install_packages libllvm19) >>"$work/mitsuba.log" 2>&1; }; then
+        { [ -e "$llvm" ] || install_packages libllvm19 >>"$work/mitsuba.log" 2>&1; }; then
         mitsuba=$python
         export DRJIT_LIBLLVM_PATH="$llvm"
     else

@@ -6,13 +6,13 @@ cd "$(dirname "$0")/.."
 . scripts/setup.sh
 
 require_rust
-require has_compiler g++ has_loader libvulkan1 has_driver mesa-vulkan-drivers
+require compiler loader driver
 
 say "building (the first time takes a few minutes)"
 cargo build --release --locked
 
 say "Vulkan devices"
-require_device
+require_device cargo run --release --locked --quiet --
 
 say "running experiments/quick.toml"
 exec cargo run --release --locked --quiet -- run experiments/quick.toml

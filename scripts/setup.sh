@@ -1,7 +1,9 @@
 # shellcheck shell=sh
-# Sourced by demo.sh and test.sh: finds what a build and a Vulkan device need, and installs only what is missing.
+# Sourced by the other scripts: finds what a build and a Vulkan device need, and installs only what is missing.
 #
-# POSIX sh. Packages come from apt-get, as root or through sudo. Elsewhere the message names what to install by hand.
+# POSIX sh. Packages come from apt-get, as root or through sudo. Without apt-get a message lists the packages to install by hand.
+# Functions that set variables are subshells, `name() (...)`, so that none of their variables reaches the caller. Only require_rust
+# changes the caller: it extends PATH.
 
 say() {
     printf '%s\n' "splitsum: $*"
@@ -16,119 +18,108 @@ has_command() {
     command -v "$1" >/dev/null 2>&1
 }
 
-# The folders in which the Vulkan loader looks for manifests of drivers (icd.d) or layers (explicit_layer.d), one a line.
-manifest_dirs() {
-    data_dirs=${XDG_DATA_HOME:-${HOME:-/root}/.local/share}:${XDG_DATA_DIRS:-/usr/local/share:/usr/share}
-    config_dirs=${XDG_CONFIG_HOME:-${HOME:-/root}/.config}:${XDG_CONFIG_DIRS:-/etc/xdg}:/usr/local/etc:/etc
-    printf '%s\n' "$config_dirs:$data_dirs" | tr ':' '\n' | sed -e '/^$/d' -e "s|\$|/vulkan/$1|"
-}
-
-has_manifest() { # folder, pattern
-    manifest_dirs "$1" | while IFS= read -r dir; do
-        for file in "$dir"/$2; do
-            [ ! -e "$file" ] || echo found
+# Succeeds if one of the files on standard input exists: names or patterns, a line each.
+any_exists() (
+    IFS=
+    while read -r pattern; do
+        for file in $pattern; do
+            [ ! -e "$file" ] || exit 0
         done
-    done | grep -q found
-}
+    done
+    exit 1
+)
 
-has_compiler() {
+# Succeeds if the Vulkan loader finds a manifest of a driver (icd.d) or of a layer (explicit_layer.d).
+has_manifest() ( # folder, pattern
+    data=${XDG_DATA_HOME:-${HOME:-/root}/.local/share}:${XDG_DATA_DIRS:-/usr/local/share:/usr/share}
+    config=${XDG_CONFIG_HOME:-${HOME:-/root}/.config}:${XDG_CONFIG_DIRS:-/etc/xdg}:/usr/local/etc:/etc
+    printf '%s\n' "$config:$data" | tr ':' '\n' | sed -e '/^$/d' -e "s|\$|/vulkan/$1/$2|" | any_exists
+)
+
+has_compiler() (
     # ${CXX} may hold arguments or a wrapper (ccache g++).
     # shellcheck disable=SC2086
     set -- ${CXX:-c++}
     has_command "$1" && has_command cc
-}
+)
 
 has_loader() {
-    # ldconfig is not on every user's path.
-    if PATH=$PATH:/sbin:/usr/sbin ldconfig -p 2>/dev/null | grep -q 'libvulkan\.so\.1'; then
-        return 0
-    fi
-    printf '%s\n' "${LD_LIBRARY_PATH:-}" | tr ':' '\n' | while IFS= read -r dir; do
-        [ ! -e "$dir/libvulkan.so.1" ] || echo found
-    done | grep -q found
+    # /sbin, the folder of ldconfig, is often missing in a user's PATH.
+    env PATH="$PATH:/sbin:/usr/sbin" ldconfig -p 2>/dev/null | grep -q 'libvulkan\.so\.1' ||
+        printf '%s\n' "${LD_LIBRARY_PATH:-}" | tr ':' '\n' | sed -e '/^$/d' -e 's|$|/libvulkan.so.1|' | any_exists
 }
 
-# A driver's manifest, no more: whether a device answers is known after the build, from `splitsum devices`.
+# Looks for a manifest only: `splitsum devices` shows after the build whether a device answers.
 has_driver() {
-    named=${VK_DRIVER_FILES:-${VK_ICD_FILENAMES:-}}
-    if [ -z "$named" ]; then
+    if [ -n "${VK_DRIVER_FILES:-${VK_ICD_FILENAMES:-}}" ]; then
+        printf '%s\n' "${VK_DRIVER_FILES:-$VK_ICD_FILENAMES}" | tr ':' '\n' | any_exists
+    else
         has_manifest icd.d '*.json'
-        return
     fi
-    printf '%s\n' "$named" | tr ':' '\n' | while IFS= read -r file; do
-        [ ! -e "$file" ] || echo found
-    done | grep -q found
 }
 
 has_validation() {
-    named=${VK_LAYER_PATH:-}
-    if [ -n "$named" ]; then
-        printf '%s\n' "$named" | tr ':' '\n' | while IFS= read -r dir; do
-            [ ! -e "$dir/VkLayer_khronos_validation.json" ] || echo found
-        done | grep -q found
-        return
+    if [ -n "${VK_LAYER_PATH:-}" ]; then
+        printf '%s\n' "$VK_LAYER_PATH" | tr ':' '\n' | sed 's|$|/VkLayer_khronos_validation.json|' | any_exists
+    else
+        has_manifest explicit_layer.d '*khronos_validation*.json'
     fi
-    has_manifest explicit_layer.d '*khronos_validation*.json'
 }
 
-# What the checks look for, for messages.
-describe() {
-    case $1 in
-        has_compiler) echo "a C++ compiler (c++ and cc)" ;;
-        has_loader) echo "the Vulkan loader (libvulkan.so.1)" ;;
-        has_driver) echo "a Vulkan driver (a manifest in vulkan/icd.d)" ;;
-        has_validation) echo "the Vulkan validation layer" ;;
-        has_browser) echo "Chromium" ;;
-        has_xvfb) echo "Xvfb" ;;
-        has_xdotool) echo "xdotool" ;;
-        has_openbox) echo "openbox" ;;
-        has_node) echo "Node.js (node)" ;;
-        has_npm) echo "npm" ;;
-    esac
-}
-
-# As tests/browser looks for it.
+# The names that tests/browser looks for.
 has_browser() {
     has_command chromium || has_command chromium-browser || has_command google-chrome || has_command google-chrome-stable
 }
 
-# As tests/view looks for them.
-has_xvfb() {
-    has_command Xvfb
+# What `require` knows: compiler, loader, driver, validation, browser, and any command.
+has() { # name
+    case $1 in
+        compiler | loader | driver | validation | browser) "has_$1" ;;
+        *) has_command "$1" ;;
+    esac
 }
 
-has_xdotool() {
-    has_command xdotool
+package_of() { # name
+    case $1 in
+        compiler) echo g++ ;;
+        loader) echo libvulkan1 ;;
+        driver) echo mesa-vulkan-drivers ;;
+        validation) echo vulkan-validationlayers ;;
+        browser) echo chromium ;;
+        node) echo nodejs ;;
+        Xvfb) echo xvfb ;;
+        *) echo "$1" ;;
+    esac
 }
 
-has_openbox() {
-    has_command openbox
+describe() { # name
+    case $1 in
+        compiler) echo "a C++ compiler (c++ and cc)" ;;
+        loader) echo "the Vulkan loader (libvulkan.so.1)" ;;
+        driver) echo "a Vulkan driver (a manifest in vulkan/icd.d)" ;;
+        validation) echo "the Vulkan validation layer" ;;
+        browser) echo "Chromium" ;;
+        *) echo "$1" ;;
+    esac
 }
 
-has_node() {
-    has_command node
-}
-
-has_npm() {
-    has_command npm
-}
-
-install_packages() {
+# Stops the caller's subshell if the packages cannot be installed.
+install_packages() (
     if ! has_command apt-get; then
-        stop "there is no apt-get here; please install by hand, then run this again: $*
+        stop "apt-get is missing; please install by hand, then run this again: $*
   Debian, Ubuntu: g++ libvulkan1 mesa-vulkan-drivers vulkan-validationlayers
   Fedora:         gcc-c++ vulkan-loader mesa-vulkan-drivers vulkan-validation-layers
   Arch:           gcc vulkan-icd-loader vulkan-swrast vulkan-validation-layers"
     fi
     as_root=
     if [ "$(id -u)" -ne 0 ]; then
-        has_command sudo || stop "installing needs root and there is no sudo; as root: apt-get install $*"
+        has_command sudo || stop "installing needs root, and sudo is missing; as root: apt-get install $*"
         as_root=sudo
         # Without a terminal nobody can type a password.
-        [ -t 0 ] || as_root="sudo -n"
+        (: </dev/tty) 2>/dev/null || as_root="sudo -n"
     fi
     say "installing with apt-get: $*"
-    # The package lists of a fresh machine are empty or old; they are fetched only when the first try fails.
+    # The package lists of a fresh machine are empty or old; they are fetched only if the first try fails.
     # shellcheck disable=SC2086
     if ! $as_root env DEBIAN_FRONTEND=noninteractive apt-get install -y -q --no-install-recommends "$@" </dev/null; then
         say "updating the package lists"
@@ -136,35 +127,33 @@ install_packages() {
         $as_root env DEBIAN_FRONTEND=noninteractive apt-get install -y -q --no-install-recommends "$@" </dev/null ||
             stop "apt-get could not install: $*"
     fi
-}
+)
 
-# Installs the packages of the checks that fail: pairs of check and Debian package.
-require() {
+# Installs the packages of the names that are missing. Fails, with a message, if one is missing afterwards.
+require() ( # name...
+    missing=
     packages=
-    failed=
-    while [ $# -gt 0 ]; do
-        if ! "$1"; then
-            say "missing: $(describe "$1")"
-            packages="$packages $2"
-            failed="$failed $1"
-        fi
-        shift 2
+    for name in "$@"; do
+        has "$name" || { missing="$missing $name" && packages="$packages $(package_of "$name")"; }
     done
-    [ -n "$packages" ] || return 0
+    [ -n "$missing" ] || exit 0
+    for name in $missing; do
+        say "missing: $(describe "$name")"
+    done
     # shellcheck disable=SC2086
-    install_packages $packages
-    for check in $failed; do
-        "$check" || stop "apt-get reports success, but $(describe "$check") is still missing
+    install_packages $packages || exit 1
+    for name in $missing; do
+        has "$name" || stop "apt-get reports success, but $(describe "$name") is still missing
   files may have been moved or hidden (check VK_DRIVER_FILES, VK_ICD_FILENAMES, VK_LAYER_PATH), or try: apt-get install --reinstall$packages"
     done
-}
+)
 
 require_rust() {
     has_command cargo || PATH=$PATH:${CARGO_HOME:-${HOME:-/root}/.cargo}/bin
     has_command cargo || stop "Rust is missing: install it from https://rustup.rs, then run this again"
 }
 
-# Builds the tests and lists their binaries, a line each: name and path. Those of unit tests go by their source file.
+# Builds the tests and lists their binaries, a line each: name and path. Unit tests are named by their source file.
 test_binaries() { # what to build (--test NAME), or nothing for all
     cargo test --release --locked --no-run --quiet "$@" >&2 || return
     cargo test --release --locked --no-run --color never "$@" 2>&1 | sed -n \
@@ -173,21 +162,14 @@ test_binaries() { # what to build (--test NAME), or nothing for all
         -e 's|^ *Executable tests/\([^/ ]*\)\.rs (\(.*\))$|\1 \2|p'
 }
 
-# After the build: a manifest may stand for hardware that is not there. Then the software driver helps.
-require_device() {
-    # The features of the build are several words.
-    # shellcheck disable=SC2086
-    if cargo run --release --locked --quiet ${features:-} -- devices; then
-        return 0
-    fi
+# After the build: a manifest may describe hardware that this machine lacks. Then the software driver is installed.
+require_device() ( # the program: a path, or cargo run ... --
+    ! "$@" devices || exit 0
     if ! has_manifest icd.d 'lvp_icd*.json'; then
-        say "no Vulkan device answers; the software driver lavapipe will do"
-        install_packages mesa-vulkan-drivers
-        # shellcheck disable=SC2086
-        if cargo run --release --locked --quiet ${features:-} -- devices; then
-            return 0
-        fi
+        say "no Vulkan device answers; installing the software driver lavapipe"
+        install_packages mesa-vulkan-drivers || exit 1
+        ! "$@" devices || exit 0
     fi
     stop "no Vulkan device answers although a driver is installed (the message above says why).
   Vulkan 1.3 is needed: Mesa 22.3 or newer. Unset VK_DRIVER_FILES and VK_ICD_FILENAMES if they name another driver."
-}
+)

@@ -35,10 +35,10 @@ for name in $set_names; do
 done
 
 require_rust
-require has_compiler g++ has_loader libvulkan1 has_driver mesa-vulkan-drivers
+require compiler loader driver
 say "building (the first time takes a few minutes)"
 cargo build --release --locked
-require_device
+require_device target/release/splitsum
 
 # Measured maps that are what the table says, as values of an axis.
 maps=""
