@@ -35,7 +35,7 @@ pub struct Arguments {
     /// Stops the reference before --samples, once the relative standard error of each of its terms is at most this.
     #[arg(long, value_name = "E", value_parser = |text: &str| Kind::Number(Range::above(0.0, 1.0)).parse_text(text))]
     relative_error: Option<Value>,
-    /// Antialias silhouettes; pixels on them leave the mask.
+    /// Antialias edges; pixels on them leave the mask.
     #[arg(long)]
     antialias: bool,
     #[command(flatten)]

@@ -1,82 +1,89 @@
-//! Antialiased silhouettes.
+//! Antialiased edges.
 //!
-//! Shading stays at one point a pixel, so that "16 samples a pixel" means 16. The coverage of a pixel comes from a g-buffer with
-//! [`POINTS_PER_SIDE`]² points a pixel; a pixel on a silhouette becomes `c S + (1 - c) B`, where c is its coverage, S the radiance of the
-//! surface and B that behind it. The pixel's own radiance is one of the two; the mean over the nearest eight pixels of the other kind is
-//! the other. Scores leave those pixels out.
+//! Shading stays at one point a pixel, so that "16 samples a pixel" means 16. A g-buffer with [`POINTS_PER_SIDE`]² points a pixel finds the
+//! pixels in which surfaces meet, or a surface and the background. Each of their points takes the radiance of the most similar of the nine
+//! pixels around it, and the pixel has the mean over its points. Scores leave those pixels out.
 
 use super::Frame;
-use crate::pixels::{GrayImage, RgbImage};
+use crate::gbuffer::Gbuffer;
+use crate::pixels::GrayImage;
+use crate::scene::{Camera, Projection};
+use glam::Vec3;
+use rayon::prelude::*;
 use std::sync::Arc;
 
-/// Points of a pixel's side at which coverage is sampled: 17 steps from bare to covered.
+/// Points of a pixel's side: 17 steps from bare to covered.
 pub(super) const POINTS_PER_SIDE: u32 = 4;
+const POINTS: usize = (POINTS_PER_SIDE * POINTS_PER_SIDE) as usize;
+/// Points less alike than this belong to different surfaces: normals 37 degrees apart, or a step of one pixel's width.
+const UNLIKE: f32 = 0.2;
 
-/// Share of each pixel that the scene covers, from a mask with [`POINTS_PER_SIDE`] points a pixel's side.
-pub(super) fn coverage(points: &GrayImage) -> GrayImage {
-    let side = POINTS_PER_SIDE as usize;
-    let (width, height) = (points.width as usize / side, points.height as usize / side);
-    let mut covered = vec![0.0; width * height];
-    for (y, row) in points.data.chunks_exact(points.width as usize).enumerate() {
-        for (x, point) in row.iter().enumerate() {
-            covered[y / side * width + x / side] += point / (side * side) as f32;
-        }
-    }
-    GrayImage::new(width as u32, height as u32, covered)
-}
+/// What the g-buffer has at a point; `None` if nothing is hit.
+type Point = Option<(Vec3, Vec3)>;
 
-/// The frame with its silhouettes resolved by `coverage`; its mask keeps the pixels that are covered whole.
-pub(super) fn resolved(frame: Frame, coverage: &GrayImage) -> Frame {
-    let is_edge = |share: f32| 0.0 < share && share < 1.0;
-    let mask = coverage.data.iter().zip(&frame.mask.data).map(|(&share, &hit)| if share < 1.0 { 0.0 } else { hit });
-    let mask = GrayImage::new(coverage.width, coverage.height, mask.collect());
-    let mut radiance = frame.radiance.clone();
-    for (index, &share) in coverage.data.iter().enumerate().filter(|(_, share)| is_edge(**share)) {
-        let [surface, behind] = [1.0, 0.0].map(|hit| mean_of(&frame, index, hit).unwrap_or(frame.radiance.data[index]));
-        radiance.data[index] = std::array::from_fn(|c| share * surface[c] + (1.0 - share) * behind[c]);
-    }
-    Frame { radiance, mask: Arc::new(mask), ..frame }
-}
+/// The pixels of a view that several surfaces share, each with the pixels that its points take their radiance from.
+pub(super) struct Edges(Vec<(usize, [usize; POINTS])>);
 
-/// The pixel's own radiance if its centre is of the kind `hit` (1 surface, 0 none), else the mean of such pixels around it.
-fn mean_of(frame: &Frame, index: usize, hit: f32) -> Option<[f32; 3]> {
-    let RgbImage { width, height, data } = &frame.radiance;
-    if frame.mask.data[index] == hit {
-        return Some(data[index]);
-    }
-    let (x, y) = (index as u32 % width, index as u32 / width);
-    let rows = y.saturating_sub(1)..=(y + 1).min(height - 1);
-    let around =
-        rows.flat_map(|y| (x.saturating_sub(1)..=(x + 1).min(width - 1)).map(move |x| (y * width + x) as usize));
-    let of_kind: Vec<[f32; 3]> = around.filter(|&i| frame.mask.data[i] == hit).map(|i| data[i]).collect();
-    let count = of_kind.len() as f32;
-    (!of_kind.is_empty()).then(|| std::array::from_fn(|c| of_kind.iter().map(|texel| texel[c]).sum::<f32>() / count))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// A half plane of radiance 2 before one of 6: a pixel that the edge cuts has the mean of both by area.
-    #[test]
-    fn an_edge_pixel_mixes_both_sides_by_area() {
-        let points = GrayImage::new(12, 12, (0..144).map(|i| f32::from(u8::from(i % 12 < 5))).collect());
-        let share = coverage(&points);
-        assert_eq!(share.data[..3], [1.0, 0.25, 0.0]);
-        // The centre of the cut pixel sees what is behind.
-        let hit = |x: usize| if x == 0 { 1.0 } else { 0.0 };
-        let mask = Arc::new(GrayImage::new(3, 3, (0..9).map(|i| hit(i % 3)).collect()));
-        let radiance = RgbImage::new(3, 3, (0..9).map(|i| [if i % 3 == 0 { 2.0 } else { 6.0 }; 3]).collect());
-        let frame = Frame {
-            radiance,
-            standard_error: None,
-            convergences: Vec::new(),
-            n_dot_v: mask.clone(),
-            mask,
-            timings: Default::default(),
+impl Edges {
+    /// Compares each pixel's centre, in `pixels`, with its `points`.
+    pub(super) fn find(pixels: &Gbuffer<f32>, points: &Gbuffer<f32>, camera: &Camera) -> Self {
+        let [width, height] = [pixels.position_mask.width, pixels.position_mask.height];
+        let [_, half_height] = camera.extent(f64::from(width) / f64::from(height));
+        let step = (2.0 * half_height / f64::from(height)) as f32;
+        let (eye, forward) = (camera.eye.as_vec3(), camera.forward.as_vec3());
+        let is_perspective = matches!(camera.projection, Projection::Perspective { .. });
+        // 0 for points of one plane.
+        let difference = |a: Point, b: Point| match (a, b) {
+            (None, None) => 0.0,
+            (Some((place, normal)), Some((other, other_normal))) => {
+                let width = if is_perspective { step * (place - eye).dot(forward) } else { step };
+                1.0 - normal.dot(other_normal) + UNLIKE * (place - other).dot(other_normal).abs() / width
+            }
+            _ => f32::INFINITY,
         };
-        let resolved = resolved(frame, &share);
-        assert_eq!(resolved.radiance.data[3..6], [[2.0; 3], [0.25 * 2.0 + 0.75 * 6.0; 3], [6.0; 3]]);
-        assert_eq!(resolved.mask.data[3..6], [1.0, 0.0, 0.0]);
+        let edge = |index: usize| {
+            let (x, y) = (index as u32 % width, index as u32 / width);
+            let own = point(pixels, x, y);
+            let mut is_edge = false;
+            let sources = std::array::from_fn(|i| {
+                let (dx, dy) = (i as u32 % POINTS_PER_SIDE, i as u32 / POINTS_PER_SIDE);
+                let at = point(points, x * POINTS_PER_SIDE + dx, y * POINTS_PER_SIDE + dy);
+                let unlike = difference(at, own);
+                if unlike < UNLIKE {
+                    return index;
+                }
+                is_edge = true;
+                let rows = y.saturating_sub(1)..=(y + 1).min(height - 1);
+                let around = rows.flat_map(|y| (x.saturating_sub(1)..=(x + 1).min(width - 1)).map(move |x| (x, y)));
+                let nearest = around
+                    .map(|(x, y)| (difference(at, point(pixels, x, y)), (y * width + x) as usize))
+                    .min_by(|a, b| a.0.total_cmp(&b.0));
+                nearest.filter(|(least, _)| *least < unlike).map_or(index, |(_, source)| source)
+            });
+            is_edge.then_some((index, sources))
+        };
+        Self((0..(width * height) as usize).into_par_iter().filter_map(edge).collect())
     }
+
+    /// The frame with its edges resolved; its mask keeps the pixels that one surface fills.
+    pub(super) fn resolve(&self, frame: Frame) -> Frame {
+        let mut radiance = frame.radiance.clone();
+        let mut mask = GrayImage::clone(&frame.mask);
+        for (index, sources) in &self.0 {
+            let sum = |channel: usize| sources.iter().map(|&source| frame.radiance.data[source][channel]).sum::<f32>();
+            radiance.data[*index] = std::array::from_fn(|channel| sum(channel) / POINTS as f32);
+            mask.data[*index] = 0.0;
+        }
+        Frame { radiance, mask: Arc::new(mask), ..frame }
+    }
+
+    /// Memory that they take.
+    pub(super) fn bytes(&self) -> u64 {
+        size_of_val(&self.0[..]) as u64
+    }
+}
+
+fn point(gbuffer: &Gbuffer<f32>, x: u32, y: u32) -> Point {
+    let ([px, py, pz, mask], [nx, ny, nz, _]) = (gbuffer.position_mask.get(x, y), gbuffer.normal_alpha.get(x, y));
+    (mask == 1.0).then(|| (Vec3::new(px, py, pz), Vec3::new(nx, ny, nz)))
 }

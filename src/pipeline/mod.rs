@@ -163,7 +163,7 @@ impl Pipeline {
     /// Whether the device can serve `request`, as far as that can be told before anything is allocated.
     pub fn check(&self, request: &RenderRequest) -> Result<(), PipelineError> {
         fit::check(&self.gpu, request)?;
-        if request.is_antialiased() { fit::check(&self.gpu, &request.coverage_points()) } else { Ok(()) }
+        if request.is_antialiased() { fit::check(&self.gpu, &request.points_of_pixels()) } else { Ok(()) }
     }
 
     fn prepare(&mut self, request: &RenderRequest) -> Result<Prepared, PipelineError> {
@@ -191,9 +191,8 @@ impl Pipeline {
         if !request.is_antialiased() {
             return Ok(frame);
         }
-        let points = request.coverage_points();
-        let (_, target) = self.with_memory(|pipeline| pipeline.resources.view(&pipeline.gpu, &points))?;
-        Ok(antialias::resolved(frame, &antialias::coverage(&target.mask)))
+        let edges = self.with_memory(|pipeline| pipeline.resources.edges(&pipeline.gpu, request))?;
+        Ok(edges.resolve(frame))
     }
 
     /// As [`Pipeline::render`], without antialiasing.

@@ -2,6 +2,7 @@
 //!
 //! What a request needs before it can be shaded: tables, scene, targets.
 
+use super::antialias::Edges;
 use super::cache::Recent;
 use super::fit::image_buffer_bytes;
 use super::inputs::{
@@ -55,6 +56,7 @@ pub(super) struct Resources {
     scenes: Recent<String, Arc<SceneData>>,
     /// By the scene's hash, the camera and the size.
     targets: Recent<(String, Camera, [u32; 2]), Arc<Target>>,
+    edges: Recent<(String, Camera, [u32; 2]), Arc<Edges>>,
     /// Stand for tables that a request does not use, because every binding needs something.
     blank_image: Image,
     blank_cube: Image,
@@ -119,6 +121,7 @@ impl Resources {
             integrals: Recent::new(4),
             scenes: Recent::new(4),
             targets: Recent::weighed(4, |target: &Arc<Target>| target.bytes()),
+            edges: Recent::weighed(16, |edges: &Arc<Edges>| edges.bytes()),
             blank_image: gpu.image("blank", [1, 1], 1, Format::Rgba32Float)?,
             blank_cube: gpu.faced_image("blank cube", [1, 1], 6, 1, Format::Rgba32Float)?,
             blank_buffer: gpu.buffer("blank", 256)?,
@@ -146,6 +149,7 @@ impl Resources {
         self.steps.clear();
         self.scenes.clear();
         self.targets.clear();
+        self.edges.clear();
     }
 
     /// Makes what `request` needs and is not there yet.
@@ -420,6 +424,18 @@ impl Resources {
             Ok(Arc::new(Target { gbuffer, radiance, mask, n_dot_v }))
         })?;
         Ok((scene, target))
+    }
+
+    /// The edges of the view of `request`.
+    pub(super) fn edges(&mut self, gpu: &Gpu, request: &RenderRequest) -> Result<Arc<Edges>, PipelineError> {
+        let key = (request.scene.hash.clone(), request.camera, request.size);
+        if let Some(edges) = self.edges.get(&key) {
+            return Ok(edges);
+        }
+        let (_, target) = self.view(gpu, request)?;
+        let (_, points) = self.view(gpu, &request.points_of_pixels())?;
+        let edges = Arc::new(Edges::find(&target.gbuffer.read(gpu)?, &points.gbuffer.read(gpu)?, &request.camera));
+        self.edges.get_or_make(key, || Ok(edges))
     }
 }
 

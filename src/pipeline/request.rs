@@ -47,7 +47,7 @@ pub struct RenderRequest {
     pub lights: Vec<Light>,
     /// Shows the environment where nothing is hit.
     pub background: bool,
-    /// Antialiases silhouettes; pixels on them leave the mask. Without effect on the scene `design`.
+    /// Antialiases edges; pixels on them leave the mask. Without effect on the scene `design`.
     pub antialias: bool,
     pub precompute: PrecomputeSettings,
     /// Tables of other tools; sizes, levels and mapping in `precompute` are theirs.
@@ -110,13 +110,13 @@ impl RenderRequest {
         }
     }
 
-    /// Whether silhouettes are antialiased: the pixels of the scene `design` have none.
+    /// Whether edges are antialiased: the pixels of the scene `design` have none.
     pub(super) fn is_antialiased(&self) -> bool {
         self.antialias && !self.scene.is_design
     }
 
-    /// The request whose g-buffer has the points at which coverage is sampled.
-    pub(super) fn coverage_points(&self) -> Self {
+    /// The request whose g-buffer has the points by which edges are found.
+    pub(super) fn points_of_pixels(&self) -> Self {
         Self { size: self.size.map(|side| side * POINTS_PER_SIDE), antialias: false, ..self.clone() }
     }
 

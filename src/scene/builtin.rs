@@ -1,5 +1,6 @@
 //! Scenes that need no file.
 
+use super::shader_ball::shader_ball;
 use super::{Material, Mesh, Scene, Sphere};
 use glam::DVec3;
 
@@ -25,6 +26,11 @@ pub static SCENES: &[SceneEntry] = &[
         description: "a grid of exact spheres: alpha 1, 0.5, 0.25, 0.1, 0.05 from left to right, metallic 0, 0.5, 1 from bottom to top; \
                       the top right one reflects everything",
         build: spheres,
+    },
+    SceneEntry {
+        name: "shader-ball",
+        description: "a sphere with an opening that shows a smaller one, in a cup; one material, as of `sphere`",
+        build: shader_ball,
     },
     SceneEntry {
         name: "design",

@@ -8,6 +8,7 @@ mod maps;
 pub mod material;
 pub mod mesh;
 mod obj;
+mod shader_ball;
 mod source;
 
 pub use builtin::{SCENES, SceneEntry, is_design};

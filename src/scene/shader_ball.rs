@@ -1,0 +1,117 @@
+//! The scene `shader-ball`: a sphere with an opening that shows a smaller one, in a cup. Convex, concave and grazing parts show at once what
+//! a material does.
+//!
+//! Both bodies are surfaces of revolution. A profile is a list of arcs and lines in the half plane (r, z): r from the axis, z along it.
+
+use super::mesh::{Mesh, is_degenerate, position};
+use super::{Material, Scene};
+use glam::{DQuat, DVec2, DVec3};
+use std::f64::consts::TAU;
+
+/// Columns of a surface of revolution.
+const COLUMNS: u32 = 192;
+/// Rows of an arc, degrees each at most.
+const ROW_DEG: f64 = 2.5;
+/// Tilt of the opening from +y towards +z, degrees.
+const TILT_DEG: f64 = 42.0;
+/// Polar angle of the opening's edge, degrees, and the radius of its lip.
+const OPENING_DEG: f64 = 40.0;
+const LIP: f64 = 0.06;
+/// Gap between ball and cup.
+const GAP: f64 = 0.03;
+/// Elevation of the automatic cameras, degrees.
+const ELEVATION_DEG: f64 = 16.0;
+
+/// Unit vector of a profile's normal at `deg` degrees from +z towards +r.
+fn toward(deg: f64) -> DVec2 {
+    let (sin, cos) = deg.to_radians().sin_cos();
+    DVec2::new(sin, cos)
+}
+
+/// A part of a profile, as points with their normals.
+type Part = Vec<(DVec2, DVec2)>;
+
+/// Normals turn from `from` to `to` degrees about `center`; a negative radius makes the arc concave.
+fn arc(center: DVec2, radius: f64, from: f64, to: f64) -> Part {
+    let rows = ((to - from).abs() / ROW_DEG).ceil().max(1.0);
+    let at = |row: f64| toward(from + (to - from) * row / rows);
+    (0..=rows as u32).map(|row| (center + radius * at(f64::from(row)), at(f64::from(row)))).collect()
+}
+
+/// From `from` to `to`, seen from the side at `deg` degrees.
+fn line(from: DVec2, to: DVec2, deg: f64) -> Part {
+    vec![(from, toward(deg)), (to, toward(deg))]
+}
+
+fn end(part: &Part) -> DVec2 {
+    part.last().expect("a part has points").0
+}
+
+fn ball() -> Vec<Part> {
+    let outer = arc(DVec2::ZERO, 1.0, 180.0, OPENING_DEG);
+    let lip = arc((1.0 - LIP) * toward(OPENING_DEG), LIP, OPENING_DEG, -80.0);
+    let inward = end(&lip) + 0.14 * toward(-80.0).perp();
+    let wall = line(end(&lip), inward, -80.0);
+    let core = arc(DVec2::ZERO, inward.length(), inward.x.atan2(inward.y).to_degrees(), 0.0);
+    vec![outer, lip, wall, core]
+}
+
+fn cup() -> Vec<Part> {
+    let (edge_deg, lip, wall_deg, foot) = (128.0, 0.07, 72.0, 0.05);
+    // The bowl's normals point to its centre, so an arc of negative radius runs on the far side of it.
+    let bowl = arc(DVec2::ZERO, -(1.0 + GAP), 0.0, edge_deg - 180.0);
+    let rim = arc((1.0 + GAP + lip) * toward(edge_deg), lip, edge_deg - 180.0, wall_deg);
+    let wall_end = end(&rim) - 0.3 * toward(wall_deg).perp();
+    let wall = line(end(&rim), wall_end, wall_deg);
+    let base = arc(wall_end - foot * toward(wall_deg), foot, wall_deg, 180.0);
+    let floor = line(end(&base), DVec2::new(0.0, end(&base).y), 180.0);
+    vec![bowl, rim, wall, base, floor]
+}
+
+/// The surface of revolution of a profile about +y, turned by `turn`.
+fn revolved(parts: &[Part], turn: DQuat) -> Mesh {
+    let mut mesh = Mesh::empty(0);
+    for part in parts {
+        let first = mesh.positions.len() as u32;
+        for (point, normal) in part {
+            for column in 0..=COLUMNS {
+                let (sin, cos) = (TAU * f64::from(column) / f64::from(COLUMNS)).sin_cos();
+                let place = |p: &DVec2| (turn * DVec3::new(p.x * sin, p.y, p.x * cos)).as_vec3().to_array();
+                mesh.positions.push(place(point));
+                mesh.normals.push(place(normal));
+            }
+        }
+        for row in 0..part.len() as u32 - 1 {
+            for column in 0..COLUMNS {
+                let [a, b] = [row, row + 1].map(|row| first + row * (COLUMNS + 1) + column);
+                for triangle in [[a, a + 1, b + 1], [a, b + 1, b]] {
+                    push(&mut mesh, triangle);
+                }
+            }
+        }
+    }
+    mesh.uvs = vec![[0.0; 2]; mesh.positions.len()];
+    mesh.tangents = vec![[0.0; 4]; mesh.positions.len()];
+    mesh
+}
+
+/// Adds a triangle, counter-clockwise seen from the side of its normals; none at a pole, where two corners meet.
+fn push(mesh: &mut Mesh, triangle: [u32; 3]) {
+    let corners = triangle.map(|index| position(&mesh.positions, index));
+    if is_degenerate(corners) {
+        return;
+    }
+    let normal: DVec3 = triangle.iter().map(|&index| position(&mesh.normals, index)).sum();
+    let [a, b, c] = triangle;
+    let faces = (corners[1] - corners[0]).cross(corners[2] - corners[0]).dot(normal) > 0.0;
+    mesh.indices.extend(if faces { [a, b, c] } else { [a, c, b] });
+}
+
+pub(super) fn shader_ball() -> Scene {
+    let tilt = DQuat::from_rotation_x(TILT_DEG.to_radians());
+    let meshes = vec![revolved(&ball(), tilt), revolved(&cup(), DQuat::IDENTITY)];
+    let mut scene = Scene::assemble("shader-ball", Vec::new(), meshes, vec![Material::default()]);
+    let elevation = ELEVATION_DEG.to_radians();
+    scene.toward_viewer = DVec3::new(0.0, elevation.sin(), elevation.cos());
+    scene.hashed()
+}
