@@ -12,7 +12,7 @@ use splitsum::pipeline::{Frame, Options, Pipeline, RenderRequest};
 use splitsum::precompute::PrefilterBy;
 use splitsum::run::provenance::now_utc;
 use splitsum::scene::{CameraKind, MaterialOverride, Scene};
-use splitsum::shade::method_by_name;
+use splitsum::shade::{Shading, method_by_name};
 use splitsum::tonemap::ToneCurve;
 use std::io::Write as _;
 use std::path::Path;
@@ -53,9 +53,12 @@ fn request(
     let sphere = Scene::load("sphere", Path::new(".")).expect("a builtin scene");
     let lobe = MaterialOverride { alpha: Some(alpha), f0: Some([1.0; 3]), albedo: Some([0.0; 3]), metallic: None };
     RenderRequest {
-        method: method_by_name(method).expect("a listed method"),
-        brdf,
-        samples: 40,
+        shading: Shading {
+            method: method_by_name(method).expect("a listed method"),
+            brdf,
+            samples: 40,
+            ..Shading::default()
+        },
         reference_samples: 4096,
         ..RenderRequest::plain(Arc::new(environment), sphere.apply(&lobe), CameraKind::Ortho, [size; 2])
     }
@@ -64,7 +67,7 @@ fn request(
 /// CPU-seconds of the specular pass of one frame. What is not shading (g-buffer, tone curve, their submissions) costs the same without
 /// a specular term and is taken off. Compiling pipelines, making tables and reading images back are not counted.
 fn shading_seconds(pipeline: &mut Pipeline, request: &RenderRequest) -> f64 {
-    let nothing = RenderRequest { method: method_by_name("none").expect("a listed method"), ..request.clone() };
+    let nothing = request.shaded(|s| s.method = method_by_name("none").expect("a listed method"));
     let mut seconds = |request: &RenderRequest| {
         let mut rounds = 1;
         pipeline.time(request, 0, 1).expect("compiled pipelines");
@@ -108,10 +111,10 @@ fn tables(pipeline: &mut Pipeline) -> Option<f64> {
     let ways = MODELS.iter().flat_map(|brdf| PrefilterBy::ALL.iter().map(move |by| (brdf, by)));
     first(ways.map(|(&brdf, (by, prefilter))| {
         let mut request = request(brdf, "split-sum", 0.2, 16, "builtin:studio", [1024, 512]);
-        request.precompute.layout = layout_by_name("equirect").expect("a listed layout");
-        request.precompute.prefilter_size = [1024, 512];
-        request.precompute.prefilter = *prefilter;
-        request.precompute.dfg_size = 256;
+        request.shading.precompute.layout = layout_by_name("equirect").expect("a listed layout");
+        request.shading.precompute.prefilter_size = [1024, 512];
+        request.shading.precompute.prefilter = *prefilter;
+        request.shading.precompute.dfg_size = 256;
         pipeline.time_precompute(&request, 0, 1).expect("compiled pipelines");
         let (seconds, samples) = cost(|| pipeline.time_precompute(&request, 0, 2).expect("times"));
         // A pass for each level.

@@ -74,15 +74,15 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     if let Some(engine) = &arguments.engine {
         return execute_for(engine, arguments, &environment, &settings);
     }
-    settings.precompute.validate().map_err(|error| Failure::input(format!("--set: {error}")))?;
+    settings.shading.precompute.validate().map_err(|error| Failure::input(format!("--set: {error}")))?;
     let mut pipeline = open_device(arguments.device).map_err(Failure::opening)?;
     std::fs::create_dir_all(&arguments.out)
         .map_err(|error| Failure::input(format!("--out: {} cannot be made: {error}", arguments.out.display())))?;
     let request = BakeRequest {
         environment: Arc::new(environment),
-        precompute: settings.precompute,
-        brdfs: if has_model { vec![settings.brdf] } else { MODELS.to_vec() },
-        masking_shadowing: settings.masking_shadowing,
+        precompute: settings.shading.precompute,
+        brdfs: if has_model { vec![settings.shading.brdf] } else { MODELS.to_vec() },
+        masking_shadowing: settings.shading.masking_shadowing,
     };
     let files =
         pipeline.bake(&request, &arguments.out).map_err(|error| Failure::rendering(RenderFault::from(error)))?;
@@ -122,9 +122,9 @@ fn execute_for(
     let making = Making {
         preset,
         environment,
-        brdf: settings.brdf,
-        masking: value(MASKING).map_or(preset.masking, |_| settings.masking_shadowing),
-        weight: settings.precompute.prefilter_weight,
+        brdf: settings.shading.brdf,
+        masking: value(MASKING).map_or(preset.masking, |_| settings.shading.masking_shadowing),
+        weight: settings.shading.precompute.prefilter_weight,
         texel: named("--format", texel, found, TEXELS.iter().map(|texel| texel.name).collect())?,
         side,
         irradiance_side: square(IRRADIANCE_SIZE, make::IRRADIANCE_SIDE)?,

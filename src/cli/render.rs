@@ -55,7 +55,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let point = point(arguments)?;
     check_used(arguments, &point, &output)?;
     let settings = point.settings();
-    settings.precompute.validate().map_err(Failure::input)?;
+    settings.shading.precompute.validate().map_err(Failure::input)?;
     let seen = &arguments.seen;
     let options = LoadOptions { clamp_invalid: seen.clamp_invalid, ..LoadOptions::default() };
     let here = Path::new("");

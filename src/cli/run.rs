@@ -167,7 +167,9 @@ pub fn conclude(plan: &Plan, outcome: &Outcome) -> Result<Option<Failure>, Failu
 fn model_costs(plan: &Plan, dir: &Path) -> Result<(), Failure> {
     let program = std::env::current_exe().map_err(Failure::failed)?;
     let mut jobs: Vec<Job> = Vec::new();
-    for settings in plan.cells.iter().map(|cell| cell.point.settings()).filter(|settings| settings.method.has_pass()) {
+    for settings in
+        plan.cells.iter().map(|cell| cell.point.settings()).filter(|settings| settings.shading.method.has_pass())
+    {
         for job in [settings.specular_job(), settings.prefilter_job()] {
             if !jobs.contains(&job) {
                 jobs.push(job);

@@ -10,7 +10,7 @@ use crate::brdf::{Brdf, MaskingShadowing};
 use crate::environment::layout::MapLayout;
 use crate::glsl::constants::POINTS_PER_DISPATCH;
 use crate::precompute::prefilter;
-use crate::shade::Method;
+use crate::shade::Shading;
 use crate::shade::pass::specular_shader;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
@@ -27,9 +27,10 @@ pub struct Bound {
     pub most: f64,
 }
 
-/// The specular pass of a method with these specialization constants.
-pub fn job(layout: &MapLayout, method: &Method, brdf: &dyn Brdf, constants: &[u32]) -> Job {
-    Job::new(specular_shader(layout, method, brdf), constants, STREAMED_BYTES)
+/// The specular pass of an image.
+pub fn job(shading: &Shading) -> Job {
+    let Shading { method, brdf, precompute, .. } = *shading;
+    Job::new(specular_shader(precompute.layout, method, brdf), &shading.constants(), STREAMED_BYTES)
 }
 
 /// The pass that makes the levels of a prefiltered map by samples: "pixels" are texels, each written once.

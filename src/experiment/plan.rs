@@ -377,7 +377,7 @@ fn radiance_id(config: &Config, inputs: &Inputs, point: &Point, seed: u32, relat
 
 /// Only methods that draw points vary with them.
 fn repeats_of(config: &Config, point: &Point) -> Option<u32> {
-    config.repeats.filter(|_| point.settings().method.uses_point_set)
+    config.repeats.filter(|_| point.settings().shading.method.uses_point_set)
 }
 
 /// Some terms have steps, on the scene whose frames tell all views alike.

@@ -10,7 +10,7 @@ use crate::pixels::{GrayImage, Pixels, exr, write_atomically};
 use crate::precompute::dfg::DfgAxes;
 use crate::precompute::{PrecomputeSettings, PrefilterBy};
 use crate::scene::{CameraKind, Scene};
-use crate::shade::{diffuse_by_name, method_by_name};
+use crate::shade::{Shading, diffuse_by_name, method_by_name};
 use serde::Serialize;
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -75,26 +75,27 @@ impl Pipeline {
         let settings = &request.precompute;
         remove_stale(request, out)?;
         // The smallest request that makes the tables: nothing of it is ever shaded.
-        let mut view = RenderRequest {
+        let mut view = RenderRequest::plain(environment.clone(), Scene::sphere(), CameraKind::Ortho, [8, 8]);
+        view.shading = Shading {
             method: method_by_name("none").expect("a listed method"),
             masking_shadowing: request.masking_shadowing,
             // Other programs look the table up as they do their own.
             precompute: PrecomputeSettings { dfg_axes: DfgAxes::Centres, ..*settings },
-            ..RenderRequest::plain(environment.clone(), Scene::sphere(), CameraKind::Ortho, [8, 8])
+            ..view.shading
         };
 
         let mut files = ["sh9.json", "irradiance_over_pi.exr"].map(|name| out.join(name)).to_vec();
-        view.diffuse = diffuse_by_name("sh9").expect("a listed diffuse method");
+        view.shading.diffuse = diffuse_by_name("sh9").expect("a listed diffuse method");
         let prepared = self.prepare(&view)?;
         let texels: Vec<[f32; 4]> = self.gpu.read_buffer(&prepared.tables.sh9)?;
         write_json(&files[0], &sh9_file(environment, &texels))?;
-        view.diffuse = diffuse_by_name("irradiance-map").expect("a listed diffuse method");
+        view.shading.diffuse = diffuse_by_name("irradiance-map").expect("a listed diffuse method");
         let prepared = self.prepare(&view)?;
         write_image(&self.gpu, &prepared.tables.irradiance_map, 0, &files[1])?;
-        view.diffuse = diffuse_by_name("none").expect("a listed diffuse method");
-        view.method = method_by_name(LOBES_OF).expect("a listed method");
+        view.shading.diffuse = diffuse_by_name("none").expect("a listed diffuse method");
+        view.shading.method = method_by_name(LOBES_OF).expect("a listed method");
         for brdf in &request.brdfs {
-            view.brdf = *brdf;
+            view.shading.brdf = *brdf;
             let tables = self.prepare(&view)?.tables;
             for mip in 0..tables.prefiltered.mip_count() {
                 let path = out.join(level_name(*brdf, mip));

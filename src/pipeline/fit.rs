@@ -56,14 +56,14 @@ fn needs(request: &RenderRequest) -> Vec<Need> {
         let what = format!("reference under {}", request.environment.name);
         needs.push(Need { what, size, bytes, buffer_bytes, has_images: false });
     }
-    let settings = &request.precompute;
+    let settings = &request.shading.precompute;
     let layout = settings.layout;
     let of_faces = |size| u64::from(layout.face_count) * texels(size);
     if request.reads_filtered_levels() && !layout.is_environments() {
         let size = (layout.finest_size)(map_size);
         needs.push(image("filtered environment", size, with_mips(of_faces(size))));
     }
-    if request.method.uses_prefiltered() {
+    if request.shading.method.uses_prefiltered() {
         let size = settings.prefilter_size;
         needs.push(image("prefiltered map", size, with_mips(of_faces(size))));
     }
@@ -71,7 +71,7 @@ fn needs(request: &RenderRequest) -> Vec<Need> {
         let side = [settings.dfg_size; 2];
         needs.push(image("DFG table", side, VEC4 * texels(side)));
     }
-    if request.diffuse.uses_irradiance_map {
+    if request.shading.diffuse.uses_irradiance_map {
         let size = settings.irradiance_size;
         needs.push(image("irradiance map", size, VEC4 * of_faces(size)));
     }
@@ -80,7 +80,10 @@ fn needs(request: &RenderRequest) -> Vec<Need> {
 
 /// Refuses a request that no allocation could serve, with the figure that is too large.
 pub(super) fn check(gpu: &Gpu, request: &RenderRequest) -> Result<(), PipelineError> {
-    if request.precompute.layout.face_count == 6 && request.reads_filtered_levels() && !gpu.info().has_seamless_cubes {
+    if request.shading.precompute.layout.face_count == 6
+        && request.reads_filtered_levels()
+        && !gpu.info().has_seamless_cubes
+    {
         return Err(PipelineError::OpenCubes);
     }
     let needs = needs(request);

@@ -14,6 +14,7 @@ use crate::precompute::prefilter::pass::Recipe;
 use crate::precompute::prefilter::{self, Kernel};
 use crate::precompute::sh9::Projection;
 use crate::precompute::{dfg, filtered, irradiance, mips, sh9};
+use crate::shade::Shading;
 use std::collections::BTreeSet;
 
 /// What names a shared result.
@@ -74,7 +75,7 @@ pub(super) struct IrradianceInputs<'a> {
 
 impl<'a> IrradianceInputs<'a> {
     pub(super) fn of(request: &'a RenderRequest) -> Self {
-        let settings = &request.tables();
+        let settings = &request.shading.tables();
         let (size, sample_count) = (settings.irradiance_size, settings.irradiance_sample_count);
         Self { environment: &request.environment, layout: settings.layout, size, by: settings.prefilter, sample_count }
     }
@@ -103,12 +104,12 @@ pub(super) struct PrefilterInputs<'a> {
 
 impl<'a> PrefilterInputs<'a> {
     pub(super) fn of(request: &'a RenderRequest) -> Self {
-        let settings = &request.tables();
+        let settings = &request.shading.tables();
         let given = request.given.prefiltered.as_deref();
         Self {
             environment: &request.environment,
             layout: settings.layout,
-            recipe: Recipe::of(request.brdf, request.masking_shadowing, settings),
+            recipe: Recipe::of(request.shading.brdf, request.shading.masking_shadowing, settings),
             size: given.map_or(settings.prefilter_size, |map| [map.side; 2]),
             level_count: settings.prefilter_level_count,
             by: settings.prefilter,
@@ -149,7 +150,7 @@ pub(super) struct DfgInputs<'a> {
 
 impl<'a> DfgInputs<'a> {
     pub(super) fn of(request: &'a RenderRequest) -> Self {
-        let RenderRequest { brdf, masking_shadowing: masking, precompute, .. } = *request;
+        let Shading { brdf, masking_shadowing: masking, precompute, .. } = request.shading;
         let given = request.given.dfg.as_deref();
         let side = given.map_or(precompute.dfg_size, |table| table.side);
         Self { brdf, masking, side, axes: precompute.dfg_axes, sample_count: precompute.dfg_sample_count, given }
@@ -176,7 +177,7 @@ pub(super) struct LobeShapeInputs {
 
 impl LobeShapeInputs {
     pub(super) fn of(request: &RenderRequest) -> Self {
-        let RenderRequest { brdf, masking_shadowing: masking, precompute, .. } = *request;
+        let Shading { brdf, masking_shadowing: masking, precompute, .. } = request.shading;
         Self { kernel: Kernel::new(brdf, precompute.prefilter_weight, masking), masking }
     }
 

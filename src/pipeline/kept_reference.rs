@@ -4,8 +4,9 @@ use super::RenderRequest;
 use super::inputs::{DfgInputs, SharedKey, mips_key};
 use crate::gbuffer;
 use crate::pixels::RgbImage;
+use crate::shade::Shading;
 use crate::shade::pass::{BACKGROUND_SHADER, lights_shader};
-use crate::shade::reference_pass::{Convergence, Lobe};
+use crate::shade::reference_pass::Convergence;
 
 /// The parts of a reference frame that take long to make.
 #[derive(Debug, PartialEq)]
@@ -21,33 +22,36 @@ pub(super) struct Reference {
 pub(super) fn key(request: &RenderRequest) -> Option<SharedKey> {
     let RenderRequest {
         environment,
-        placement,
-        environment_scale,
         scene,
         camera,
         size: [width, height],
-        method,
-        diffuse,
-        brdf,
-        masking_shadowing,
-        compensation,
-        samples,
+        shading,
         reference_samples,
         reference_error,
         lights,
         background,
         // Comes after what is kept.
         antialias: _,
-        precompute,
-        // A table is told by its key, and no reference reads a prefiltered map.
+        // A table is named by its key, and no reference reads a prefiltered map.
         given: _,
         seed,
+    } = request;
+    let Shading {
+        placement,
+        environment_scale,
+        brdf,
+        masking_shadowing,
+        compensation,
+        method,
+        diffuse,
+        samples,
+        precompute,
         // Parameters of sampled methods only.
         sequence: _,
         point_set: _,
         pixel_points: _,
         lod_bias: _,
-    } = request;
+    } = shading;
     if !request.has_reference_term() || method.has_pass() || diffuse.has_pass() {
         return None;
     }
@@ -67,7 +71,7 @@ pub(super) fn key(request: &RenderRequest) -> Option<SharedKey> {
         diffuse.name,
         brdf.name(),
     );
-    let lobes = request.reference_lobes().into_iter().flat_map(Lobe::shaders);
+    let lobes = request.reference_lobes().into_iter().flat_map(|lobe| lobe.shaders(*brdf));
     let shaders = gbuffer::pass::shaders().map(str::to_owned).chain(lobes);
     let shaders = shaders
         // A background reads the levels of the environment.

@@ -1,7 +1,7 @@
 //! The error of a split sum or of a diffuse term by its steps (`ladder`), for the scene `design`.
 
 use super::light_tables::read_level;
-use super::{Pipeline, PipelineError, RenderRequest, settings};
+use super::{Pipeline, PipelineError, RenderRequest, passes};
 use crate::brdf::Compensation;
 use crate::environment::layout::FilteredMap;
 use crate::gbuffer::design;
@@ -19,9 +19,8 @@ use crate::precompute::sh9::reference::project_bilinear;
 use crate::precompute::{StorageFormat, exact_quadrature};
 use crate::scene::MaterialOverride;
 use crate::shade::method::ladder::MASKING_ALONE;
-use crate::shade::pass::Shading;
 use crate::shade::reference_pass::{ReferenceRun, pair_count};
-use crate::shade::{Method, NONE, REFERENCE, diffuse_by_name, method_by_name};
+use crate::shade::{Method, NONE, REFERENCE, Shading, diffuse_by_name, method_by_name};
 use glam::{DVec2, DVec3};
 use std::sync::Arc;
 
@@ -42,7 +41,7 @@ impl Pipeline {
         bands: &[[f64; 2]],
     ) -> Result<Vec<Attribution>, PipelineError> {
         assert!(request.scene.is_design, "the steps are told on the scene `design`");
-        let ladder = ladder_of(request.method, request.diffuse).expect("a term with a ladder");
+        let ladder = ladder_of(request.shading.method, request.shading.diffuse).expect("a term with a ladder");
         let frames = frames(request);
         let n_dot_v: Vec<f64> = frames.iter().map(|[n, v]| n.dot(*v)).collect();
         let material = &request.scene.materials[0];
@@ -58,11 +57,14 @@ impl Pipeline {
             return Ok(told(&|coalition| radiance.of(coalition), &|_| Vec::new()));
         }
         let request = RenderRequest {
-            diffuse: diffuse_by_name(NONE).expect("a listed diffuse method"),
+            shading: Shading {
+                diffuse: diffuse_by_name(NONE).expect("a listed diffuse method"),
+                // The steps part one scattering.
+                compensation: Compensation::None,
+                ..request.shading
+            },
             reference_samples: samples,
             reference_error: None,
-            // The steps part one scattering.
-            compensation: Compensation::None,
             ..request.clone()
         };
         let radiance = self.specular_by_steps(&request, &frames)?;
@@ -75,15 +77,9 @@ impl Pipeline {
         let data = prepared.reference.as_ref().expect("a term of the reference");
         let (distribution, sums, squared_error) = (&data.distribution, &data.sums, &data.squared_error);
         let (target, epsilon) = (&prepared.target, request.epsilon().beside_square());
-        let shading = Shading {
-            settings: &settings(request, &prepared),
-            layout: request.precompute.layout,
-            tables: &prepared.tables,
-            gbuffer: &target.gbuffer,
-            radiance: &target.radiance,
-        };
+        let passes = passes(request, &prepared);
         let (stop, seed, mask) = (request.reference_stop(), request.seed, &*target.mask);
-        let run = ReferenceRun { shading, stop, epsilon, seed, mask, distribution, sums, squared_error };
+        let run = ReferenceRun { passes, stop, epsilon, seed, mask, distribution, sums, squared_error };
         let &[lobe] = &prepared.lobes[..] else { panic!("one term of the reference") };
         let drawn = run.scrambles(&self.gpu, lobe, pair_count(request.reference_samples)?)?;
         let radiance = |image: Vec<[f32; 4]>| image.into_iter().map(|[r, g, b, _]| vector([r, g, b])).collect();
@@ -97,18 +93,19 @@ impl Pipeline {
         f0: DVec3,
         albedo: DVec3,
     ) -> Result<diffuse::Radiance<'a>, PipelineError> {
-        let RenderRequest { environment, placement, environment_scale, brdf, masking_shadowing, .. } = request;
+        let RenderRequest { environment, shading, .. } = request;
+        let Shading { placement, environment_scale, brdf, masking_shadowing, .. } = *shading;
         let key = format!("{} {placement:?} {:?}", environment.hash, request.size);
         let make =
             || Ok::<_, PipelineError>(Arc::new(diffuse::integrals(&exact_quadrature(&environment.image), frames)));
         let exact = self.resources.integrals.get_or_make(key, make)?;
         // Of the table as it is looked up, of the map before it is stored.
-        let mut precompute = request.precompute;
+        let mut precompute = request.shading.precompute;
         let is_half = precompute.storage == StorageFormat::F16;
         let stored = self.prepare(request)?.tables;
         precompute.storage = StorageFormat::F32;
-        let tables = self.prepare(&RenderRequest { precompute, ..request.clone() })?.tables;
-        let irradiance = if request.diffuse.sh9.is_some() {
+        let tables = self.prepare(&request.shaded(|s| s.precompute = precompute))?.tables;
+        let irradiance = if request.shading.diffuse.sh9.is_some() {
             let summed: Vec<[f32; 4]> = self.gpu.read_buffer(&tables.sh9)?;
             let summed = std::array::from_fn(|k| vector([summed[k][0], summed[k][1], summed[k][2]]));
             Irradiance::Sh9(Box::new([project_bilinear(&exact_quadrature(&environment.image)), summed]))
@@ -125,11 +122,11 @@ impl Pipeline {
                 [faces, halves].map(|faces| FilteredMap { layout, levels: vec![faces] })
             }))
         };
-        let albedos = match request.method.is_none() {
+        let albedos = match request.shading.method.is_none() {
             true => None,
             false => {
                 let alpha = f64::from(request.scene.materials[0].alpha.max(ALPHA_MIN));
-                let kernel = Kernel::new(*brdf, precompute.prefilter_weight, *masking_shadowing);
+                let kernel = Kernel::new(brdf, precompute.prefilter_weight, masking_shadowing);
                 let (known, table) = (self.albedos(kernel, request)?, self.dfg_table(&stored.dfg)?);
                 let n_dot_v = || frames.iter().map(|[n, v]| n.dot(*v));
                 Some([
@@ -138,13 +135,13 @@ impl Pipeline {
                 ])
             }
         };
-        let scale = albedo * f64::from(*environment_scale);
+        let scale = albedo * f64::from(environment_scale);
         Ok(diffuse::Radiance { frames, exact, irradiance, albedos, f0, scale })
     }
 
     /// (A, B) of the material's width.
     fn albedos(&mut self, kernel: Kernel, request: &RenderRequest) -> Result<KeptAlbedos, PipelineError> {
-        let masking = request.masking_shadowing;
+        let masking = request.shading.masking_shadowing;
         let alpha = f64::from(request.scene.materials[0].alpha.max(ALPHA_MIN));
         let key = format!("{} {} {masking:?} {alpha}", kernel.brdf.name(), kernel.weight.name);
         self.resources.albedos.get_or_make(key, || Ok(Arc::new(Albedos::new(kernel, masking, alpha))))
@@ -162,12 +159,13 @@ impl Pipeline {
         frames: &[[DVec3; 2]],
     ) -> Result<KeptRadiance, PipelineError> {
         let alpha = f64::from(request.scene.materials[0].alpha.max(ALPHA_MIN));
-        let RenderRequest { environment, placement, environment_scale, brdf, masking_shadowing, .. } = request;
+        let RenderRequest { environment, shading, .. } = request;
+        let Shading { placement, environment_scale, brdf, masking_shadowing, .. } = *shading;
         let key = format!(
             "{} {placement:?} {environment_scale} {} {masking_shadowing:?} {alpha} {:?} {:?} {} {}",
             environment.hash,
             brdf.name(),
-            request.precompute,
+            request.shading.precompute,
             request.size,
             request.reference_samples,
             request.seed
@@ -178,7 +176,8 @@ impl Pipeline {
         let mut drawn = |method: &'static Method, f0: f32| {
             let material = MaterialOverride { f0: Some([f0; 3]), metallic: Some(0.0), ..MaterialOverride::default() };
             let scene = Arc::new(request.scene.apply(&material));
-            self.with_memory(|own| own.scrambles(&RenderRequest { method, scene: scene.clone(), ..request.clone() }))
+            let request = RenderRequest { scene, ..request.shaded(|s| s.method = method) };
+            self.with_memory(|own| own.scrambles(&request))
         };
         let mut of_method = |method| Ok::<_, PipelineError>([drawn(method, 0.0)?, drawn(method, 1.0)?]);
         let reference = method_by_name(REFERENCE).expect("a listed method");
@@ -187,7 +186,7 @@ impl Pipeline {
         let drawn = (0..by_kernel[0][0].len()).map(of_scramble).collect();
 
         let prepared = self.prepare(request)?;
-        let tables = &request.precompute;
+        let tables = &request.shading.precompute;
         let levels = (0..prepared.tables.filtered.mip_count())
             .map(|mip| read_faces(&self.gpu, &prepared.tables.filtered, mip))
             .collect::<Result<Vec<_>, PipelineError>>()?;
@@ -198,16 +197,16 @@ impl Pipeline {
         let widths = [alpha, tables.level_mapping.alpha_from_mip(mip, count)];
         let degree = widths.into_iter().filter(|alpha| *alpha > 0.0).map(harmonic::degree).max();
         let harmonics = self.resources.harmonics(environment, degree.expect("alpha is above 0"))?;
-        let kernel = Kernel::new(*brdf, tables.prefilter_weight, *masking_shadowing);
+        let kernel = Kernel::new(brdf, tables.prefilter_weight, masking_shadowing);
         let albedos = self.albedos(kernel, request)?;
         let radiance = Arc::new(Radiance::new(Setting {
-            model: *brdf,
-            masking: *masking_shadowing,
+            model: brdf,
+            masking: masking_shadowing,
             alpha,
             albedos: &albedos,
             tables,
             environment,
-            scale: (*environment_scale).into(),
+            scale: environment_scale.into(),
             harmonics: &harmonics,
             filtered: &filtered,
             table: frames.iter().map(|[n, v]| tables.dfg_axes.lookup(&table, n.dot(*v), alpha)).collect(),
@@ -221,7 +220,7 @@ impl Pipeline {
 /// Normal and view of each pixel in the environment's frame.
 fn frames(request: &RenderRequest) -> Vec<[DVec3; 2]> {
     let [width, height] = request.size;
-    let turn = request.placement.environment_from_world();
+    let turn = request.shading.placement.environment_from_world();
     (0..width * height).map(|i| design::frame(i, width * height).map(|d| (turn * d).normalize())).collect()
 }
 

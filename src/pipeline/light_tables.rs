@@ -4,9 +4,10 @@ use super::{Pipeline, PipelineError, RenderRequest};
 use crate::environment::layout::MapLayout;
 use crate::gpu::{Gpu, Image};
 use crate::pixels::{Pixels, RgbImage};
+use crate::precompute::PrecomputeSettings;
 use crate::precompute::dfg::DfgAxes;
 use crate::precompute::prefilter::LevelMapping;
-use crate::shade::{diffuse_by_name, method_by_name};
+use crate::shade::{Shading, diffuse_by_name, method_by_name};
 
 /// Texels of the finest prefiltered level: what a page can hold for a few models and environments.
 const PREFILTERED_TEXELS_MAX: u32 = 1 << 15;
@@ -44,15 +45,19 @@ impl Pipeline {
 
     fn read_light_tables(&mut self, request: &RenderRequest, texels_max: u32) -> Result<LightTables, PipelineError> {
         let mut request = RenderRequest {
-            method: method_by_name(LOBES_OF).expect("a listed method"),
-            diffuse: diffuse_by_name("sh9").expect("a listed diffuse method"),
+            shading: Shading {
+                method: method_by_name(LOBES_OF).expect("a listed method"),
+                diffuse: diffuse_by_name("sh9").expect("a listed diffuse method"),
+                ..request.shading
+            },
             lights: Vec::new(),
             ..request.clone()
         };
-        let layout = request.precompute.layout;
-        let size = &mut request.precompute.prefilter_size;
+        let PrecomputeSettings { layout, prefilter_level_count, level_mapping, dfg_axes, .. } =
+            request.shading.precompute;
+        let size = &mut request.shading.precompute.prefilter_size;
         // Halved no further than its levels allow.
-        let least = layout.side_min << request.precompute.prefilter_level_count;
+        let least = layout.side_min << prefilter_level_count;
         while layout.face_count * size[0] * size[1] > PREFILTERED_TEXELS_MAX && size[0].min(size[1]) >= least {
             *size = size.map(|side| side / 2);
         }
@@ -71,13 +76,13 @@ impl Pipeline {
         let sh9: Vec<[f32; 4]> = self.gpu.read_buffer(&tables.sh9)?;
         Ok(LightTables {
             layout,
-            level_mapping: request.precompute.level_mapping,
+            level_mapping,
             environment: (first_level..levels).map(|mip| level(&tables.filtered, mip)).collect::<Result<_, _>>()?,
             sh9: sh9.into_iter().map(rgb).collect(),
             prefiltered: (0..tables.prefiltered.mip_count())
                 .map(|mip| level(&tables.prefiltered, mip))
                 .collect::<Result<_, _>>()?,
-            dfg_axes: request.precompute.dfg_axes,
+            dfg_axes,
             dfg: dfg.map(|[a, b, ..]: [f32; 4]| [a, b]),
             lobe_shapes,
         })

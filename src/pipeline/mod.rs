@@ -30,7 +30,7 @@ use crate::glsl::constants::POINTS_PER_DISPATCH;
 use crate::gpu::{Buffer, Gpu, GpuError, Report};
 use crate::pixels::{Pixels, PixelsError, Rgb8Image, RgbImage};
 use crate::precompute::SettingsError;
-use crate::shade::pass::{ShadeSettings, Shading};
+use crate::shade::pass::Passes;
 use crate::shade::reference_pass::{Convergence, PartPair, ReferenceRun};
 use crate::tonemap::{self, ToneCurve};
 use disk_cache::Code;
@@ -300,30 +300,20 @@ impl Pipeline {
         prepared: &Prepared,
     ) -> Result<(Report, Vec<Convergence>), PipelineError> {
         let (Prepared { tables, target, .. }, gpu) = (prepared, &self.gpu);
-        let (gbuffer, radiance) = (&target.gbuffer, &target.radiance);
-        let shading = Shading {
-            settings: &settings(request, prepared),
-            layout: request.precompute.layout,
-            tables,
-            gbuffer,
-            radiance,
-        };
-        let (brdf, masking) = (request.brdf, request.masking_shadowing);
+        let passes = passes(request, prepared);
         let mut recorder = gpu.record("gbuffer")?;
         // That of the scene `design` was written by the host.
         if !request.scene.is_design {
-            recorder.pass("gbuffer", |r| gbuffer::pass::record(r, &prepared.scene, &request.camera, gbuffer))?;
+            recorder.pass("gbuffer", |r| gbuffer::pass::record(r, &prepared.scene, passes.camera, passes.gbuffer))?;
         }
-        recorder.fill(radiance, 0);
+        recorder.fill(passes.radiance, 0);
         let mut report = recorder.submit()?;
 
-        if request.method.has_pass() {
+        if request.shading.method.has_pass() {
             let points_per_dispatch = prepared.samples_per_pixel.min(POINTS_PER_DISPATCH);
             for part in gpu.parts(request.size, 1, points_per_dispatch.into()) {
                 for points in tables.points.ranges() {
-                    report.add(gpu.submit_pass("shade-specular", |r| {
-                        shading.specular(r, request.method, brdf, masking, points, part)
-                    })?);
+                    report.add(gpu.submit_pass("shade-specular", |r| passes.specular(r, points, part))?);
                 }
             }
         }
@@ -334,7 +324,7 @@ impl Pipeline {
             report.add(recorder.submit()?);
             let (stop, seed, mask) = (request.reference_stop(), request.seed, &*target.mask);
             let epsilon = request.epsilon().beside_square();
-            let run = ReferenceRun { shading, stop, epsilon, seed, mask, distribution, sums, squared_error };
+            let run = ReferenceRun { passes, stop, epsilon, seed, mask, distribution, sums, squared_error };
             for lobe in &prepared.lobes {
                 let (times, convergence) = run.run(gpu, *lobe)?;
                 report.add(times);
@@ -343,14 +333,14 @@ impl Pipeline {
         }
         for part in gpu.parts(request.size, 1, 1 + request.lights.len() as u64) {
             let mut recorder = gpu.record("shade")?;
-            if request.diffuse.has_pass() {
-                recorder.pass("shade-diffuse", |r| shading.diffuse(r, request.diffuse, part))?;
+            if request.shading.diffuse.has_pass() {
+                recorder.pass("shade-diffuse", |r| passes.diffuse(r, part))?;
             }
             if let Some(lights) = &prepared.lights {
-                recorder.pass("shade-lights", |r| shading.lights(r, brdf, masking, lights, part))?;
+                recorder.pass("shade-lights", |r| passes.lights(r, lights, part))?;
             }
             if request.background {
-                recorder.pass("background", |r| shading.background(r, part))?;
+                recorder.pass("background", |r| passes.background(r, part))?;
             }
             report.add(recorder.submit()?);
         }
@@ -358,22 +348,15 @@ impl Pipeline {
     }
 }
 
-fn settings(request: &RenderRequest, prepared: &Prepared) -> ShadeSettings {
-    ShadeSettings {
-        camera: request.camera,
-        placement: request.placement,
-        environment_scale: request.environment_scale,
-        environment_size: prepared.tables.environment.mip_size(0),
-        sample_count: request.samples,
-        point_set: request.point_set,
-        pixel_points: request.pixel_points,
-        compensation: request.compensation,
-        lod_bias: request.lod_bias,
-        level_mapping: request.precompute.level_mapping,
-        dfg_axes: request.precompute.dfg_axes,
-        prefilter_level_count: request.precompute.prefilter_level_count,
-        has_specular: !request.method.is_none(),
+fn passes<'a>(request: &'a RenderRequest, prepared: &'a Prepared) -> Passes<'a> {
+    let Prepared { tables, target, .. } = prepared;
+    Passes {
+        shading: &request.shading,
+        camera: &request.camera,
         light_count: request.lights.len() as u32,
+        tables,
+        gbuffer: &target.gbuffer,
+        radiance: &target.radiance,
     }
 }
 

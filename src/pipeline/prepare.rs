@@ -162,24 +162,24 @@ impl Resources {
         validate(request)?;
         let maker = &mut Maker { gpu, kept, total: Report::default() };
         let environment = self.environment(maker, &request.environment)?;
-        let samples_per_pixel = if request.method.uses_samples { request.samples } else { 1 };
-        let storage = request.tables().storage;
+        let samples_per_pixel = if request.shading.method.uses_samples { request.shading.samples } else { 1 };
+        let storage = request.shading.tables().storage;
         let needs_dfg = request.needs_dfg();
 
-        let sh9 = match request.diffuse.sh9 {
+        let sh9 = match request.shading.diffuse.sh9 {
             Some(by) => self.coefficients(maker, &request.environment, &environment, by)?,
             None => self.blank_buffer.clone(),
         };
-        let layout = request.precompute.layout;
+        let layout = request.shading.precompute.layout;
         let filtered = match request.reads_filtered_levels() {
             true => self.filtered(maker, &request.environment, layout, &environment)?,
             false => self.blank(layout),
         };
-        let irradiance_map = match request.diffuse.uses_irradiance_map {
+        let irradiance_map = match request.shading.diffuse.uses_irradiance_map {
             true => self.irradiance_map(maker, IrradianceInputs::of(request), storage, &filtered)?,
             false => self.blank(layout),
         };
-        let prefiltered = match request.method.uses_prefiltered() {
+        let prefiltered = match request.shading.method.uses_prefiltered() {
             true => self.prefiltered(maker, PrefilterInputs::of(request), storage, &filtered)?,
             false => self.blank(layout),
         };
@@ -187,11 +187,17 @@ impl Resources {
             true => self.dfg_table(maker, DfgInputs::of(request), storage)?,
             false => self.blank_image.clone(),
         };
-        let lobe_shapes = match request.method.uses_lobe_shapes {
+        let lobe_shapes = match request.shading.method.uses_lobe_shapes {
             true => self.lobe_shapes(maker, LobeShapeInputs::of(request), storage)?,
             false => self.blank_image.clone(),
         };
-        let points = self.points(gpu, samples_per_pixel, request.sequence, request.point_set, request.pixel_points)?;
+        let points = self.points(
+            gpu,
+            samples_per_pixel,
+            request.shading.sequence,
+            request.shading.point_set,
+            request.shading.pixel_points,
+        )?;
         let (scene, target) = self.view(gpu, request)?;
         // A light-free scene binds no such pass.
         let lights = (!request.lights.is_empty()).then(|| gpu.buffer_from("lights", &light_data(&request.lights)));
@@ -462,7 +468,7 @@ fn half_copy(gpu: &Gpu, name: &str, table: &Image) -> Result<Image, GpuError> {
 }
 
 fn validate(request: &RenderRequest) -> Result<(), PipelineError> {
-    for (field, count) in [("samples", request.samples), ("reference_samples", request.reference_samples)] {
+    for (field, count) in [("samples", request.shading.samples), ("reference_samples", request.reference_samples)] {
         if count == 0 {
             return Err(PipelineError::NoSamples { field });
         }
@@ -470,5 +476,5 @@ fn validate(request: &RenderRequest) -> Result<(), PipelineError> {
     if request.has_reference_term() {
         pair_count(request.reference_samples)?;
     }
-    Ok(request.tables().validate()?)
+    Ok(request.shading.tables().validate()?)
 }

@@ -2,55 +2,34 @@
 
 use super::antialias::POINTS_PER_SIDE;
 use crate::bakes::given::Given;
-use crate::brdf::{Brdf, Compensation, Ggx, MaskingShadowing};
-use crate::environment::{Environment, Placement};
+use crate::environment::Environment;
 use crate::gpu::PassTime;
-use crate::math::sequence::{PixelPoints, SEQUENCES, Sequence};
 use crate::metrics::Epsilon;
 use crate::pixels::{GrayImage, RgbImage};
-use crate::precompute::{PrecomputeSettings, PrefilterBy};
+use crate::precompute::PrefilterBy;
 use crate::scene::{Camera, CameraKind, Light, Scene};
-use crate::shade::reference_pass::{Convergence, Levels, Lobe, Stop};
-use crate::shade::{Diffuse, Method, NONE, diffuse_by_name, method_by_name};
+use crate::shade::Shading;
+use crate::shade::reference_pass::{Convergence, Lobe, Stop};
 use std::sync::Arc;
 
 /// Everything that determines one radiance image.
 #[derive(Clone, Debug)]
 pub struct RenderRequest {
     pub environment: Arc<Environment>,
-    pub placement: Placement,
-    /// Multiplies the environment's radiance.
-    pub environment_scale: f32,
     pub scene: Arc<Scene>,
     pub camera: Camera,
     pub size: [u32; 2],
-    pub method: &'static Method,
-    pub diffuse: &'static Diffuse,
-    pub brdf: &'static dyn Brdf,
-    pub masking_shadowing: MaskingShadowing,
-    /// What gives back the light of several scatterings.
-    pub compensation: Compensation,
-    /// Samples a pixel of a sampled method.
-    pub samples: u32,
-    /// Where a sampled method takes its points from.
-    pub sequence: &'static Sequence,
-    /// Which set of the sequence: 0 the plain one, k > 0 randomised copies.
-    pub point_set: u32,
-    /// How a pixel comes by the points of that set.
-    pub pixel_points: PixelPoints,
+    pub shading: Shading,
     /// Samples a pixel of the reference, wherever it is the method or the diffuse term.
     pub reference_samples: u32,
     /// Stops the reference earlier, once the relative standard error of each of its terms is at most this.
     pub reference_error: Option<f64>,
-    /// Levels added to the mip level of a filtered method.
-    pub lod_bias: f32,
     pub lights: Vec<Light>,
     /// Shows the environment where nothing is hit.
     pub background: bool,
     /// Antialiases edges; pixels on them leave the mask. Without effect on the scene `design`.
     pub antialias: bool,
-    pub precompute: PrecomputeSettings,
-    /// Tables of other tools; sizes, levels and mapping in `precompute` are theirs.
+    /// Tables of other tools; sizes, levels and mapping in `shading.precompute` are theirs.
     pub given: Given,
     /// Seeds the scrambles of the reference.
     pub seed: u32,
@@ -75,7 +54,7 @@ impl RenderRequest {
     /// let Ok(mut pipeline) = Pipeline::new(Options::default()) else { return Ok(()) };
     /// let image = pipeline.render(&request)?;
     /// let method = method_by_name("reference").expect("a listed method");
-    /// let reference = pipeline.render(&RenderRequest { method, ..request })?;
+    /// let reference = pipeline.render(&request.shaded(|s| s.method = method))?;
     /// let [own, exact] = [&image, &reference].map(|frame| frame.radiance.get(16, 16)[1]);
     /// assert!(own > 0.0 && own != exact, "{own} for {exact}");
     /// # Ok(())
@@ -84,27 +63,15 @@ impl RenderRequest {
     pub fn plain(environment: Arc<Environment>, scene: Scene, kind: CameraKind, size: [u32; 2]) -> Self {
         Self {
             environment,
-            placement: Placement::default(),
-            environment_scale: 1.0,
             camera: Camera::for_scene(kind, &scene, size),
             scene: Arc::new(scene),
             size,
-            method: method_by_name("split-sum").expect("a listed method"),
-            diffuse: diffuse_by_name(NONE).expect("a listed diffuse method"),
-            brdf: &Ggx,
-            masking_shadowing: MaskingShadowing::default(),
-            compensation: Compensation::default(),
-            samples: 64,
-            sequence: &SEQUENCES[0],
-            point_set: 0,
-            pixel_points: PixelPoints::default(),
+            shading: Shading::default(),
             reference_samples: 1024,
             reference_error: None,
-            lod_bias: 0.0,
             lights: Vec::new(),
             background: false,
             antialias: false,
-            precompute: PrecomputeSettings::default(),
             given: Given::default(),
             seed: 1,
         }
@@ -120,22 +87,22 @@ impl RenderRequest {
         Self { size: self.size.map(|side| side * POINTS_PER_SIDE), antialias: false, ..self.clone() }
     }
 
+    /// The request with other parameters of shading.
+    pub fn shaded(&self, change: impl FnOnce(&mut Shading)) -> Self {
+        let mut request = self.clone();
+        change(&mut request.shading);
+        request
+    }
+
     /// The terms that are taken from the reference, specular first.
     pub(super) fn reference_lobes(&self) -> Vec<Lobe> {
-        let levels = Levels { mapping: self.precompute.level_mapping, weight: self.precompute.prefilter_weight };
-        let (brdf, masking) = (self.brdf, self.masking_shadowing);
-        let specular = self.method.lobe.map(|lobe| Lobe::Specular { lobe, brdf, masking, levels });
-        specular.into_iter().chain(self.diffuse.lobe.map(|lobe| Lobe::Diffuse { lobe })).collect()
+        let Shading { method, diffuse, .. } = self.shading;
+        method.lobe.map(Lobe::Specular).into_iter().chain(diffuse.lobe.map(Lobe::Diffuse)).collect()
     }
 
-    /// The settings of the tables that are made.
-    pub fn tables(&self) -> PrecomputeSettings {
-        self.method.tables(self.precompute)
-    }
-
-    /// That of relative errors under this light.
+    /// ε of the relative metrics under this light.
     pub fn epsilon(&self) -> Epsilon {
-        Epsilon::of_light(self.environment.luminance.mean * f64::from(self.environment_scale))
+        Epsilon::of_light(self.environment.luminance.mean * f64::from(self.shading.environment_scale))
     }
 
     /// When the reference stops.
@@ -145,18 +112,20 @@ impl RenderRequest {
 
     /// Whether the environment's filtered levels reach the frame, by themselves or by a map that is made of them.
     pub fn reads_filtered_levels(&self) -> bool {
-        let is_integrated = self.diffuse.uses_irradiance_map && self.tables().prefilter == PrefilterBy::Sampled;
-        self.method.uses_lod_bias || self.method.uses_prefiltered() || is_integrated
+        let Shading { method, diffuse, .. } = self.shading;
+        let is_integrated = diffuse.uses_irradiance_map && self.shading.tables().prefilter == PrefilterBy::Sampled;
+        method.uses_lod_bias || method.uses_prefiltered() || is_integrated
     }
 
     /// Whether a frame reads the DFG table.
     pub fn needs_dfg(&self) -> bool {
-        self.method.needs_dfg(self.compensation, self.diffuse, !self.lights.is_empty())
+        let Shading { method, diffuse, compensation, .. } = self.shading;
+        method.needs_dfg(compensation, diffuse, !self.lights.is_empty())
     }
 
     /// Whether a term comes from the reference: then the frame has a standard error.
     pub fn has_reference_term(&self) -> bool {
-        self.method.is_integrated() || self.diffuse.is_integrated()
+        self.shading.method.is_integrated() || self.shading.diffuse.is_integrated()
     }
 }
 

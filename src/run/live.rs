@@ -11,6 +11,7 @@ use crate::pipeline::{LightTables, RenderRequest};
 use crate::pixels::packed::{self, HALF_MAX};
 use crate::pixels::{Pixels, RgbImage};
 use crate::precompute::dfg::DfgAxes;
+use crate::shade::Shading;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
@@ -100,18 +101,19 @@ pub struct LiveLobe {
 pub fn record(plan: &Plan, renderer: &mut dyn Renderer) -> Result<LiveRecord, RenderFault> {
     let mut record = LiveRecord { environments: Vec::new(), lobes: Vec::new(), left_out: 0, models: models(plan) };
     let environments = distinct(plan, &[], |request| request.environment.hash.clone());
-    let lobes = distinct(plan, &[BRDF], |request| (request.brdf.name(), request.masking_shadowing));
+    let lobes = distinct(plan, &[BRDF], |request| (request.shading.brdf.name(), request.shading.masking_shadowing));
     for (point, request) in environments.iter().take(ENVIRONMENT_COUNT) {
         let mut environment: Option<LiveEnvironment> = None;
         for (_, of_lobe) in &lobes {
-            let (brdf, masking) = (of_lobe.brdf.name().to_owned(), masking_name(of_lobe.masking_shadowing));
+            let (brdf, masking) =
+                (of_lobe.shading.brdf.name().to_owned(), masking_name(of_lobe.shading.masking_shadowing));
             let has_lobe = record.lobes.iter().any(|lobe| lobe.brdf == brdf && lobe.masking == masking);
             let is_kept = environment.as_ref().is_some_and(|e| e.prefiltered.iter().any(|map| map.brdf == brdf));
             if has_lobe && is_kept {
                 continue;
             }
-            let (brdf_of, masking_shadowing) = (of_lobe.brdf, of_lobe.masking_shadowing);
-            let wanted = RenderRequest { brdf: brdf_of, masking_shadowing, ..request.clone() };
+            let Shading { brdf: model, masking_shadowing, .. } = of_lobe.shading;
+            let wanted = request.shaded(|s| (s.brdf, s.masking_shadowing) = (model, masking_shadowing));
             let tables = renderer.light_tables(&wanted, ENVIRONMENT_TEXELS)?;
             if !has_lobe {
                 let dfg = pack(&tables.dfg.map(|[a, b]| [a, b, 0.0]), 1.0);

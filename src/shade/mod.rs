@@ -5,6 +5,7 @@ pub mod method;
 pub mod pass;
 pub mod reference;
 pub mod reference_pass;
+mod shading;
 pub mod twin;
 
 /// Name of the unbiased method, specular and diffuse.
@@ -18,3 +19,4 @@ pub const EXACT_SPLIT: &str = "ladder-view";
 pub use crate::glsl::source::FILE_PREFIX;
 pub use diffuse::{DIFFUSE, Diffuse, diffuse_by_name};
 pub use method::{METHODS, Method, method_by_name, own};
+pub use shading::Shading;

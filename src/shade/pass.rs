@@ -1,40 +1,15 @@
 //! The device passes of every method but the reference: specular, diffuse, analytic lights, background.
 
-use super::{Diffuse, Method};
-use crate::brdf::{Brdf, Compensation, MaskingShadowing};
-use crate::environment::Placement;
+use super::{Method, Shading};
+use crate::brdf::{Brdf, MaskingShadowing};
 use crate::environment::layout::MapLayout;
 use crate::gbuffer::pass::GbufferImages;
 use crate::glsl::constants::SHADE_FLAG_NO_SPECULAR;
 use crate::glsl::layout::{BackgroundParams, LightData, ShadeParams, SharedStruct};
 use crate::gpu::{Bind, Buffer, Filter, GpuError, Image, Part, Recorder, Sampler, Wrap, has_shader};
-use crate::math::sequence::PixelPoints;
-use crate::precompute::dfg::DfgAxes;
 use crate::precompute::points::{PointRange, Points};
-use crate::precompute::prefilter::LevelMapping;
 use crate::scene::{Camera, Light, Projection};
 use glam::DVec3;
-
-/// What every shading pass needs to know besides the tables: camera and environment placement, and the method's parameters.
-#[derive(Clone, Debug)]
-pub struct ShadeSettings {
-    pub camera: Camera,
-    pub placement: Placement,
-    pub environment_scale: f32,
-    pub environment_size: [u32; 2],
-    pub sample_count: u32,
-    /// Which set of points, and how a pixel comes by it.
-    pub point_set: u32,
-    pub pixel_points: PixelPoints,
-    pub compensation: Compensation,
-    pub lod_bias: f32,
-    pub prefilter_level_count: u32,
-    pub level_mapping: &'static LevelMapping,
-    pub dfg_axes: DfgAxes,
-    /// Whether the image has a specular term that takes its share from the diffuse one.
-    pub has_specular: bool,
-    pub light_count: u32,
-}
 
 /// The environment's tables on the device, as the shading passes bind them.
 #[derive(Clone)]
@@ -53,44 +28,14 @@ pub struct Tables {
 
 /// What the passes of one frame read, and the radiance that each adds to.
 #[derive(Clone, Copy)]
-pub struct Shading<'a> {
-    pub settings: &'a ShadeSettings,
-    /// That of the maps in the tables.
-    pub layout: &'a MapLayout,
+pub struct Passes<'a> {
+    pub shading: &'a Shading,
+    pub camera: &'a Camera,
+    pub light_count: u32,
     pub tables: &'a Tables,
     pub gbuffer: &'a GbufferImages,
     /// A vec4 a pixel.
     pub radiance: &'a Buffer,
-}
-
-impl ShadeSettings {
-    /// The push constants for rows from `first_row` on.
-    pub fn params(&self, size: [u32; 2], first_row: u32) -> ShadeParams {
-        let rows = self.placement.environment_from_world().transpose();
-        let row = |v: DVec3| v.extend(0.0).as_vec4().to_array();
-        ShadeParams {
-            environment_from_world_0: row(rows.x_axis),
-            environment_from_world_1: row(rows.y_axis),
-            environment_from_world_2: row(rows.z_axis),
-            eye: eye(&self.camera),
-            width: size[0],
-            height: size[1],
-            environment_width: self.environment_size[0],
-            environment_height: self.environment_size[1],
-            sample_count: self.sample_count,
-            first_pair: 0,
-            first_row,
-            prefilter_level_count: self.prefilter_level_count,
-            environment_scale: self.environment_scale,
-            lod_bias: self.lod_bias,
-            light_count: self.light_count,
-            flags: if self.has_specular { 0 } else { SHADE_FLAG_NO_SPECULAR },
-            seed: self.point_set,
-            pair_count: 0,
-            point_count: 0,
-            slot_count: 0,
-        }
-    }
 }
 
 /// Eye position (w = 1), or direction to the viewer (w = 0).
@@ -132,26 +77,43 @@ pub fn specular_shader(layout: &MapLayout, method: &Method, brdf: &dyn Brdf) -> 
     if has_shader(&special) { special } else { general }
 }
 
-/// Its specialization constants.
-pub fn specular_constants(
-    masking_shadowing: MaskingShadowing,
-    level_mapping: &LevelMapping,
-    pixel_points: PixelPoints,
-    compensation: Compensation,
-    dfg_axes: DfgAxes,
-) -> [u32; 7] {
-    let (masking, bend) = (masking_shadowing as u32, (level_mapping.bend as f32).to_bits());
-    // The second and the fourth one are the reference's.
-    [masking, 0, bend, 0, pixel_points as u32, compensation as u32, dfg_axes as u32]
-}
-
 /// The shader of analytic lights.
 pub fn lights_shader(brdf: &dyn Brdf) -> String {
     format!("shade/lights.comp:{}", brdf.name())
 }
 
-impl Shading<'_> {
-    /// Dispatches a pass; `rest` follows the g-buffer and goes before the radiance.
+impl Passes<'_> {
+    /// Push constants for rows from `first_row` on.
+    pub(super) fn params(&self, first_row: u32) -> ShadeParams {
+        let Self { shading, camera, light_count, tables, gbuffer, .. } = *self;
+        let rows = shading.placement.environment_from_world().transpose();
+        let row = |v: DVec3| v.extend(0.0).as_vec4().to_array();
+        let ([width, height], [environment_width, environment_height]) = (gbuffer.size, tables.environment.mip_size(0));
+        ShadeParams {
+            environment_from_world_0: row(rows.x_axis),
+            environment_from_world_1: row(rows.y_axis),
+            environment_from_world_2: row(rows.z_axis),
+            eye: eye(camera),
+            width,
+            height,
+            environment_width,
+            environment_height,
+            sample_count: shading.samples,
+            first_pair: 0,
+            first_row,
+            prefilter_level_count: shading.precompute.prefilter_level_count,
+            environment_scale: shading.environment_scale,
+            lod_bias: shading.lod_bias,
+            light_count,
+            flags: if shading.method.is_none() { SHADE_FLAG_NO_SPECULAR } else { 0 },
+            seed: shading.point_set,
+            pair_count: 0,
+            point_count: 0,
+            slot_count: 0,
+        }
+    }
+
+    /// Dispatches a pass; `rest` follows the g-buffer and precedes the radiance.
     fn dispatch(
         &self,
         recorder: &mut Recorder,
@@ -165,17 +127,10 @@ impl Shading<'_> {
         recorder.dispatch(shader, constants, &with_gbuffer(self.gbuffer, &rest), push, part.groups)
     }
 
-    /// Adds what the points `points` give of the specular image-based radiance of a part of the image.
-    pub fn specular(
-        &self,
-        recorder: &mut Recorder,
-        method: &Method,
-        brdf: &dyn Brdf,
-        masking_shadowing: MaskingShadowing,
-        points: PointRange<'_>,
-        part: Part,
-    ) -> Result<(), GpuError> {
-        let shader = specular_shader(self.layout, method, brdf);
+    /// Adds what `points` give of the specular image-based radiance of a part of the image.
+    pub fn specular(&self, recorder: &mut Recorder, points: PointRange<'_>, part: Part) -> Result<(), GpuError> {
+        let Shading { method, brdf, precompute, .. } = *self.shading;
+        let shader = specular_shader(precompute.layout, method, brdf);
         let Tables { environment, filtered, prefiltered, dfg, lobe_shapes, .. } = self.tables;
         let rest = [
             Bind::Sample(environment, Sampler::MAP),
@@ -185,48 +140,33 @@ impl Shading<'_> {
             Bind::Sample(lobe_shapes, TABLE),
             points.bind(),
         ];
-        let params =
-            ShadeParams { point_count: points.count, ..self.settings.params(self.gbuffer.size, part.first_row) };
-        let ShadeSettings { level_mapping, pixel_points, compensation, dfg_axes, .. } = *self.settings;
-        let constants = specular_constants(masking_shadowing, level_mapping, pixel_points, compensation, dfg_axes);
-        self.dispatch(recorder, &shader, &constants, &rest, &params.to_bytes(), part)
-    }
-
-    /// The specialization constants of passes that read no map of the lobe.
-    fn table_constants(&self, masking: MaskingShadowing) -> [u32; 7] {
-        let ShadeSettings { compensation, dfg_axes, .. } = *self.settings;
-        [masking as u32, 0, 0, 0, 0, compensation as u32, dfg_axes as u32]
+        let params = ShadeParams { point_count: points.count, ..self.params(part.first_row) };
+        self.dispatch(recorder, &shader, &self.shading.constants(), &rest, &params.to_bytes(), part)
     }
 
     /// Adds the diffuse image-based radiance.
-    pub fn diffuse(&self, recorder: &mut Recorder, diffuse: &Diffuse, part: Part) -> Result<(), GpuError> {
+    pub fn diffuse(&self, recorder: &mut Recorder, part: Part) -> Result<(), GpuError> {
+        let Shading { diffuse, precompute, .. } = *self.shading;
         let Tables { irradiance_map, dfg, sh9, .. } = self.tables;
         let rest = [Bind::Sample(irradiance_map, Sampler::MAP), Bind::Sample(dfg, TABLE), Bind::Read(sh9)];
-        let push = self.settings.params(self.gbuffer.size, part.first_row).to_bytes();
-        let shader = format!("shade/diffuse.comp:{}:{}", self.layout.name, diffuse.name);
-        let constants = self.table_constants(MaskingShadowing::default());
+        let push = self.params(part.first_row).to_bytes();
+        let shader = format!("shade/diffuse.comp:{}:{}", precompute.layout.name, diffuse.name);
+        let constants = self.shading.table_constants(MaskingShadowing::default());
         self.dispatch(recorder, &shader, &constants, &rest, &push, part)
     }
 
     /// Adds the radiance of analytic lights.
-    pub fn lights(
-        &self,
-        recorder: &mut Recorder,
-        brdf: &dyn Brdf,
-        masking_shadowing: MaskingShadowing,
-        lights: &Buffer,
-        part: Part,
-    ) -> Result<(), GpuError> {
+    pub fn lights(&self, recorder: &mut Recorder, lights: &Buffer, part: Part) -> Result<(), GpuError> {
         let rest = [Bind::Sample(&self.tables.dfg, TABLE), Bind::Read(lights)];
-        let push = self.settings.params(self.gbuffer.size, part.first_row).to_bytes();
-        let (shader, constants) = (lights_shader(brdf), self.table_constants(masking_shadowing));
-        self.dispatch(recorder, &shader, &constants, &rest, &push, part)
+        let push = self.params(part.first_row).to_bytes();
+        let constants = self.shading.table_constants(self.shading.masking_shadowing);
+        self.dispatch(recorder, &lights_shader(self.shading.brdf), &constants, &rest, &push, part)
     }
 
     /// Shows the environment where nothing is hit.
     pub fn background(&self, recorder: &mut Recorder, part: Part) -> Result<(), GpuError> {
-        let ([width, height], camera) = (self.gbuffer.size, &self.settings.camera);
-        let turn = self.settings.placement.environment_from_world();
+        let ([width, height], camera) = (self.gbuffer.size, self.camera);
+        let turn = self.shading.placement.environment_from_world();
         let [extent_x, extent_y] = match camera.projection {
             Projection::Perspective { .. } => camera.extent(f64::from(width) / f64::from(height)),
             Projection::Ortho { .. } => [0.0, 0.0],
@@ -239,7 +179,7 @@ impl Shading<'_> {
             width,
             height,
             first_row: part.first_row,
-            environment_scale: self.settings.environment_scale,
+            environment_scale: self.shading.environment_scale,
         };
         let rest = [Bind::Sample(&self.tables.environment, Sampler::MAP)];
         self.dispatch(recorder, BACKGROUND_SHADER, &[], &rest, &params.to_bytes(), part)

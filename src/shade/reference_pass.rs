@@ -1,66 +1,57 @@
 //! The device passes of the reference: dispatches over parts of the nets and of the image, then one that adds the term to the image.
 
-use super::pass::{ShadeSettings, Shading, TABLE, with_gbuffer};
+use super::Shading;
+use super::pass::{Passes, TABLE, with_gbuffer};
 use crate::brdf::{Brdf, MaskingShadowing};
 use crate::environment::distribution::EnvironmentDistribution;
 use crate::glsl::constants::{GROUP_SIDE, SCRAMBLE_COUNT};
 use crate::glsl::layout::{ShadeParams, SharedStruct};
 use crate::gpu::{Bind, Buffer, Gpu, GpuError, Report, Sampler};
 use crate::pixels::GrayImage;
-use crate::precompute::prefilter::{LevelMapping, Weight};
+use crate::precompute::PrecomputeSettings;
 use std::ops::Range;
 
 /// Most samples of a pixel that one dispatch takes.
 const DISPATCH_SAMPLES_MAX: u32 = 4096;
 
-/// Which term of the surface a reference integrates.
+/// The term of the surface that a reference integrates, by the name of its lobe.
 #[derive(Clone, Copy, Debug)]
 pub enum Lobe {
-    /// The lobe of a method, and what may shape it.
-    Specular { lobe: &'static str, brdf: &'static dyn Brdf, masking: MaskingShadowing, levels: Levels },
+    /// The lobe of a method.
+    Specular(&'static str),
     /// The lobe of a diffuse method.
-    Diffuse { lobe: &'static str },
-}
-
-/// What rungs of the ladder take from a prefiltered map: how its levels are spread, and by what it averages.
-#[derive(Clone, Copy, Debug)]
-pub struct Levels {
-    pub mapping: &'static LevelMapping,
-    pub weight: &'static Weight,
+    Diffuse(&'static str),
 }
 
 impl Lobe {
     /// The specialization constants: masking, whether the driver filters in f32, the bend of the levels' mapping, the weight, none, the
     /// compensation, the axes of the DFG table.
-    fn constants(self, gpu: &Gpu, settings: &ShadeSettings) -> [u32; 7] {
-        let is_exact = u32::from(gpu.info().has_exact_filter);
-        let [compensation, axes] = [settings.compensation as u32, settings.dfg_axes as u32];
-        match self {
-            Self::Specular { masking, levels: Levels { mapping, weight }, .. } => {
-                [masking as u32, is_exact, (mapping.bend as f32).to_bits(), weight.code, 0, compensation, axes]
-            }
-            Self::Diffuse { .. } => [MaskingShadowing::default() as u32, is_exact, 0, 0, 0, compensation, axes],
+    fn constants(self, gpu: &Gpu, shading: &Shading) -> [u32; 7] {
+        let PrecomputeSettings { level_mapping, prefilter_weight, .. } = shading.precompute;
+        let mut constants = shading.table_constants(MaskingShadowing::default());
+        constants[1] = u32::from(gpu.info().has_exact_filter);
+        if let Self::Specular(_) = self {
+            constants[0] = shading.masking_shadowing as u32;
+            constants[2] = (level_mapping.bend as f32).to_bits();
+            constants[3] = prefilter_weight.code;
         }
-    }
-
-    /// The part of a shader's name after the entry point.
-    fn permutation(self) -> String {
-        match self {
-            Self::Specular { lobe, brdf, .. } => format!("{lobe}:{}", brdf.name()),
-            Self::Diffuse { lobe } => lobe.into(),
-        }
+        constants
     }
 
     /// The shaders that take the samples and that add the term to the image.
-    pub fn shaders(self) -> [String; 2] {
-        ["reference", "reference_resolve"].map(|entry| format!("shade/{entry}.comp:{}", self.permutation()))
+    pub fn shaders(self, brdf: &dyn Brdf) -> [String; 2] {
+        let permutation = match self {
+            Self::Specular(lobe) => format!("{lobe}:{}", brdf.name()),
+            Self::Diffuse(lobe) => lobe.into(),
+        };
+        ["reference", "reference_resolve"].map(|entry| format!("shade/{entry}.comp:{permutation}"))
     }
 
     /// The timed pass.
     fn pass_name(self) -> &'static str {
         match self {
-            Self::Specular { .. } => "shade-specular",
-            Self::Diffuse { .. } => "shade-diffuse",
+            Self::Specular(_) => "shade-specular",
+            Self::Diffuse(_) => "shade-diffuse",
         }
     }
 }
@@ -182,7 +173,7 @@ impl DistributionBuffers {
 
 /// What one term of the reference reads and writes.
 pub struct ReferenceRun<'a> {
-    pub shading: Shading<'a>,
+    pub passes: Passes<'a>,
     pub stop: Stop,
     /// Keeps the relative error of dark pixels from ruling: beside squared radiance.
     pub epsilon: f64,
@@ -200,7 +191,7 @@ impl ReferenceRun<'_> {
     pub fn run(&self, gpu: &Gpu, lobe: Lobe) -> Result<(Report, Convergence), GpuError> {
         let mut total = Report::default();
         let (mut done, mut samples) = (0, self.stop.first());
-        let scale = f64::from(self.shading.settings.environment_scale);
+        let scale = f64::from(self.passes.shading.environment_scale);
         let relative_error = loop {
             let pairs = samples / SAMPLES_PER_PAIR;
             total.add(self.integrate(gpu, lobe, done..pairs)?);
@@ -232,10 +223,10 @@ impl ReferenceRun<'_> {
 
     /// Adds these pairs of every scramble's net to the sums, which start afresh at pair 0.
     fn integrate(&self, gpu: &Gpu, lobe: Lobe, pairs: Range<u32>) -> Result<Report, GpuError> {
-        let Shading { settings, tables, gbuffer, .. } = self.shading;
+        let Passes { shading, tables, gbuffer, .. } = self.passes;
         let [width, height] = gbuffer.size;
-        let [shader, _] = lobe.shaders();
-        let constants = lobe.constants(gpu, settings);
+        let [shader, _] = lobe.shaders(shading.brdf);
+        let constants = lobe.constants(gpu, shading);
         let rest = [
             Bind::Sample(&tables.environment, Sampler::TEXELS),
             Bind::Read(&self.distribution.words),
@@ -258,7 +249,7 @@ impl ReferenceRun<'_> {
                     pair_count,
                     seed: self.seed,
                     slot_count: self.distribution.slot_count,
-                    ..settings.params(gbuffer.size, part.first_row)
+                    ..self.passes.params(part.first_row)
                 };
                 total.add(gpu.submit_pass(lobe.pass_name(), |r| {
                     r.dispatch(&shader, &constants, &binds, &params.to_bytes(), part.groups)
@@ -270,19 +261,19 @@ impl ReferenceRun<'_> {
 
     /// Adds the term that the sums of `pair_count` pairs hold to the image, and leaves there what each scramble makes of it.
     fn resolve(&self, gpu: &Gpu, lobe: Lobe, pair_count: u32) -> Result<Report, GpuError> {
-        let Shading { settings, tables, gbuffer, radiance, .. } = self.shading;
+        let Passes { shading, tables, gbuffer, radiance, .. } = self.passes;
         let rest = [
             Bind::Sample(&tables.dfg, TABLE),
             Bind::ReadWrite(&self.sums.0),
             Bind::ReadWrite(radiance),
             Bind::ReadWrite(self.squared_error),
         ];
-        let (binds, [_, shader]) = (with_gbuffer(gbuffer, &rest), lobe.shaders());
+        let (binds, [_, shader]) = (with_gbuffer(gbuffer, &rest), lobe.shaders(shading.brdf));
         let mut total = Report::default();
         for part in gpu.parts(gbuffer.size, 1, SCRAMBLE_COUNT.into()) {
-            let push = ShadeParams { pair_count, ..settings.params(gbuffer.size, part.first_row) }.to_bytes();
+            let push = ShadeParams { pair_count, ..self.passes.params(part.first_row) }.to_bytes();
             total.add(gpu.submit_pass(lobe.pass_name(), |r| {
-                r.dispatch(&shader, &lobe.constants(gpu, settings), &binds, &push, part.groups)
+                r.dispatch(&shader, &lobe.constants(gpu, shading), &binds, &push, part.groups)
             })?);
         }
         Ok(total)

@@ -285,7 +285,7 @@ impl<'a> Renderer<'a> {
     /// The environment and the scene of a state, from memory where they are those of before.
     fn inputs(&mut self, state: &State) -> Result<(Arc<Environment>, Arc<Scene>), Stop> {
         let settings = state.point.settings();
-        settings.precompute.validate().map_err(|error| Stop::Refused(error.to_string()))?;
+        settings.shading.precompute.validate().map_err(|error| Stop::Refused(error.to_string()))?;
         let (name, clip, here) = (&settings.environment, settings.environment_clip_log2, Path::new(""));
         if self.environment.as_ref().is_none_or(|(known, at, _)| known != name || *at != clip) {
             let whole = Environment::load(name, here, &self.load).map_err(|error| Stop::Refused(error.to_string()))?;

@@ -15,7 +15,7 @@ const TIMING: &str = "[timing]\nwarmup = 1\nrounds = 3";
 /// One count of one alpha fails; its case is the last to be completed.
 fn is_broken(request: &RenderRequest) -> bool {
     let alpha = request.scene.materials.first().map_or(0.0, |material| material.alpha);
-    request.method.name == "sampled" && request.samples == 1 && (alpha - 0.1).abs() < 1e-6
+    request.shading.method.name == "sampled" && request.shading.samples == 1 && (alpha - 0.1).abs() < 1e-6
 }
 
 fn report(dir: &Path) -> PathBuf {

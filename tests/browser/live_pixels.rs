@@ -194,17 +194,18 @@ impl Setting {
         });
         RenderRequest {
             environment: Arc::new(environment),
-            placement: Placement { orientation: ORIENTATIONS[self.orientation], rotation_deg: self.turn },
             camera: self.camera(&scene, size),
             scene: Arc::new(scene.apply(&surface)),
             size,
-            method: method_by_name(method).unwrap(),
-            diffuse: diffuse_by_name(if self.diffuse { "sh9" } else { "none" }).unwrap(),
-            brdf: *MODELS.iter().find(|model| model.name() == ["ggx", "phong"][self.lobe]).unwrap(),
-            samples,
             reference_samples: samples,
             background: true,
-            ..of_run
+            ..of_run.shaded(|s| {
+                s.placement = Placement { orientation: ORIENTATIONS[self.orientation], rotation_deg: self.turn };
+                s.method = method_by_name(method).unwrap();
+                s.diffuse = diffuse_by_name(if self.diffuse { "sh9" } else { "none" }).unwrap();
+                s.brdf = *MODELS.iter().find(|model| model.name() == ["ggx", "phong"][self.lobe]).unwrap();
+                s.samples = samples;
+            })
         }
     }
 }

@@ -17,11 +17,10 @@ fn edges_have_the_radiance_of_what_they_cover() {
         let (method, half_side) = (method_by_name("none").unwrap(), 1.05);
         let diffuse = diffuse_by_name("irradiance-map").unwrap();
         let own = RenderRequest {
-            method,
-            diffuse,
             antialias: true,
             background: true,
             ..request(&white, scene("sphere", grey), CameraKind::Ortho, size)
+                .shaded(|s| (s.method, s.diffuse) = (method, diffuse))
         };
         let plain = pipeline.render(&RenderRequest { antialias: false, background: false, ..own.clone() }).unwrap();
         let level = plain.radiance.get(12, 12)[0];

@@ -7,7 +7,7 @@ use crate::harness::{
 };
 use crate::layouts::{filtered_environment, read_map};
 use crate::tables::environment_image;
-use splitsum::brdf::{Compensation, Ggx, MODELS, MaskingShadowing};
+use splitsum::brdf::MODELS;
 use splitsum::environment::Placement;
 use splitsum::environment::distribution::EnvironmentDistribution;
 use splitsum::environment::layout::LAYOUTS;
@@ -17,13 +17,11 @@ use splitsum::gpu::{Format, Gpu, Groups, Part, image_groups};
 use splitsum::math::sequence::PixelPoints;
 use splitsum::pipeline::{Pipeline, RenderRequest};
 use splitsum::pixels::RgbImage;
-use splitsum::precompute::dfg::DfgAxes;
 use splitsum::precompute::points::Points;
-use splitsum::precompute::prefilter::{LEVEL_MAPPINGS, WEIGHTS};
 use splitsum::precompute::{PrecomputeSettings, PrefilterBy};
 use splitsum::scene::{CameraKind, MaterialOverride};
-use splitsum::shade::pass::{ShadeSettings, Shading, Tables};
-use splitsum::shade::reference_pass::{DistributionBuffers, Levels, Lobe, ReferenceRun, Stop, Sums};
+use splitsum::shade::pass::{Passes, Tables};
+use splitsum::shade::reference_pass::{DistributionBuffers, Lobe, ReferenceRun, Stop, Sums};
 use splitsum::shade::{DIFFUSE, METHODS, method_by_name};
 
 /// Every method and diffuse method on the grid of spheres.
@@ -32,12 +30,12 @@ fn requests() -> Vec<RenderRequest> {
     let base = RenderRequest {
         reference_samples: 64,
         background: true,
-        placement: Placement { orientation: 2, rotation_deg: 20.0 },
         ..request(&environment, scene("spheres", MaterialOverride::default()), CameraKind::Perspective, [40, 24])
+            .shaded(|s| s.placement = Placement { orientation: 2, rotation_deg: 20.0 })
     };
-    let of_method = METHODS.iter().map(|method| RenderRequest { method, ..base.clone() });
+    let of_method = METHODS.iter().map(|method| base.shaded(|s| s.method = method));
     let of_diffuse = DIFFUSE.iter().zip(MODELS.iter().cycle());
-    let of_diffuse = of_diffuse.map(|(diffuse, brdf)| RenderRequest { diffuse, brdf: *brdf, ..base.clone() });
+    let of_diffuse = of_diffuse.map(|(diffuse, brdf)| base.shaded(|s| (s.diffuse, s.brdf) = (diffuse, *brdf)));
     of_method.chain(of_diffuse).collect()
 }
 
@@ -83,14 +81,15 @@ fn short_submissions_make_the_same_image() {
     };
     let sphere = scene("sphere", MaterialOverride::default());
     let base = RenderRequest {
-        precompute,
-        samples: 1500,
-        diffuse: DIFFUSE.iter().find(|diffuse| diffuse.uses_irradiance_map).unwrap(),
         background: true,
-        ..request(&golden_environment(), sphere, CameraKind::Perspective, [44, 20])
+        ..request(&golden_environment(), sphere, CameraKind::Perspective, [44, 20]).shaded(|s| {
+            s.precompute = precompute;
+            s.samples = 1500;
+            s.diffuse = DIFFUSE.iter().find(|diffuse| diffuse.uses_irradiance_map).unwrap();
+        })
     };
     let second = METHODS.iter().find(|method| method.uses_prefiltered()).unwrap();
-    let requests = [RenderRequest { method: second, ..base.clone() }, base];
+    let requests = [base.shaded(|s| s.method = second), base];
     let [usual, short] = [false, true].map(|is_interactive| {
         let mut hashes = Vec::new();
         with_submissions(is_interactive, |pipeline| {
@@ -131,7 +130,7 @@ fn frames_have_the_same_bits_everywhere() {
         let first: Vec<String> = requests.iter().map(|request| frame_hash(pipeline, request)).collect();
         // Again, in the other order, so that every frame follows another one than before.
         for (request, hash) in requests.iter().zip(&first).rev() {
-            let name = format!("{} {}", request.method.name, request.diffuse.name);
+            let name = format!("{} {}", request.shading.method.name, request.shading.diffuse.name);
             assert_eq!(frame_hash(pipeline, request), *hash, "{name} after other work");
         }
         let folder = tempfile::tempdir().unwrap();
@@ -145,7 +144,7 @@ fn frames_have_the_same_bits_everywhere() {
         let other = std::fs::read_to_string(&path).unwrap();
         assert_eq!(other.lines().collect::<Vec<_>>(), first, "another process");
         // Other seeds are other points: the hash sees the radiance.
-        let reference = requests.iter().find(|request| request.method.name == "reference").unwrap();
+        let reference = requests.iter().find(|request| request.shading.method.name == "reference").unwrap();
         let other_seed = RenderRequest { seed: 2, ..reference.clone() };
         assert_ne!(frame_hash(pipeline, &other_seed), frame_hash(pipeline, reference));
     });
@@ -175,32 +174,14 @@ fn the_reference_reads_nothing_it_has_not_written() {
             lobe_shapes: blank.clone(),
             irradiance_map: blank,
             sh9: gpu.buffer("blank", 256).unwrap(),
-            points: Points::upload(gpu, 1, request.sequence, 0, PixelPoints::Shared).unwrap(),
+            points: Points::upload(gpu, 1, request.shading.sequence, 0, PixelPoints::Shared).unwrap(),
         };
         let gbuffer = GbufferImages::new(gpu, size).unwrap();
         let scene = SceneData::new(gpu, &request.scene).unwrap();
         let mut recorder = gpu.record("gbuffer").unwrap();
         pass::record(&mut recorder, &scene, &request.camera, &gbuffer).unwrap();
         recorder.submit().unwrap();
-        let settings = ShadeSettings {
-            camera: request.camera,
-            placement: Placement::default(),
-            environment_scale: 1.0,
-            environment_size: [512, 256],
-            sample_count: 64,
-            point_set: 0,
-            pixel_points: PixelPoints::Shared,
-            compensation: Compensation::None,
-            lod_bias: 0.0,
-            prefilter_level_count: 5,
-            level_mapping: &LEVEL_MAPPINGS[0],
-            dfg_axes: DfgAxes::default(),
-            has_specular: true,
-            light_count: 0,
-        };
         let mask = gbuffer.read(gpu).unwrap().mask();
-        let levels = Levels { mapping: &LEVEL_MAPPINGS[0], weight: &WEIGHTS[0] };
-        let lobe = Lobe::Specular { lobe: "specular", brdf: &Ggx, masking: MaskingShadowing::Separable, levels };
         let results = [false, true].map(|is_poisoned| {
             if is_poisoned {
                 poison_free_memory(gpu, bytes);
@@ -215,9 +196,10 @@ fn the_reference_reads_nothing_it_has_not_written() {
                 buffer
             });
             let run = ReferenceRun {
-                shading: Shading {
-                    settings: &settings,
-                    layout: &LAYOUTS[0],
+                passes: Passes {
+                    shading: &request.shading,
+                    camera: &request.camera,
+                    light_count: 0,
                     tables: &tables,
                     gbuffer: &gbuffer,
                     radiance: &radiance,
@@ -230,7 +212,7 @@ fn the_reference_reads_nothing_it_has_not_written() {
                 sums: &sums,
                 squared_error: &squared_error,
             };
-            run.run(gpu, lobe).unwrap();
+            run.run(gpu, Lobe::Specular("specular")).unwrap();
             [&radiance, &squared_error].map(|buffer| gpu.read_buffer::<u32>(buffer).unwrap())
         });
         assert!(results[0] == results[1], "the contents of fresh memory change the result");
@@ -243,11 +225,8 @@ fn the_reference_reads_nothing_it_has_not_written() {
 fn what_is_drawn_in_bands_is_whole() {
     with_pipeline(|pipeline| {
         // A sphere in the middle of a wide image, whose other pixels cost nothing: 8 rows a band.
-        let request = RenderRequest {
-            method: method_by_name("sampled").unwrap(),
-            samples: 1024,
-            ..request(&constant_environment([1.0; 3]), lobe_sphere(0.3), CameraKind::Ortho, [2048, 16])
-        };
+        let request = request(&constant_environment([1.0; 3]), lobe_sphere(0.3), CameraKind::Ortho, [2048, 16])
+            .shaded(|s| (s.method, s.samples) = (method_by_name("sampled").unwrap(), 1024));
         let frame = pipeline.render(&request).unwrap();
         let row = |y: u32| -> f64 { (0..2048).map(|x| f64::from(frame.radiance.get(x, y)[0])).sum() };
         for y in 0..8 {

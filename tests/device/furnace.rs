@@ -36,16 +36,17 @@ fn every_integrator_returns_the_directional_albedo() {
         for model in MODELS {
             for alpha in [0.01, 0.3, 1.0] {
                 let base = RenderRequest {
-                    brdf: *model,
-                    samples: 4096,
                     reference_samples: REFERENCE_SAMPLES,
-                    precompute: PrecomputeSettings {
-                        dfg_size: 64,
-                        prefilter_size: [32; 2],
-                        prefilter_level_count: 3,
-                        ..usual_tables()
-                    },
-                    ..request(&white, lobe_sphere(alpha), CameraKind::Ortho, [11, 11])
+                    ..request(&white, lobe_sphere(alpha), CameraKind::Ortho, [11, 11]).shaded(|s| {
+                        s.brdf = *model;
+                        s.samples = 4096;
+                        s.precompute = PrecomputeSettings {
+                            dfg_size: 64,
+                            prefilter_size: [32; 2],
+                            prefilter_level_count: 3,
+                            ..usual_tables()
+                        };
+                    })
                 };
                 // The middle row from the centre to the rim: n_dot_v from 1 down to 0.3, and the corners' grazing views.
                 let sights: Vec<_> = sights(&base, 1)
@@ -60,7 +61,7 @@ fn every_integrator_returns_the_directional_albedo() {
                     })
                     .collect();
                 for name in ["sampled", "sampled-vndf", "sampled-unfiltered", "split-sum", "reference"] {
-                    let request = RenderRequest { method: method_by_name(name).unwrap(), ..base.clone() };
+                    let request = base.shaded(|s| s.method = method_by_name(name).unwrap());
                     let frame = render_by_seeds(pipeline, &request);
                     for (sight, exact) in sights.iter().zip(&exact) {
                         let n_dot_v = sight.surface.n.dot(sight.surface.v);
@@ -94,11 +95,9 @@ fn split_sum_is_the_reference_under_constant_radiance() {
         for (_, masking_shadowing) in MaskingShadowing::ALL {
             let material =
                 MaterialOverride { f0: Some([0.04, 0.5, 1.0]), alpha: Some(0.35), ..MaterialOverride::default() };
-            let base = RenderRequest {
-                masking_shadowing: *masking_shadowing,
-                ..request(&environment, scene("sphere", material), CameraKind::Perspective, [16, 16])
-            };
-            let with = |name| RenderRequest { method: method_by_name(name).unwrap(), ..base.clone() };
+            let base = request(&environment, scene("sphere", material), CameraKind::Perspective, [16, 16])
+                .shaded(|s| s.masking_shadowing = *masking_shadowing);
+            let with = |name| base.shaded(|s| s.method = method_by_name(name).unwrap());
             let split = pipeline.render(&with("split-sum")).unwrap();
             let reference = render_by_seeds(pipeline, &with("reference"));
             let sigma = reference.standard_error.as_ref().unwrap();
@@ -126,22 +125,21 @@ fn compensated_white_surfaces_show_all_that_arrives() {
             let cases = [0.3, 0.8].into_iter().flat_map(|alpha| Compensation::ALL.iter().map(move |of| (alpha, *of)));
             for (alpha, (name, compensation)) in cases {
                 let base = RenderRequest {
-                    brdf: *model,
-                    // No albedo above 1, which only the scaling could take back.
-                    masking_shadowing: MaskingShadowing::SmithExact,
-                    compensation,
-                    samples: 4096,
                     reference_samples: REFERENCE_SAMPLES,
-                    ..request(&white, lobe_sphere(alpha), CameraKind::Ortho, [11, 11])
+                    ..request(&white, lobe_sphere(alpha), CameraKind::Ortho, [11, 11]).shaded(|s| {
+                        s.brdf = *model; // No albedo above 1, which only the scaling could take back.
+                        s.masking_shadowing = MaskingShadowing::SmithExact;
+                        s.compensation = compensation;
+                        s.samples = 4096;
+                    })
                 };
                 for (method, diffuse) in
                     [("split-sum", "sh9"), ("sampled-vndf", "irradiance-map"), ("reference", "reference")]
                 {
-                    let request = RenderRequest {
-                        method: method_by_name(method).unwrap(),
-                        diffuse: diffuse_by_name(diffuse).unwrap(),
-                        ..base.clone()
-                    };
+                    let request = base.shaded(|s| {
+                        s.method = method_by_name(method).unwrap();
+                        s.diffuse = diffuse_by_name(diffuse).unwrap();
+                    });
                     let frame = render_by_seeds(pipeline, &request);
                     let case = format!("{} {name} {method} alpha {alpha}", model.name());
                     let (mut worst, mut lost) = (0.0f64, 0.0f64);

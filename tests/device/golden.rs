@@ -50,17 +50,19 @@ fn golden_request(golden: &Golden) -> RenderRequest {
     if golden.model == "diffuse" {
         let white = MaterialOverride { albedo: Some([1.0; 3]), f0: Some([0.0; 3]), ..MaterialOverride::default() };
         return RenderRequest {
-            method: method_by_name("none").unwrap(),
-            diffuse: diffuse_by_name("reference").unwrap(),
             reference_samples: SAMPLES,
-            ..request(&golden_environment(), scene("sphere", white), kind, size)
+            ..request(&golden_environment(), scene("sphere", white), kind, size).shaded(|s| {
+                s.method = method_by_name("none").unwrap();
+                s.diffuse = diffuse_by_name("reference").unwrap();
+            })
         };
     }
     RenderRequest {
-        method: method_by_name("reference").unwrap(),
-        brdf: brdf::by_name(golden.model).unwrap(),
         reference_samples: SAMPLES,
-        ..request(&golden_environment(), lobe_sphere(golden.alpha), kind, size)
+        ..request(&golden_environment(), lobe_sphere(golden.alpha), kind, size).shaded(|s| {
+            s.method = method_by_name("reference").unwrap();
+            s.brdf = brdf::by_name(golden.model).unwrap();
+        })
     }
 }
 
@@ -128,10 +130,8 @@ fn the_mask_is_that_of_another_renderer() {
         for (file, kind) in [("mask_ortho", CameraKind::Ortho), ("mask_persp", CameraKind::Perspective)] {
             let expected = exr::read(Path::new(&format!("tests/golden/{file}.exr"))).unwrap().rgb;
             let size = [expected.width, expected.height];
-            let request = RenderRequest {
-                method: method_by_name("none").unwrap(),
-                ..request(&golden_environment(), lobe_sphere(0.5), kind, size)
-            };
+            let request = request(&golden_environment(), lobe_sphere(0.5), kind, size)
+                .shaded(|s| s.method = method_by_name("none").unwrap());
             let frame = pipeline.render(&request).unwrap();
             for (i, (mask, expected)) in frame.mask.data.iter().zip(&expected.data).enumerate() {
                 // Exact but for rim pixels, whose rays pass within f32 rounding of the sphere.

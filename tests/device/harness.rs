@@ -233,7 +233,7 @@ pub fn render_by_seeds(pipeline: &mut Pipeline, request: &RenderRequest) -> Fram
 
 /// A request for `scene` under `environment`: GGX, split sum, no diffuse term.
 pub fn request(environment: &Arc<Environment>, scene: Scene, kind: CameraKind, size: [u32; 2]) -> RenderRequest {
-    RenderRequest { precompute: usual_tables(), ..RenderRequest::plain(environment.clone(), scene, kind, size) }
+    RenderRequest::plain(environment.clone(), scene, kind, size).shaded(|s| s.precompute = usual_tables())
 }
 
 /// Direction to a light and its irradiance on a surface that faces it, at a position.

@@ -14,7 +14,7 @@ use splitsum::precompute::dfg::DfgAxes;
 use splitsum::precompute::prefilter::{LEVEL_MAPPINGS, WEIGHTS};
 use splitsum::precompute::{HALF_MAX, PrecomputeSettings, PrefilterBy, StorageFormat};
 use splitsum::scene::{Camera, CameraKind, Light, LightKind, MaterialOverride};
-use splitsum::shade::{diffuse_by_name, method_by_name};
+use splitsum::shade::{Shading, diffuse_by_name, method_by_name};
 use std::path::Path;
 use std::sync::Arc;
 
@@ -40,19 +40,19 @@ fn small() -> PrecomputeSettings {
 /// Requests that need every kind of table, and a reference of both terms with a stop.
 fn requests() -> Vec<RenderRequest> {
     let base = RenderRequest {
-        precompute: small(),
         reference_samples: 256,
-        samples: 256,
         ..request(&golden_environment(), scene("spheres", MaterialOverride::default()), CameraKind::Ortho, [40, 24])
+            .shaded(|s| (s.precompute, s.samples) = (small(), 256))
     };
-    let of = |method: &str, diffuse: &str| RenderRequest {
-        method: method_by_name(method).unwrap(),
-        diffuse: diffuse_by_name(diffuse).unwrap(),
-        ..base.clone()
+    let of = |method: &str, diffuse: &str| {
+        base.shaded(|s| {
+            s.method = method_by_name(method).unwrap();
+            s.diffuse = diffuse_by_name(diffuse).unwrap();
+        })
     };
     let stopped = RenderRequest { reference_error: Some(0.5), ..of("reference", "reference") };
     let half = PrecomputeSettings { storage: StorageFormat::F16, ..small() };
-    let in_halves = RenderRequest { precompute: half, ..of("split-sum", "irradiance-map") };
+    let in_halves = of("split-sum", "irradiance-map").shaded(|s| s.precompute = half);
     vec![of("split-sum", "irradiance-map"), of("sampled", "sh9"), of("reference", "reference"), stopped, in_halves]
 }
 
@@ -91,11 +91,21 @@ fn neighbours(base: &RenderRequest) -> Vec<RenderRequest> {
     // Without `..`: a new field needs a neighbour below, if it can change an image.
     let RenderRequest {
         environment,
-        placement,
-        environment_scale,
         scene: _,
         camera: _,
         size,
+        shading,
+        reference_samples,
+        reference_error: _,
+        lights: _,
+        background,
+        antialias: _,
+        given: _,
+        seed,
+    } = base.clone();
+    let Shading {
+        placement,
+        environment_scale,
         method: _,
         diffuse: _,
         brdf: _,
@@ -105,16 +115,9 @@ fn neighbours(base: &RenderRequest) -> Vec<RenderRequest> {
         sequence: _,
         point_set,
         pixel_points: _,
-        reference_samples,
-        reference_error: _,
         lod_bias,
-        lights: _,
-        background,
-        antialias: _,
         precompute,
-        given: _,
-        seed,
-    } = base.clone();
+    } = shading;
     let PrecomputeSettings {
         layout: own,
         prefilter_size: [width, height],
@@ -148,7 +151,8 @@ fn neighbours(base: &RenderRequest) -> Vec<RenderRequest> {
         change(&mut request);
         request
     };
-    let set = |change: &dyn Fn(&mut PrecomputeSettings)| other(&|request| change(&mut request.precompute));
+    let shaded = |change: &dyn Fn(&mut Shading)| base.shaded(change);
+    let set = |change: &dyn Fn(&mut PrecomputeSettings)| base.shaded(|s| change(&mut s.precompute));
     let rough = MaterialOverride { alpha: Some(0.7), ..MaterialOverride::default() };
     let toward = DVec3::new(0.0, 0.6, 0.8);
     let light = Light { kind: LightKind::Directional, position_or_direction: toward, color: [1.0, 2.0, 3.0] };
@@ -157,22 +161,22 @@ fn neighbours(base: &RenderRequest) -> Vec<RenderRequest> {
     let by_layout = layouts.map(|layout| set(&|s| s.layout = layout));
     let by_field = vec![
         other(&|r| r.environment = Arc::new(environment.clipped(1.0))),
-        other(&|r| r.placement.orientation = placement.orientation + 1),
-        other(&|r| r.placement.rotation_deg = placement.rotation_deg + 40.0),
-        other(&|r| r.environment_scale = 3.0 * environment_scale),
+        shaded(&|s| s.placement.orientation = placement.orientation + 1),
+        shaded(&|s| s.placement.rotation_deg = placement.rotation_deg + 40.0),
+        shaded(&|s| s.environment_scale = 3.0 * environment_scale),
         other(&|r| r.scene = Arc::new(r.scene.apply(&rough))),
         other(&|r| r.camera = far),
         other(&|r| r.size = [size[0] + 3, size[1]]),
-        other(&|r| r.brdf = splitsum::brdf::MODELS[1]),
-        other(&|r| r.masking_shadowing = MaskingShadowing::Correlated),
-        other(&|r| r.compensation = Compensation::Turquin),
-        other(&|r| r.samples = samples + 8),
-        other(&|r| r.sequence = &SEQUENCES[1]),
-        other(&|r| r.point_set = point_set + 1),
-        other(&|r| r.pixel_points = PixelPoints::Owen),
+        shaded(&|s| s.brdf = splitsum::brdf::MODELS[1]),
+        shaded(&|s| s.masking_shadowing = MaskingShadowing::Correlated),
+        shaded(&|s| s.compensation = Compensation::Turquin),
+        shaded(&|s| s.samples = samples + 8),
+        shaded(&|s| s.sequence = &SEQUENCES[1]),
+        shaded(&|s| s.point_set = point_set + 1),
+        shaded(&|s| s.pixel_points = PixelPoints::Owen),
         other(&|r| r.reference_samples = 2 * reference_samples),
         other(&|r| r.reference_error = Some(0.5)),
-        other(&|r| r.lod_bias = lod_bias + 1.0),
+        shaded(&|s| s.lod_bias = lod_bias + 1.0),
         other(&|r| r.lights = vec![light]),
         other(&|r| r.background = !background),
         other(&|r| r.seed = seed + 1),
@@ -196,7 +200,7 @@ fn neighbours(base: &RenderRequest) -> Vec<RenderRequest> {
     let by_weight =
         WEIGHTS[1..].iter().flat_map(|weight| MaskingShadowing::ALL.iter().map(move |(_, masking)| (weight, *masking)));
     let by_weight = by_weight
-        .map(|(weight, masking)| other(&|r| (r.precompute.prefilter_weight, r.masking_shadowing) = (weight, masking)));
+        .map(|(weight, masking)| shaded(&|s| (s.precompute.prefilter_weight, s.masking_shadowing) = (weight, masking)));
     by_field.into_iter().chain(by_layout).chain(by_mapping).chain(by_weight).collect()
 }
 
@@ -216,17 +220,18 @@ fn what_a_frame_shows_does_not_hang_on_earlier_requests() {
         let material = MaterialOverride { alpha: Some(0.2 + 0.01 * pair as f32), ..MaterialOverride::default() };
         let map = Arc::new(Environment::from_image("map", RgbImage::from_fn(64, 32, light)));
         RenderRequest {
-            precompute: PrecomputeSettings {
-                prefilter_size: [32; 2],
-                dfg_sample_count: 64 + 32 * pair,
-                storage: if pair.is_multiple_of(2) { StorageFormat::F16 } else { StorageFormat::F32 },
-                ..small()
-            },
             reference_samples: 64,
-            samples: 8 + pair,
-            method: method_by_name(method).unwrap(),
-            diffuse: diffuse_by_name(diffuse).unwrap(),
-            ..request(&map, scene(name, material), CameraKind::Ortho, [13 + pair, 9])
+            ..request(&map, scene(name, material), CameraKind::Ortho, [13 + pair, 9]).shaded(|s| {
+                s.precompute = PrecomputeSettings {
+                    prefilter_size: [32; 2],
+                    dfg_sample_count: 64 + 32 * pair,
+                    storage: if pair.is_multiple_of(2) { StorageFormat::F16 } else { StorageFormat::F32 },
+                    ..small()
+                };
+                s.samples = 8 + pair;
+                s.method = method_by_name(method).unwrap();
+                s.diffuse = diffuse_by_name(diffuse).unwrap();
+            })
         }
     };
     // The g-buffer of a design is drawn once.
@@ -276,7 +281,7 @@ fn timed_tables_are_made_whatever_the_disk_holds() {
             let before = pipeline.shared_work().clone();
             let samples = pipeline.time_precompute(request, 0, 2).unwrap();
             let passes: Vec<&str> = samples.passes.iter().map(|(pass, _)| *pass).collect();
-            let mips = request.precompute.prefilter_level_count as usize;
+            let mips = request.shading.precompute.prefilter_level_count as usize;
             let levels: Vec<String> = (0..mips).map(|level| format!("prefilter mip {level}")).collect();
             let due = ["mips", "irradiance"].into_iter().chain(levels.iter().map(String::as_str)).chain(["dfg"]);
             assert_eq!(passes, due.collect::<Vec<_>>());

@@ -48,18 +48,21 @@ fn rungs_have_the_error_of_the_methods_frames() {
             let material =
                 MaterialOverride { alpha: Some(0.12), f0: Some([0.04, 0.3, 1.0]), ..MaterialOverride::default() };
             let request = RenderRequest {
-                precompute,
-                placement: Placement { orientation: 3, rotation_deg: 20.0 },
-                environment_scale: 3.0,
                 reference_samples: DRAWN,
-                ..request(&golden_environment(), scene("design", material), CameraKind::Perspective, [24, 24])
+                ..request(&golden_environment(), scene("design", material), CameraKind::Perspective, [24, 24]).shaded(
+                    |s| {
+                        s.precompute = precompute;
+                        s.placement = Placement { orientation: 3, rotation_deg: 20.0 };
+                        s.environment_scale = 3.0;
+                    },
+                )
             };
             let found = pipeline.attributions(&request, DRAWN, &[]).unwrap();
             let steps = &found[0].steps;
             // The drawn rungs share their points; the others differ from the frames by f32 and by the noise of both.
             let mut frame = |name: &str| {
                 let method = method_by_name(name).unwrap();
-                pipeline.render(&RenderRequest { method, samples: DRAWN, ..request.clone() }).unwrap()
+                pipeline.render(&request.shaded(|s| (s.method, s.samples) = (method, DRAWN))).unwrap()
             };
             let reference = frame("reference");
             // What reads no map is the same by every layout.
@@ -89,7 +92,7 @@ fn rungs_of_the_map_are_told_from_each_other() {
                 prefilter_sample_count: 32,
                 ..PrecomputeSettings::default()
             };
-            let request = RenderRequest { method: method_by_name(name).unwrap(), precompute, ..base.clone() };
+            let request = base.shaded(|s| (s.method, s.precompute) = (method_by_name(name).unwrap(), precompute));
             pipeline.render(&request).unwrap().radiance.data
         };
         let (sampled, harmonic) = (PrefilterBy::Sampled, PrefilterBy::Harmonic);
@@ -109,13 +112,13 @@ fn the_last_diffuse_rung_has_the_error_of_the_frame() {
         let material = MaterialOverride { albedo: Some([0.8, 0.5, 0.2]), ..MaterialOverride::default() };
         let mut base = request(&golden_environment(), scene("design", material), CameraKind::Perspective, [24, 24]);
         // Beside no specular term, so that the reference has no Fresnel either.
-        (base.method, base.reference_samples) = (method_by_name("none").unwrap(), DRAWN);
-        base.placement = Placement { orientation: 3, rotation_deg: 20.0 };
-        base.precompute.irradiance_size = [4; 2];
-        base.environment_scale = 3.0;
+        (base.shading.method, base.reference_samples) = (method_by_name("none").unwrap(), DRAWN);
+        base.shading.placement = Placement { orientation: 3, rotation_deg: 20.0 };
+        base.shading.precompute.irradiance_size = [4; 2];
+        base.shading.environment_scale = 3.0;
         let frame = |diffuse: &str, pipeline: &mut Pipeline| {
             let diffuse = diffuse_by_name(diffuse).unwrap();
-            pipeline.render(&RenderRequest { diffuse, ..base.clone() }).unwrap()
+            pipeline.render(&base.shaded(|s| s.diffuse = diffuse)).unwrap()
         };
         let reference = frame("reference", pipeline);
         for name in ["sh9", "irradiance-map"] {
@@ -124,7 +127,7 @@ fn the_last_diffuse_rung_has_the_error_of_the_frame() {
             }
             let right = between(&frame(name, pipeline), &reference, &base);
             let diffuse = diffuse_by_name(name).unwrap();
-            let found = pipeline.attributions(&RenderRequest { diffuse, ..base.clone() }, DRAWN, &[]).unwrap();
+            let found = pipeline.attributions(&base.shaded(|s| s.diffuse = diffuse), DRAWN, &[]).unwrap();
             let mut worst = Worst::new(name.to_owned(), relative(2e-2));
             worst.add(found[0].error, right, || name.to_owned());
             worst.check();
@@ -143,12 +146,12 @@ fn diffuse_rungs_have_the_error_of_the_methods_frames() {
             ..Default::default()
         };
         let mut base = request(&golden_environment(), scene("design", material), CameraKind::Perspective, [24, 24]);
-        (base.method, base.reference_samples) = (method_by_name("split-sum").unwrap(), DRAWN);
-        base.placement = Placement { orientation: 3, rotation_deg: 20.0 };
-        base.precompute.storage = StorageFormat::F32;
+        (base.shading.method, base.reference_samples) = (method_by_name("split-sum").unwrap(), DRAWN);
+        base.shading.placement = Placement { orientation: 3, rotation_deg: 20.0 };
+        base.shading.precompute.storage = StorageFormat::F32;
         let mut frame = |diffuse: &str| {
             let diffuse = diffuse_by_name(diffuse).unwrap();
-            pipeline.render(&RenderRequest { diffuse, ..base.clone() }).unwrap()
+            pipeline.render(&base.shaded(|s| s.diffuse = diffuse)).unwrap()
         };
         // The weight 1 - (f0 A + B) needs the specular term, which leaves again.
         let specular = frame("none");
@@ -163,7 +166,7 @@ fn diffuse_rungs_have_the_error_of_the_methods_frames() {
         let rungs = [("reference", 0), ("ladder-clamp", 2), ("sh9", 4)];
         let reference = term("fresnel-inside");
         let right = rungs.map(|(name, _)| between(&term(name), &reference, &base));
-        let request = RenderRequest { diffuse: diffuse_by_name("sh9").unwrap(), ..base.clone() };
+        let request = base.shaded(|s| s.diffuse = diffuse_by_name("sh9").unwrap());
         let found = pipeline.attributions(&request, DRAWN, &[]).unwrap();
         let mut worst = Worst::new("diffuse rungs".to_owned(), relative(1e-2));
         for ((name, step), right) in rungs.into_iter().zip(right) {
@@ -179,10 +182,8 @@ fn scrambles_are_those_of_the_reference() {
         let material = MaterialOverride { alpha: Some(0.2), ..MaterialOverride::default() };
         let base = request(&golden_environment(), scene("design", material), CameraKind::Perspective, [16, 16]);
         let request = RenderRequest {
-            method: method_by_name("reference").unwrap(),
-            samples: 512,
             reference_samples: 512,
-            ..base
+            ..base.shaded(|s| (s.method, s.samples) = (method_by_name("reference").unwrap(), 512))
         };
         let frame = pipeline.render(&request).unwrap();
         let scrambles = pipeline.scrambles(&request).unwrap();

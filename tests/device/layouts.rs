@@ -191,24 +191,24 @@ fn a_lamp_keeps_its_light_wherever_it_stands() {
             let is_diffuse = diffuse_by_name(name).is_some_and(|diffuse| !diffuse.is_integrated());
             let method = method_by_name(if is_diffuse { "none" } else { name }).unwrap();
             let diffuse = diffuse_by_name(if is_diffuse { name } else { "none" }).unwrap();
-            RenderRequest { method, diffuse, ..request.clone() }
+            request.shaded(|s| (s.method, s.diffuse) = (method, diffuse))
         };
         // Of each layout and way, the share of the light that is there, by direction.
         let mut shares = vec![vec![Vec::new(); ways.len()]; LAYOUTS.len()];
         for d in lamp_directions() {
             let request = beside_lamp(d, SIZE);
             let truth = light(&way(&request, "reference"));
-            let none = RenderRequest { method: method_by_name("none").unwrap(), ..request.clone() };
-            let diffuse_truth = light(&RenderRequest { diffuse: diffuse_by_name("reference").unwrap(), ..none });
+            let none = request.shaded(|s| s.method = method_by_name("none").unwrap());
+            let diffuse_truth = light(&none.shaded(|s| s.diffuse = diffuse_by_name("reference").unwrap()));
             for (layout, shares) in LAYOUTS.iter().zip(&mut shares) {
                 for (((name, samples, sets, _), by), shares) in ways.iter().zip(shares) {
-                    let mut request = RenderRequest { samples: *samples, ..way(&request, name) };
-                    request.precompute.layout = layout;
-                    request.precompute.prefilter = *by;
-                    request.precompute.prefilter_sample_count = 512;
-                    request.precompute.prefilter_size = layout.prefilter_size;
-                    request.precompute.irradiance_size = layout.irradiance_size;
-                    let of_set = |point_set| RenderRequest { point_set, ..request.clone() };
+                    let mut request = way(&request, name).shaded(|s| s.samples = *samples);
+                    request.shading.precompute.layout = layout;
+                    request.shading.precompute.prefilter = *by;
+                    request.shading.precompute.prefilter_sample_count = 512;
+                    request.shading.precompute.prefilter_size = layout.prefilter_size;
+                    request.shading.precompute.irradiance_size = layout.irradiance_size;
+                    let of_set = |point_set| request.shaded(|s| s.point_set = point_set);
                     let mean = (0..*sets).map(|set| light(&of_set(set))).sum::<f64>() / f64::from(*sets);
                     shares.push(mean / if *name == "irradiance-map" { diffuse_truth } else { truth });
                 }

@@ -33,8 +33,6 @@ fn lights_meet_the_f64_brdf() {
                         f0: None,
                     };
                     let request = RenderRequest {
-                        brdf: *model,
-                        masking_shadowing: *masking_shadowing,
                         lights: lights(),
                         ..request(
                             &constant_environment([0.0; 3]),
@@ -42,6 +40,7 @@ fn lights_meet_the_f64_brdf() {
                             CameraKind::Perspective,
                             [20, 20],
                         )
+                        .shaded(|s| (s.brdf, s.masking_shadowing) = (*model, *masking_shadowing))
                     };
                     let frame = pipeline.render(&request).unwrap();
                     // A normal known to 1e-7 and a lobe of alpha 0.05, whose D changes by 4 tan / alpha^2 a radian.
@@ -81,10 +80,13 @@ fn lights_without_a_specular_term_are_lambert() {
         let material =
             MaterialOverride { albedo: Some([0.9, 0.5, 0.2]), metallic: Some(0.5), ..MaterialOverride::default() };
         let request = RenderRequest {
-            method: method_by_name("none").unwrap(),
-            diffuse: diffuse_by_name("none").unwrap(),
             lights: lights()[..1].to_vec(),
-            ..request(&constant_environment([0.0; 3]), scene("sphere", material), CameraKind::Ortho, [20, 20])
+            ..request(&constant_environment([0.0; 3]), scene("sphere", material), CameraKind::Ortho, [20, 20]).shaded(
+                |s| {
+                    s.method = method_by_name("none").unwrap();
+                    s.diffuse = diffuse_by_name("none").unwrap();
+                },
+            )
         };
         let frame = pipeline.render(&request).unwrap();
         let mut worst = Worst::new("Lambert", relative(2e-5));

@@ -39,7 +39,7 @@ pub fn sights(request: &RenderRequest, step: usize) -> Vec<Sight> {
 
 /// Every pixel of a g-buffer that hits something.
 pub fn sights_in<T: Copy + Into<f64>>(request: &RenderRequest, texels: &Gbuffer<T>) -> Vec<Sight> {
-    let turn = request.placement.environment_from_world();
+    let turn = request.shading.placement.environment_from_world();
     let [width, height] = request.size;
     let pixels = (0..height).flat_map(|y| (0..width).map(move |x| [x, y]));
     let sight = |pixel: [u32; 2]| {
@@ -49,8 +49,8 @@ pub fn sights_in<T: Copy + Into<f64>>(request: &RenderRequest, texels: &Gbuffer<
         };
         let ((position, mask), (n, alpha)) = (at(&texels.position_mask), at(&texels.normal_alpha));
         let surface = Surface {
-            model: request.brdf,
-            masking: request.masking_shadowing,
+            model: request.shading.brdf,
+            masking: request.shading.masking_shadowing,
             alpha,
             f0: at(&texels.f0_material).0,
             n: turn * n.normalize(),
@@ -77,10 +77,8 @@ fn coloured_sphere(alpha: f32) -> splitsum::scene::Scene {
 
 /// What the device and f64 read: 12 x 12 pixels in perspective, so that every pixel has its own v.
 fn small_request(environment: &std::sync::Arc<splitsum::environment::Environment>, alpha: f32) -> RenderRequest {
-    RenderRequest {
-        placement: Placement { orientation: 0, rotation_deg: 30.0 },
-        ..request(environment, coloured_sphere(alpha), CameraKind::Perspective, [12, 12])
-    }
+    request(environment, coloured_sphere(alpha), CameraKind::Perspective, [12, 12])
+        .shaded(|s| s.placement = Placement { orientation: 0, rotation_deg: 30.0 })
 }
 
 #[test]
@@ -92,10 +90,8 @@ fn the_reference_meets_the_oracle_within_its_standard_error() {
         for model in MODELS {
             for alpha in [0.02, 0.3, 1.0] {
                 let request = RenderRequest {
-                    method: method("reference"),
                     reference_samples: 2048,
-                    brdf: *model,
-                    ..small_request(&environment, alpha)
+                    ..small_request(&environment, alpha).shaded(|s| (s.method, s.brdf) = (method("reference"), *model))
                 };
                 let frame = render_by_seeds(pipeline, &request);
                 let sights = sights(&request, 17);
@@ -138,10 +134,9 @@ fn the_standard_error_is_the_spread_over_seeds() {
         let (albedo, f0) = (Some([0.4; 3]), Some([0.5; 3]));
         let material = MaterialOverride { albedo, f0, alpha: Some(0.5), metallic: Some(0.0) };
         let both = RenderRequest {
-            method: method("reference"),
-            diffuse: diffuse_by_name("reference").unwrap(),
             reference_samples: 64,
             ..request(&smooth_environment(), scene("sphere", material), CameraKind::Ortho, [24; 2])
+                .shaded(|s| (s.method, s.diffuse) = (method("reference"), diffuse_by_name("reference").unwrap()))
         };
         // Of each pixel: sum and sum of squares over seeds, and sum of the stated squared errors.
         let mut sums = vec![[0.0; 3]; 24 * 24];
@@ -161,7 +156,7 @@ fn the_standard_error_is_the_spread_over_seeds() {
         println!("spread over stated error, squared: {mean} over {} pixels", ratios.len());
         assert!((mean - 1.0).abs() < 0.03, "{mean}");
         // What is printed of a term is what its image says.
-        let frame = pipeline.render(&RenderRequest { diffuse: diffuse_by_name("none").unwrap(), ..both }).unwrap();
+        let frame = pipeline.render(&both.shaded(|s| s.diffuse = diffuse_by_name("none").unwrap())).unwrap();
         let errors = frame.standard_error.as_ref().unwrap().data.iter().flatten();
         let squares = errors.zip(frame.radiance.data.iter().flatten()).zip(frame.mask.data.iter().flat_map(|m| [m; 3]));
         let own: Vec<f64> = squares
@@ -178,11 +173,8 @@ fn the_standard_error_is_the_spread_over_seeds() {
 fn the_diffuse_reference_meets_the_oracle() {
     with_pipeline(|pipeline| {
         let environment = golden_environment();
-        let request = RenderRequest {
-            method: method("none"),
-            diffuse: diffuse_by_name("reference").unwrap(),
-            ..small_request(&environment, 0.3)
-        };
+        let request = small_request(&environment, 0.3)
+            .shaded(|s| (s.method, s.diffuse) = (method("none"), diffuse_by_name("reference").unwrap()));
         let frame = render_by_seeds(pipeline, &request);
         let sights = sights(&request, 9);
         let surfaces: Vec<Surface> = sights.iter().map(|sight| sight.surface).collect();
@@ -214,7 +206,7 @@ fn sampled_methods_converge_to_what_they_estimate() {
         let environment = golden_environment();
         let exact = exact_quadrature(&environment.image);
         for model in MODELS {
-            let base = RenderRequest { brdf: *model, ..small_request(&environment, 0.3) };
+            let base = small_request(&environment, 0.3).shaded(|s| s.brdf = *model);
             let sights = sights(&base, 13);
             let surfaces: Vec<Surface> = sights.iter().map(|sight| sight.surface).collect();
             let right: Vec<DVec3> =
@@ -229,7 +221,7 @@ fn sampled_methods_converge_to_what_they_estimate() {
                 ("seed0-literal", &printed, 5e-3),
             ] {
                 let errors = COUNTS.map(|samples| {
-                    let request = RenderRequest { method: method(name), samples, ..base.clone() };
+                    let request = base.shaded(|s| (s.method, s.samples) = (method(name), samples));
                     rms(pipeline, &request, &sights, expected)
                 });
                 println!("{} {name}: {errors:?}", model.name());
@@ -255,14 +247,14 @@ fn the_lobe_of_several_scatterings_is_integrated() {
                 ..MaterialOverride::default()
             };
             let base = RenderRequest {
-                compensation: Compensation::KullaConty,
                 reference_samples: 4096,
                 ..request(&environment, scene("sphere", metal), CameraKind::Ortho, [12, 12])
+                    .shaded(|s| s.compensation = Compensation::KullaConty)
             };
-            let with = |diffuse| RenderRequest { diffuse: diffuse_by_name(diffuse).unwrap(), ..base.clone() };
+            let with = |diffuse| base.shaded(|s| s.diffuse = diffuse_by_name(diffuse).unwrap());
             let [both, single] = ["reference", "none"].map(|name| render_by_seeds(pipeline, &with(name)));
-            let tables = &base.precompute;
-            let table = dfg_table(gpu, base.brdf, base.masking_shadowing, tables);
+            let tables = &base.shading.precompute;
+            let table = dfg_table(gpu, base.shading.brdf, base.shading.masking_shadowing, tables);
             let pair = |cosine: f64| tables.dfg_axes.lookup(&table, cosine, 0.8);
             let node = |i: u32| (f64::from(i) + 0.5) / 64.0;
             let mean = (0..64).map(|i| 2.0 * node(i) / 64.0 * pair(node(i)).element_sum()).sum::<f64>();
@@ -294,22 +286,20 @@ fn the_mean_over_scrambles_is_the_integral() {
         let environment = golden_environment();
         let exact = exact_quadrature(&environment.image);
         for model in MODELS {
-            let base = RenderRequest {
-                brdf: *model,
-                samples: 128,
-                pixel_points: PixelPoints::Owen,
-                // The finest level of a lat-long map is the map itself.
-                lod_bias: -16.0,
-                precompute: PrecomputeSettings { layout: layout_by_name("equirect").unwrap(), ..usual_tables() },
-                ..small_request(&environment, 0.5)
-            };
+            let base = small_request(&environment, 0.5).shaded(|s| {
+                s.brdf = *model;
+                s.samples = 128;
+                s.pixel_points = PixelPoints::Owen; // The finest level of a lat-long map is the map itself.
+                s.lod_bias = -16.0;
+                s.precompute = PrecomputeSettings { layout: layout_by_name("equirect").unwrap(), ..usual_tables() };
+            });
             let sights = sights(&base, 29);
             let surfaces: Vec<Surface> = sights.iter().map(|sight| sight.surface).collect();
             let right = integrate_all(&exact, &surfaces, EXACT);
             for name in ["sampled", "sampled-vndf"] {
                 let frames: Vec<Frame> = (0..SETS)
                     .map(|point_set| {
-                        pipeline.render(&RenderRequest { method: method(name), point_set, ..base.clone() }).unwrap()
+                        pipeline.render(&base.shaded(|s| (s.method, s.point_set) = (method(name), point_set))).unwrap()
                     })
                     .collect();
                 for (sight, right) in sights.iter().zip(&right) {
@@ -336,12 +326,11 @@ fn diffuse_methods_meet_the_oracle() {
         let exact = exact_quadrature(&environment.image);
         for (name, tolerance) in [("sh9", 0.08), ("irradiance-map", 0.0025)] {
             let white = MaterialOverride { albedo: Some([1.0; 3]), ..MaterialOverride::default() };
-            let request = RenderRequest {
-                method: method("none"),
-                diffuse: diffuse_by_name(name).unwrap(),
-                placement: Placement { orientation: 6, rotation_deg: -110.0 },
-                ..request(&environment, scene("sphere", white), CameraKind::Ortho, [12, 12])
-            };
+            let request = request(&environment, scene("sphere", white), CameraKind::Ortho, [12, 12]).shaded(|s| {
+                s.method = method("none");
+                s.diffuse = diffuse_by_name(name).unwrap();
+                s.placement = Placement { orientation: 6, rotation_deg: -110.0 };
+            });
             let sights = sights(&request, 9);
             let surfaces: Vec<Surface> = sights.iter().map(|sight| sight.surface).collect();
             let expected: Vec<DVec3> =
@@ -366,21 +355,19 @@ fn the_diffuse_term_takes_what_the_lobe_leaves() {
                 f0: Some([0.04, 0.3, 0.6]),
             };
             let base = request(&white, scene("sphere", material), CameraKind::Ortho, [9, 9]);
-            let table = dfg_table(gpu, base.brdf, base.masking_shadowing, &base.precompute);
+            let table = dfg_table(gpu, base.shading.brdf, base.shading.masking_shadowing, &base.shading.precompute);
             // The map of radiance 1 is 1 within the roundings of 4096 additions.
             let mut worst = Worst::new("diffuse beside specular", relative(1e-5));
             let albedo = DVec3::new(0.9f32.into(), 0.5f32.into(), 0.1f32.into());
             for name in ["none", "split-sum"] {
-                let with = |diffuse| RenderRequest {
-                    method: method(name),
-                    diffuse: diffuse_by_name(diffuse).unwrap(),
-                    ..base.clone()
+                let with = |diffuse| {
+                    base.shaded(|s| (s.method, s.diffuse) = (method(name), diffuse_by_name(diffuse).unwrap()))
                 };
                 let both = pipeline.render(&with("irradiance-map")).unwrap();
                 let specular = pipeline.render(&with("none")).unwrap();
                 for Sight { pixel, surface, .. } in sights(&base, 4) {
                     let n_dot_v = surface.n.dot(surface.v);
-                    let pair = base.precompute.dfg_axes.lookup(&table, n_dot_v, surface.alpha);
+                    let pair = base.shading.precompute.dfg_axes.lookup(&table, n_dot_v, surface.alpha);
                     let left = if name == "none" { DVec3::ONE } else { 1.0 - (surface.f0 * pair.x + pair.y) };
                     let diffuse = radiance(&both, pixel) - radiance(&specular, pixel);
                     worst.add_rgb(diffuse, 0.75 * albedo * left, || format!("{name} {pixel:?}"));

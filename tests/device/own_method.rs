@@ -3,7 +3,6 @@
 use crate::harness::{golden_environment, lobe_sphere, request, with_pipeline};
 use splitsum::environment::layout::LAYOUTS;
 use splitsum::gpu::names_read;
-use splitsum::pipeline::RenderRequest;
 use splitsum::scene::CameraKind;
 use splitsum::shade::pass::specular_shader;
 use splitsum::shade::{METHODS, method_by_name, own};
@@ -33,7 +32,7 @@ fn a_copied_method_makes_the_same_image() {
             let listed = method_by_name(name).unwrap();
             let base = request(&golden_environment(), lobe_sphere(0.3), CameraKind::Ortho, [24, 24]);
             let mut frames = [listed, copy].map(|method| {
-                pipeline.render(&RenderRequest { method, samples: 16, ..base.clone() }).unwrap().radiance
+                pipeline.render(&base.shaded(|s| (s.method, s.samples) = (method, 16))).unwrap().radiance
             });
             let [expected, found] = frames.each_mut();
             assert!(expected == found, "{name}");

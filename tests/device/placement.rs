@@ -50,7 +50,7 @@ fn linear(placement: Placement, share: f64, d: DVec3) -> DVec3 {
 
 /// The surfaces in the frame of the world.
 fn world_sights(request: &RenderRequest, step: usize) -> Vec<Sight> {
-    sights(&RenderRequest { placement: Placement::default(), ..request.clone() }, step)
+    sights(&request.shaded(|s| s.placement = Placement::default()), step)
 }
 
 #[test]
@@ -60,13 +60,12 @@ fn a_linear_map_lights_by_its_turned_gradient() {
         let white = || scene("sphere", MaterialOverride { albedo: Some([1.0; 3]), ..MaterialOverride::default() });
         for placement in PLACEMENTS {
             let of = |scene| RenderRequest {
-                placement,
                 reference_samples: 16384,
-                ..request(&environment, scene, CameraKind::Perspective, [12, 12])
+                ..request(&environment, scene, CameraKind::Perspective, [12, 12]).shaded(|s| s.placement = placement)
             };
             // A lobe of 0.002 radians is a mirror; the lookups' error is that of narrow_lobes_are_mirrors.
             for method in METHODS.iter().filter(|method| !["none", "seed0-literal"].contains(&method.name)) {
-                let request = RenderRequest { method, ..of(lobe_sphere(0.001)) };
+                let request = of(lobe_sphere(0.001)).shaded(|s| s.method = method);
                 let frame = pipeline.render(&request).unwrap();
                 let mut worst = Worst::new(format!("{} as a mirror, {placement:?}", method.name), relative(5e-3));
                 for sight in world_sights(&request, 5) {
@@ -78,7 +77,7 @@ fn a_linear_map_lights_by_its_turned_gradient() {
             // Irradiance over pi of a linear map: two thirds of the gradient. 5e-3: the texels of the map, the noise of the reference.
             for diffuse in ["sh9", "irradiance-map", "reference"] {
                 let (method, diffuse) = (method_by_name("none").unwrap(), diffuse_by_name(diffuse).unwrap());
-                let request = RenderRequest { method, diffuse, ..of(white()) };
+                let request = of(white()).shaded(|s| (s.method, s.diffuse) = (method, diffuse));
                 let frame = pipeline.render(&request).unwrap();
                 let mut worst = Worst::new(format!("{} of a linear map, {placement:?}", diffuse.name), relative(5e-3));
                 for sight in world_sights(&request, 5) {
@@ -98,14 +97,13 @@ fn the_moment_of_a_lobe_lights_as_linear_light_does() {
         let environment = linear_environment();
         // Widths of levels: no blend of two.
         for (alpha, model) in [(0.0625, "ggx"), (0.25, "ggx"), (0.25, "beckmann")] {
-            let request = RenderRequest {
-                method: method_by_name("split-sum-moment").unwrap(),
-                brdf: splitsum::brdf::by_name(model).unwrap(),
-                ..request(&environment, lobe_sphere(alpha), CameraKind::Perspective, [24, 24])
-            };
+            let request = request(&environment, lobe_sphere(alpha), CameraKind::Perspective, [24, 24]).shaded(|s| {
+                s.method = method_by_name("split-sum-moment").unwrap();
+                s.brdf = splitsum::brdf::by_name(model).unwrap();
+            });
             let frame = pipeline.render(&request).unwrap();
-            let kernel = Kernel::cosine(request.brdf);
-            let shapes = LobeShapes::new(kernel, request.masking_shadowing);
+            let kernel = Kernel::cosine(request.shading.brdf);
+            let shapes = LobeShapes::new(kernel, request.shading.masking_shadowing);
             let mean_cosine = factors(kernel, alpha, 1)[1];
             // Between nodes the direction is off by up to 0.02 alpha (`lookups_between_nodes_meet_the_shape_there`), 0.005 at most here.
             let mut worst = Worst::new(format!("{model} alpha {alpha}"), relative(5e-3));
@@ -113,7 +111,7 @@ fn the_moment_of_a_lobe_lights_as_linear_light_does() {
                 let Surface { n, v, .. } = sight.surface;
                 let n_dot_v = n.dot(v);
                 let [a, b] = shapes.at(n_dot_v, alpha).moments;
-                let pair = dfg(request.brdf, request.masking_shadowing, n_dot_v, alpha);
+                let pair = dfg(request.shading.brdf, request.shading.masking_shadowing, n_dot_v, alpha);
                 let m = a.lerp(b, pair.f90_scale / pair.albedo());
                 let m = (m.x * reflect(v, n) + m.y * n).normalize();
                 let expected = pair.albedo() * linear(Placement::default(), mean_cosine, m);
@@ -132,11 +130,12 @@ fn the_background_shows_the_turned_map() {
             PLACEMENTS.into_iter().flat_map(|p| CameraKind::ALL.iter().map(move |(_, kind)| (p, *kind)))
         {
             let own = RenderRequest {
-                method,
-                placement,
-                environment_scale: 2.0,
                 background: true,
-                ..request(&environment, lobe_sphere(0.5), kind, [40, 24])
+                ..request(&environment, lobe_sphere(0.5), kind, [40, 24]).shaded(|s| {
+                    s.method = method;
+                    s.placement = placement;
+                    s.environment_scale = 2.0;
+                })
             };
             let frame = pipeline.render(&own).unwrap();
             // 1.5e-7 of the map's width is 1e-4 texels.
@@ -162,10 +161,9 @@ fn the_reference_of_turned_lamps_meets_the_oracle_at_turned_surfaces() {
         let exact = exact_quadrature(&environment.image);
         for placement in PLACEMENTS {
             let own = RenderRequest {
-                method: method_by_name("reference").unwrap(),
-                placement,
                 reference_samples: 16384,
                 ..request(&environment, lobe_sphere(0.3), CameraKind::Perspective, [12, 12])
+                    .shaded(|s| (s.method, s.placement) = (method_by_name("reference").unwrap(), placement))
             };
             let frame = render_by_seeds(pipeline, &own);
             let map_from_world = world_from_map(placement).transpose();

@@ -154,10 +154,10 @@ fn sun() -> Arc<Environment> {
 fn a_reference_that_goes_on_has_the_bits_of_one_drawn_at_once() {
     with_pipeline(|pipeline| {
         let base = RenderRequest {
-            method: method_by_name("reference").unwrap(),
             reference_samples: 1 << 16,
             reference_error: Some(1.5e-3),
             ..request(&sun(), lobe_sphere(0.2), CameraKind::Ortho, [12, 12])
+                .shaded(|s| s.method = method_by_name("reference").unwrap())
         };
         let extended = pipeline.render(&base).unwrap();
         let count = extended.convergences[0].sample_count as u32;
@@ -183,9 +183,9 @@ fn the_stated_error_covers_the_true_one_as_often_as_it_claims() {
     with_pipeline(|pipeline| {
         for alpha in [0.05, 0.2, 0.6] {
             let base = RenderRequest {
-                method: method_by_name("reference").unwrap(),
                 reference_samples: 128,
                 ..request(&sun(), lobe_sphere(alpha), CameraKind::Ortho, [24, 24])
+                    .shaded(|s| s.method = method_by_name("reference").unwrap())
             };
             let truth =
                 pipeline.render(&RenderRequest { reference_samples: 1 << 16, seed: 1000, ..base.clone() }).unwrap();

@@ -17,12 +17,12 @@ fn brighter_light_changes_no_relative_figure() {
     with_pipeline(|pipeline| {
         let mut figures = |environment_scale: f32| -> Figures {
             let base = RenderRequest {
-                environment_scale,
                 reference_samples: 1024,
                 reference_error: Some(0.012),
                 ..request(&golden_environment(), lobe_sphere(0.3), CameraKind::Perspective, [24, 24])
+                    .shaded(|s| s.environment_scale = environment_scale)
             };
-            let method = |name| RenderRequest { method: method_by_name(name).unwrap(), ..base.clone() };
+            let method = |name| base.shaded(|s| s.method = method_by_name(name).unwrap());
             let [test, truth] = ["split-sum", "reference"].map(|name| pipeline.render(&method(name)).unwrap());
             let error = truth.standard_error.as_ref().unwrap();
             let floors = noise_floor(&truth.radiance, error, &truth.mask, base.epsilon()).unwrap();

@@ -39,18 +39,17 @@ fn narrow_lobes_are_mirrors() {
         let environment = smooth_environment();
         for model in MODELS {
             let base = RenderRequest {
-                brdf: *model,
-                placement: Placement { orientation: 4, rotation_deg: 75.0 },
                 // The tail of GGX is left to samples of the environment, whose noise must stay under the tolerance.
                 reference_samples: 16384,
                 ..request(&environment, lobe_sphere(0.001), CameraKind::Perspective, [12, 12])
+                    .shaded(|s| (s.brdf, s.placement) = (*model, Placement { orientation: 4, rotation_deg: 75.0 }))
             };
             // Lobes of 0.002 radians and the bilinear lookup, in a map whose slope is at most 1 a radian. At a grazing view a lobe of
             // alpha 0.001 already loses a part of its light, so that the albedo is not 1.
             for name in
                 METHODS.iter().map(|method| method.name).filter(|name| !["none", "seed0-literal"].contains(name))
             {
-                let request = RenderRequest { method: method(name), ..base.clone() };
+                let request = base.shaded(|s| s.method = method(name));
                 let frame = pipeline.render(&request).unwrap();
                 let mut worst = Worst::new(format!("{} {name} as a mirror", model.name()), relative(5e-3));
                 for sight in sights(&request, 5) {
@@ -71,12 +70,12 @@ fn split_sum_factors_exactly_where_the_view_is_the_normal() {
         let exact = exact_quadrature(&environment.image);
         for model in MODELS {
             let mut base = request(&environment, lobe_sphere(0.25), CameraKind::Ortho, [5, 5]);
-            base.brdf = *model;
+            base.shading.brdf = *model;
             let sight = sights(&base, 1).into_iter().find(|sight| sight.pixel == [2, 2]).unwrap();
             assert_eq!(sight.surface.n, sight.surface.v);
             let frame = pipeline.render(&base).unwrap();
             let mean = prefilter(&exact, Kernel::cosine(*model), sight.surface.alpha, sight.surface.n, EXACT).value;
-            let albedo = dfg(*model, base.masking_shadowing, 1.0, sight.surface.alpha).albedo();
+            let albedo = dfg(*model, base.shading.masking_shadowing, 1.0, sight.surface.alpha).albedo();
             let mut worst = Worst::new(format!("{} at v = n", model.name()), relative(4e-3));
             worst.add_rgb(radiance(&frame, sight.pixel), mean * albedo, || "the middle pixel".into());
             worst.check();
@@ -98,9 +97,9 @@ fn every_axis_of_the_environment_is_reflected_where_it_should_be() {
             });
             let environment = Arc::new(Environment::from_image("spot", image));
             let request = RenderRequest {
-                method: method(name),
                 reference_samples: 256,
                 ..request(&environment, lobe_sphere(0.02), CameraKind::Ortho, [SIDE, SIDE])
+                    .shaded(|s| s.method = method(name))
             };
             let frame = pipeline.render(&request).unwrap();
             let (mut sum, mut total) = (DVec3::ZERO, 0.0);
@@ -133,12 +132,13 @@ fn turning_environment_and_camera_together_changes_nothing() {
         for method in METHODS.iter().filter(|method| method.name != "none") {
             for kind in [CameraKind::Ortho, CameraKind::Perspective] {
                 let still = RenderRequest {
-                    method,
-                    samples: 1024,
                     reference_samples: 4096,
-                    diffuse: diffuse_by_name("sh9").unwrap(),
                     background: true,
-                    ..request(&environment, scene("sphere", MaterialOverride::default()), kind, [16, 16])
+                    ..request(&environment, scene("sphere", MaterialOverride::default()), kind, [16, 16]).shaded(|s| {
+                        s.method = method;
+                        s.samples = 1024;
+                        s.diffuse = diffuse_by_name("sh9").unwrap();
+                    })
                 };
                 let turned = RenderRequest {
                     environment: shifted.clone(),
@@ -154,14 +154,13 @@ fn turning_environment_and_camera_together_changes_nothing() {
                 // The same by the parameter: the environment turned back again under the still camera.
                 let rotated = RenderRequest {
                     environment: shifted.clone(),
-                    placement: Placement { rotation_deg: 90.0, orientation: 0 },
-                    ..still.clone()
+                    ..still.shaded(|s| s.placement = Placement { rotation_deg: 90.0, orientation: 0 })
                 };
                 let [a, b, c] = [&still, &turned, &rotated].map(|request| pipeline.render(request).unwrap());
                 let name = format!("{} {kind:?}", method.name);
                 // The frame about a direction does not turn with it, so points fall on other azimuths of each pixel's lobe. What changes is
                 // the method's own error at this count of samples; lookups of the prefiltered map have none.
-                let is_drawn = method.uses_point_set || RenderRequest { method, ..still.clone() }.has_reference_term();
+                let is_drawn = method.uses_point_set || still.shaded(|s| s.method = method).has_reference_term();
                 let own_error = relative(if is_drawn { 0.15 } else { 1e-5 });
                 let mut camera = Worst::new(format!("{name} camera turned"), own_error);
                 let mut map = Worst::new(format!("{name} map turned back"), relative(2e-4));
@@ -182,14 +181,13 @@ fn radiance_is_linear_in_the_environment() {
         let environment = golden_environment();
         for method in METHODS {
             let one = RenderRequest {
-                method,
                 reference_samples: 64,
-                diffuse: diffuse_by_name("reference").unwrap(),
                 background: true,
                 ..request(&environment, scene("spheres", MaterialOverride::default()), CameraKind::Ortho, [24, 16])
+                    .shaded(|s| (s.method, s.diffuse) = (method, diffuse_by_name("reference").unwrap()))
             };
             // A power of two is exact in every product.
-            let four = RenderRequest { environment_scale: 4.0, ..one.clone() };
+            let four = one.shaded(|s| s.environment_scale = 4.0);
             let (one, four) = (pipeline.render(&one).unwrap(), pipeline.render(&four).unwrap());
             let scaled = one.radiance.map(|l| l.map(|x| 4.0 * x));
             assert_eq!(four.radiance, scaled, "{}", method.name);
@@ -209,11 +207,8 @@ fn white_light_on_a_white_diffuse_sphere_is_white() {
     with_pipeline(|pipeline| {
         let white = MaterialOverride { albedo: Some([1.0; 3]), ..MaterialOverride::default() };
         for (name, tolerance) in [("sh9", 4.1e-4), ("irradiance-map", 1e-5), ("reference", 0.0)] {
-            let request = RenderRequest {
-                method: method("none"),
-                diffuse: diffuse_by_name(name).unwrap(),
-                ..request(&constant_environment([1.0; 3]), scene("sphere", white), CameraKind::Ortho, [9, 9])
-            };
+            let request = request(&constant_environment([1.0; 3]), scene("sphere", white), CameraKind::Ortho, [9, 9])
+                .shaded(|s| (s.method, s.diffuse) = (method("none"), diffuse_by_name(name).unwrap()));
             let frame = render_by_seeds(pipeline, &request);
             // SH9 sums 32 rows at texel centres: pi^2 / (24 32^2) = 4e-4, and as much again in degree 2.
             // The reference is held to its own standard error.
@@ -236,12 +231,13 @@ fn a_scene_without_light_is_black() {
         for method in METHODS {
             let scene = Scene::load("spheres", std::path::Path::new(".")).unwrap();
             let request = RenderRequest {
-                method,
-                brdf: &Ggx,
                 reference_samples: 64,
-                diffuse: diffuse_by_name("reference").unwrap(),
                 background: true,
-                ..request(&black, scene, CameraKind::Ortho, [16, 16])
+                ..request(&black, scene, CameraKind::Ortho, [16, 16]).shaded(|s| {
+                    s.method = method;
+                    s.brdf = &Ggx;
+                    s.diffuse = diffuse_by_name("reference").unwrap();
+                })
             };
             let frame = pipeline.render(&request).unwrap();
             assert!(frame.radiance.data.iter().flatten().all(|&x| x == 0.0), "{}", method.name);
@@ -257,12 +253,11 @@ fn a_mirror_in_the_design_shows_the_mean_of_the_map() {
         let size = [64, 64];
         let environment = smooth_environment();
         for rotation in [0.0, 50.0] {
-            let request = RenderRequest {
-                method: method("sampled-unfiltered"),
-                samples: 16,
-                placement: Placement { orientation: 0, rotation_deg: rotation },
-                ..request(&environment, mirror_design(), CameraKind::Ortho, size)
-            };
+            let request = request(&environment, mirror_design(), CameraKind::Ortho, size).shaded(|s| {
+                s.method = method("sampled-unfiltered");
+                s.samples = 16;
+                s.placement = Placement { orientation: 0, rotation_deg: rotation };
+            });
             let frame = pipeline.render(&request).unwrap();
             assert!(frame.mask.data.iter().all(|mask| *mask == 1.0));
             for (c, expected) in [1.0; 3].into_iter().enumerate() {

@@ -141,21 +141,22 @@ impl Case {
         let material =
             MaterialOverride { alpha: Some(self.alpha), f0: Some([0.04, 0.5, 1.0]), ..MaterialOverride::default() };
         RenderRequest {
-            placement: Placement { orientation: 7, rotation_deg: 30.0 },
-            environment_scale: 0.5,
-            brdf: model,
-            masking_shadowing: self.masking,
-            samples: self.samples,
-            sequence: &SEQUENCES[self.sequence],
-            point_set: self.point_set,
-            pixel_points: self.pixel_points,
-            lod_bias: self.lod_bias,
             reference_samples: 4096,
-            precompute: PrecomputeSettings {
-                level_mapping: &LEVEL_MAPPINGS[self.mapping],
-                ..tables(&LAYOUTS[self.layout])
-            },
-            ..request(environment, scene("sphere", material), self.kind, [self.size; 2])
+            ..request(environment, scene("sphere", material), self.kind, [self.size; 2]).shaded(|s| {
+                s.placement = Placement { orientation: 7, rotation_deg: 30.0 };
+                s.environment_scale = 0.5;
+                s.brdf = model;
+                s.masking_shadowing = self.masking;
+                s.samples = self.samples;
+                s.sequence = &SEQUENCES[self.sequence];
+                s.point_set = self.point_set;
+                s.pixel_points = self.pixel_points;
+                s.lod_bias = self.lod_bias;
+                s.precompute = PrecomputeSettings {
+                    level_mapping: &LEVEL_MAPPINGS[self.mapping],
+                    ..tables(&LAYOUTS[self.layout])
+                };
+            })
         }
     }
 
@@ -185,7 +186,8 @@ impl Case {
 
 /// The device's tables for a request.
 fn light(gpu: &Gpu, request: &RenderRequest) -> Light {
-    let (settings, model, masking) = (&request.precompute, request.brdf, request.masking_shadowing);
+    let (settings, model, masking) =
+        (&request.shading.precompute, request.shading.brdf, request.shading.masking_shadowing);
     let layout = settings.layout;
     let image = environment_image(gpu, &request.environment.image);
     let filtered = filtered_environment(gpu, layout, &image);
@@ -211,9 +213,9 @@ fn light(gpu: &Gpu, request: &RenderRequest) -> Light {
 
 /// The prefiltered map of exact texels.
 fn exact_prefiltered(gpu: &Gpu, request: &RenderRequest) -> FilteredMap {
-    let settings = &request.precompute;
+    let settings = &request.shading.precompute;
     let (layout, count) = (settings.layout, settings.prefilter_level_count);
-    let recipe = Recipe::of(request.brdf, request.masking_shadowing, settings);
+    let recipe = Recipe::of(request.shading.brdf, request.shading.masking_shadowing, settings);
     let filtered = filtered_environment(gpu, layout, &environment_image(gpu, &request.environment.image));
     let degree = harmonic::degree_of_map(settings.level_mapping.alpha_from_mip(1.0, count));
     let transform = harmonic::harmonics(&request.environment.image, degree);
@@ -273,7 +275,7 @@ fn check<E: Copy + Sync>(
     frame: &Frame,
     lookup: Tolerance,
 ) {
-    let scale = f64::from(request.environment_scale);
+    let scale = f64::from(request.shading.environment_scale);
     match twin {
         Twin::Estimator(estimator) => {
             let expected: Vec<DVec3> = sights.par_iter().map(|sight| scale * estimate(estimator, sight)).collect();
@@ -288,8 +290,10 @@ fn check<E: Copy + Sync>(
         Twin::Mean(mean) => {
             let exact = exact_quadrature(&request.environment.image);
             let some: Vec<&Sight> = sights.iter().step_by(sights.len() / MEAN_COUNT).collect();
-            let means: Vec<DVec3> =
-                some.par_iter().map(|sight| mean(&exact, &sight.surface, &request.precompute, EXACT).value).collect();
+            let means: Vec<DVec3> = some
+                .par_iter()
+                .map(|sight| mean(&exact, &sight.surface, &request.shading.precompute, EXACT).value)
+                .collect();
             let sigmas = frame.standard_error.as_ref().unwrap();
             for (sight, mean) in some.into_iter().zip(means) {
                 let (expected, [x, y]) = (scale * mean * mean_weight(sight), sight.pixel);
@@ -340,7 +344,7 @@ fn every_method_meets_its_twin() {
                     seen.push(asked);
                     let is_mean = matches!(method.twin, Twin::Mean(_));
                     let (base, sights) = if is_mean { (&small, &small_sights) } else { (&base, &frame_sights) };
-                    let request = RenderRequest { method, diffuse: none, ..base.clone() };
+                    let request = base.shaded(|s| (s.method, s.diffuse) = (method, none));
                     let frame = render_by_seeds(pipeline, &request);
                     let light = if method.prefilter == Some(PrefilterBy::Harmonic) { &exact } else { &light };
                     check(
@@ -372,7 +376,7 @@ fn every_diffuse_method_meets_its_twin() {
                 let base = Case { layout, ..PLAIN }.request(environment, MODELS[0]);
                 let (light, sights) = (light(gpu, &base), sights(gpu, &base));
                 for diffuse in DIFFUSE {
-                    let request = RenderRequest { method: none, diffuse, ..base.clone() };
+                    let request = base.shaded(|s| (s.method, s.diffuse) = (none, diffuse));
                     let frame = render_by_seeds(pipeline, &request);
                     check(
                         format!("{} {}", diffuse.name, environment.name),

@@ -108,12 +108,11 @@ fn a_folder_that_takes_no_files_is_one_warning() {
 
 fn request(brdf: &'static dyn Brdf, method: &str, diffuse: &str) -> RenderRequest {
     let white = Arc::new(Environment::from_image("white", RgbImage::filled(4, 2, [1.0; 3])));
-    RenderRequest {
-        method: method_by_name(method).unwrap(),
-        diffuse: diffuse_by_name(diffuse).unwrap(),
-        brdf,
-        ..RenderRequest::plain(white, Scene::sphere(), CameraKind::Ortho, [8, 8])
-    }
+    RenderRequest::plain(white, Scene::sphere(), CameraKind::Ortho, [8, 8]).shaded(|s| {
+        s.method = method_by_name(method).unwrap();
+        s.diffuse = diffuse_by_name(diffuse).unwrap();
+        s.brdf = brdf;
+    })
 }
 
 #[test]

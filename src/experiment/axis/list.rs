@@ -107,7 +107,7 @@ const LIST: &[Axis] = &[
         feeds: &[PREFILTER, DFG],
         kind: Kind::Name { what: "BRDF model", names: || brdf::MODELS.iter().map(|m| m.name()).collect() },
         default: || Value::from("ggx"),
-        apply: |s, v| s.brdf = brdf::by_name(v.text()).expect("the plan checked the model's name"),
+        apply: |s, v| s.shading.brdf = brdf::by_name(v.text()).expect("the plan checked the model's name"),
         ..PLAIN
     },
     Axis {
@@ -123,7 +123,7 @@ const LIST: &[Axis] = &[
         kind: Kind::NameOrFile { what: "method", names: || METHODS.iter().map(|m| m.name).collect() },
         default: || Value::from("sampled"),
         reference: |r, v| if r.leaves_out(v) { v.clone() } else { Value::from(r.method.as_str()) },
-        apply: |s, v| s.method = method(v.text()),
+        apply: |s, v| s.shading.method = method(v.text()),
         ..PLAIN
     },
     Axis {
@@ -139,7 +139,7 @@ const LIST: &[Axis] = &[
         default: || Value::from("sh9"),
         used: |u| u.has_diffuse_surface,
         reference: |r, v| if r.leaves_out(v) { v.clone() } else { Value::from(REFERENCE) },
-        apply: |s, v| s.diffuse = diffuse(v.text()),
+        apply: |s, v| s.shading.diffuse = diffuse(v.text()),
         ..PLAIN
     },
     Axis {
@@ -155,7 +155,7 @@ const LIST: &[Axis] = &[
         default: || Value::Count(40),
         used: |u| u.method.uses_samples,
         reference: |r, _| Value::Count(r.samples),
-        apply: |s, v| s.samples = v.count(),
+        apply: |s, v| s.shading.samples = v.count(),
         ..PLAIN
     },
     Axis {
@@ -166,7 +166,7 @@ const LIST: &[Axis] = &[
         kind: Kind::Name { what: "sequence", names: || SEQUENCES.iter().map(|s| s.name).collect() },
         default: || Value::from(SEQUENCES[0].name),
         used: |u| u.method.uses_point_set,
-        apply: |s, v| s.sequence = sequence_by_name(v.text()).expect("the plan checked the sequence's name"),
+        apply: |s, v| s.shading.sequence = sequence_by_name(v.text()).expect("the plan checked the sequence's name"),
         ..PLAIN
     },
     Axis {
@@ -178,7 +178,7 @@ const LIST: &[Axis] = &[
         kind: Kind::Count { min: 0, max: 1 << 20 },
         default: || Value::Count(0),
         used: |u| u.method.uses_point_set,
-        apply: |s, v| s.point_set = v.count(),
+        apply: |s, v| s.shading.point_set = v.count(),
         ..PLAIN
     },
     Axis {
@@ -197,7 +197,7 @@ const LIST: &[Axis] = &[
         used: |u| u.method.uses_point_set,
         apply: |s, v| {
             let named = PixelPoints::ALL.iter().find(|(name, _)| *name == v.text());
-            s.pixel_points = named.expect("the plan checked the name").1;
+            s.shading.pixel_points = named.expect("the plan checked the name").1;
         },
         ..PLAIN
     },
@@ -283,7 +283,7 @@ const LIST: &[Axis] = &[
         flag: Some("orientation"),
         kind: Kind::Count { min: 0, max: Placement::ORIENTATION_MAX },
         default: || Value::Count(0),
-        apply: |s, v| s.placement.orientation = v.count(),
+        apply: |s, v| s.shading.placement.orientation = v.count(),
         ..PLAIN
     },
     Axis {
@@ -294,7 +294,7 @@ const LIST: &[Axis] = &[
         flag: Some("rotate"),
         kind: Kind::Number(Range::closed(-360.0, 360.0)),
         default: || Value::Number(0.0),
-        apply: |s, v| s.placement.rotation_deg = v.number(),
+        apply: |s, v| s.shading.placement.rotation_deg = v.number(),
         ..PLAIN
     },
     Axis {
@@ -305,7 +305,7 @@ const LIST: &[Axis] = &[
         flag: Some("scale"),
         kind: Kind::Number(Range::above(0.0, 1e9)),
         default: || Value::Number(1.0),
-        apply: |s, v| s.environment_scale = v.number() as f32,
+        apply: |s, v| s.shading.environment_scale = v.number() as f32,
         ..PLAIN
     },
     Axis {
@@ -332,7 +332,7 @@ const LIST: &[Axis] = &[
         default: || Value::from("separable"),
         apply: |s, v| {
             let named = MaskingShadowing::ALL.iter().find(|(name, _)| *name == v.text());
-            s.masking_shadowing = named.expect("the plan checked the masking's name").1;
+            s.shading.masking_shadowing = named.expect("the plan checked the masking's name").1;
         },
         ..PLAIN
     },
@@ -347,7 +347,7 @@ const LIST: &[Axis] = &[
         default: || Value::from(Compensation::ALL[0].0),
         apply: |s, v| {
             let named = Compensation::ALL.iter().find(|(name, _)| *name == v.text());
-            s.compensation = named.expect("the plan checked the compensation's name").1;
+            s.shading.compensation = named.expect("the plan checked the compensation's name").1;
         },
         ..PLAIN
     },
@@ -360,7 +360,7 @@ const LIST: &[Axis] = &[
         used: |u| u.method.uses_lod_bias,
         kind: Kind::Number(LEVELS),
         default: || Value::Number(0.0),
-        apply: |s, v| s.lod_bias = v.number() as f32,
+        apply: |s, v| s.shading.lod_bias = v.number() as f32,
         ..PLAIN
     },
     Axis {
@@ -374,7 +374,9 @@ const LIST: &[Axis] = &[
         used: |u| u.method.uses_lod_bias || u.method.uses_prefiltered() || u.uses_irradiance_map(),
         kind: Kind::Name { what: "layout", names: || LAYOUTS.iter().map(|layout| layout.name).collect() },
         default: || Value::from(LAYOUTS[0].name),
-        apply: |s, v| s.precompute.layout = layout_by_name(v.text()).expect("the plan checked the layout's name"),
+        apply: |s, v| {
+            s.shading.precompute.layout = layout_by_name(v.text()).expect("the plan checked the layout's name")
+        },
         ..TABLE
     },
     Axis {
@@ -413,7 +415,7 @@ const LIST: &[Axis] = &[
         used: Used::makes_prefiltered,
         kind: Kind::Pair { min: 8, max: SIDE_MAX },
         unset: Some(|layout| Value::Pair(layout.prefilter_size)),
-        apply: |s, v| s.precompute.prefilter_size = v.pair(),
+        apply: |s, v| s.shading.precompute.prefilter_size = v.pair(),
         ..TABLE
     },
     Axis {
@@ -425,7 +427,7 @@ const LIST: &[Axis] = &[
         used: |u| u.makes_prefiltered() || u.method.uses_levels,
         kind: Kind::Count { min: 2, max: 11 },
         default: || Value::Count(PrecomputeSettings::default().prefilter_level_count),
-        apply: |s, v| s.precompute.prefilter_level_count = v.count(),
+        apply: |s, v| s.shading.precompute.prefilter_level_count = v.count(),
         ..TABLE
     },
     Axis {
@@ -443,7 +445,7 @@ const LIST: &[Axis] = &[
         default: || Value::from(PrefilterBy::default().name()),
         apply: |s, v| {
             let named = PrefilterBy::ALL.iter().find(|(name, _)| *name == v.text());
-            s.precompute.prefilter = named.expect("the plan checked the name").1;
+            s.shading.precompute.prefilter = named.expect("the plan checked the name").1;
         },
         ..TABLE
     },
@@ -456,7 +458,7 @@ const LIST: &[Axis] = &[
         used: |u| u.makes_prefiltered() && u.has_sampled_tables,
         kind: Kind::Count { min: 1, max: PRECOMPUTE_SAMPLES_MAX },
         default: || Value::Count(PrecomputeSettings::default().prefilter_sample_count),
-        apply: |s, v| s.precompute.prefilter_sample_count = v.count(),
+        apply: |s, v| s.shading.precompute.prefilter_sample_count = v.count(),
         ..TABLE
     },
     Axis {
@@ -469,7 +471,8 @@ const LIST: &[Axis] = &[
         kind: Kind::Name { what: "level mapping", names: || LEVEL_MAPPINGS.iter().map(|m| m.name).collect() },
         default: || Value::from(LEVEL_MAPPINGS[0].name),
         apply: |s, v| {
-            s.precompute.level_mapping = level_mapping_by_name(v.text()).expect("the plan checked the mapping's name");
+            s.shading.precompute.level_mapping =
+                level_mapping_by_name(v.text()).expect("the plan checked the mapping's name");
         },
         ..TABLE
     },
@@ -484,7 +487,8 @@ const LIST: &[Axis] = &[
         kind: Kind::Name { what: "prefilter weight", names: || WEIGHTS.iter().map(|w| w.name).collect() },
         default: || Value::from(WEIGHTS[0].name),
         apply: |s, v| {
-            s.precompute.prefilter_weight = weight_by_name(v.text()).expect("the plan checked the weight's name");
+            s.shading.precompute.prefilter_weight =
+                weight_by_name(v.text()).expect("the plan checked the weight's name");
         },
         ..TABLE
     },
@@ -501,7 +505,7 @@ const LIST: &[Axis] = &[
             named: || LEVEL_BIASES.iter().map(|bias| (bias.name, bias.levels)).collect(),
         },
         default: || Value::Number(0.0),
-        apply: |s, v| s.precompute.prefilter_lod_bias = v.number() as f32,
+        apply: |s, v| s.shading.precompute.prefilter_lod_bias = v.number() as f32,
         ..TABLE
     },
     Axis {
@@ -514,7 +518,7 @@ const LIST: &[Axis] = &[
         used: Used::makes_dfg,
         kind: Kind::Count { min: 2, max: SIDE_MAX },
         default: || Value::Count(PrecomputeSettings::default().dfg_size),
-        apply: |s, v| s.precompute.dfg_size = v.count(),
+        apply: |s, v| s.shading.precompute.dfg_size = v.count(),
         ..TABLE
     },
     Axis {
@@ -526,7 +530,7 @@ const LIST: &[Axis] = &[
         used: Used::makes_dfg,
         kind: Kind::Count { min: 1, max: PRECOMPUTE_SAMPLES_MAX },
         default: || Value::Count(PrecomputeSettings::default().dfg_sample_count),
-        apply: |s, v| s.precompute.dfg_sample_count = v.count(),
+        apply: |s, v| s.shading.precompute.dfg_sample_count = v.count(),
         ..TABLE
     },
     Axis {
@@ -540,7 +544,7 @@ const LIST: &[Axis] = &[
         used: Used::uses_irradiance_map,
         kind: Kind::Pair { min: 2, max: SIDE_MAX },
         unset: Some(|layout| Value::Pair(layout.irradiance_size)),
-        apply: |s, v| s.precompute.irradiance_size = v.pair(),
+        apply: |s, v| s.shading.precompute.irradiance_size = v.pair(),
         ..TABLE
     },
     Axis {
@@ -552,7 +556,7 @@ const LIST: &[Axis] = &[
         used: |u| u.uses_irradiance_map() && u.has_sampled_tables,
         kind: Kind::Pair { min: 1, max: SIDE_MAX },
         default: || Value::Pair(PrecomputeSettings::default().irradiance_sample_count),
-        apply: |s, v| s.precompute.irradiance_sample_count = v.pair(),
+        apply: |s, v| s.shading.precompute.irradiance_sample_count = v.pair(),
         ..TABLE
     },
     Axis {
@@ -569,7 +573,7 @@ const LIST: &[Axis] = &[
         default: || Value::from(StorageFormat::ALL[0].0),
         apply: |s, v| {
             let named = StorageFormat::ALL.iter().find(|(name, _)| *name == v.text());
-            s.precompute.storage = named.expect("the plan checked the format's name").1;
+            s.shading.precompute.storage = named.expect("the plan checked the format's name").1;
         },
         ..TABLE
     },

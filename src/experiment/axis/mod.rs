@@ -11,19 +11,17 @@ pub use named::{Named, Spelling};
 
 use super::value::{Kind, Value};
 use crate::bakes::given::{Given, OWN};
-use crate::brdf::{self, Compensation, MaskingShadowing};
+use crate::brdf::Compensation;
 use crate::cost::child::Job;
 use crate::cost::model;
 use crate::cost::record::TEXEL;
+use crate::environment::Environment;
 use crate::environment::layout::{LAYOUTS, MapLayout, layout_by_name};
-use crate::environment::{Environment, Placement};
-use crate::math::sequence::{PixelPoints, SEQUENCES, Sequence};
 use crate::pipeline::RenderRequest;
+use crate::precompute::PrefilterBy;
 use crate::precompute::dfg::DfgAxes;
-use crate::precompute::{PrecomputeSettings, PrefilterBy};
 use crate::scene::{Camera, CameraKind, Light, MaterialOverride, Orbit, Scene};
-use crate::shade::pass::specular_constants;
-use crate::shade::{DIFFUSE, Diffuse, METHODS, Method, NONE, diffuse_by_name, method_by_name};
+use crate::shade::{DIFFUSE, Diffuse, METHODS, Method, NONE, Shading, diffuse_by_name, method_by_name};
 use crate::tonemap::ToneCurve;
 use std::ops::{Index, IndexMut};
 use std::sync::Arc;
@@ -37,23 +35,10 @@ pub struct Settings {
     pub environment: String,
     /// Radiance above 2 to this power is cut off, in the reference too.
     pub environment_clip_log2: Option<f64>,
-    pub placement: Placement,
-    pub environment_scale: f32,
     /// A scene's name or a path.
     pub scene: String,
     pub material: MaterialOverride,
-    pub brdf: &'static dyn brdf::Brdf,
-    pub masking_shadowing: MaskingShadowing,
-    pub compensation: Compensation,
-    pub method: &'static Method,
-    pub diffuse: &'static Diffuse,
-    pub samples: u32,
-    pub sequence: &'static Sequence,
-    /// Which set of the sequence.
-    pub point_set: u32,
-    pub pixel_points: PixelPoints,
-    pub lod_bias: f32,
-    pub precompute: PrecomputeSettings,
+    pub shading: Shading,
     /// `own` or a file, of the prefiltered map and of the DFG table.
     pub prefiltered: String,
     pub dfg: String,
@@ -82,20 +67,21 @@ impl Settings {
 
     /// The specular pass, to be compiled for a GPU that is not here.
     pub fn specular_job(&self) -> Job {
-        let mapping = self.precompute.level_mapping;
-        let (masking, points) = (self.masking_shadowing, self.pixel_points);
-        let constants = specular_constants(masking, mapping, points, self.compensation, self.dfg_axes());
-        model::job(self.precompute.layout, self.method, self.brdf, &constants)
+        let mut shading = self.shading;
+        shading.precompute.dfg_axes = self.dfg_axes();
+        model::job(&shading)
     }
 
     /// The pass that makes its prefiltered map by samples.
     pub fn prefilter_job(&self) -> Job {
-        model::prefilter_job(self.precompute.layout, self.brdf, self.masking_shadowing, TEXEL)
+        let Shading { brdf, masking_shadowing, precompute, .. } = self.shading;
+        model::prefilter_job(precompute.layout, brdf, masking_shadowing, TEXEL)
     }
 
     /// The request: `scene` with the settings' material, framed by the view's camera, with the tables that are `given`.
     pub fn request(self, environment: &Arc<Environment>, scene: &Scene, view: &View, given: Given) -> RenderRequest {
-        let mut precompute = self.precompute;
+        let mut shading = self.shading;
+        let precompute = &mut shading.precompute;
         if let Some(map) = &given.prefiltered {
             precompute.layout = map.layout;
             precompute.prefilter_size = [map.side; 2];
@@ -108,27 +94,15 @@ impl Settings {
         let scene = Arc::new(scene.apply(&self.material));
         RenderRequest {
             environment: environment.clone(),
-            placement: self.placement,
-            environment_scale: self.environment_scale,
             camera: Camera::for_scene(view.camera, &scene, self.size).orbited(view.orbit, &scene),
             scene,
             size: self.size,
-            sequence: self.sequence,
-            point_set: self.point_set,
-            pixel_points: self.pixel_points,
+            shading,
+            reference_samples: if shading.method.is_integrated() { shading.samples } else { view.reference_samples },
             reference_error: view.reference_error,
-            reference_samples: if self.method.is_integrated() { self.samples } else { view.reference_samples },
-            method: self.method,
-            diffuse: self.diffuse,
-            brdf: self.brdf,
-            masking_shadowing: self.masking_shadowing,
-            compensation: self.compensation,
-            samples: self.samples,
-            lod_bias: self.lod_bias,
             lights: view.lights.clone(),
             background: view.background,
             antialias: view.antialias,
-            precompute,
             given,
             seed: view.seed,
         }
@@ -424,7 +398,7 @@ impl Point {
         let is_sampled = || self[PREFILTER_BY].to_string() != PrefilterBy::Harmonic.name();
         let has_sampled_tables = method.prefilter.map_or_else(is_sampled, |by| by != PrefilterBy::Harmonic);
         let has_own = [PREFILTERED, DFG_TABLE].map(|axis| AXES[axis].kind.path_in(&self[axis].to_string()).is_none());
-        let compensation = self.settings().compensation;
+        let compensation = self.settings().shading.compensation;
         // Light of several scatterings is diffuse on any surface.
         let has_diffuse_surface = has_diffuse_surface || compensation.is_diffuse();
         let used = Used {
@@ -465,21 +439,9 @@ impl Point {
             size: [1, 1],
             environment: String::new(),
             environment_clip_log2: None,
-            placement: Placement::default(),
-            environment_scale: 1.0,
             scene: String::new(),
             material: MaterialOverride::default(),
-            brdf: brdf::MODELS[0],
-            masking_shadowing: MaskingShadowing::default(),
-            compensation: Compensation::default(),
-            method: &METHODS[0],
-            diffuse: &DIFFUSE[0],
-            samples: 1,
-            sequence: &SEQUENCES[0],
-            point_set: 0,
-            pixel_points: PixelPoints::default(),
-            lod_bias: 0.0,
-            precompute: PrecomputeSettings::default(),
+            shading: Shading { method: &METHODS[0], diffuse: &DIFFUSE[0], samples: 1, ..Shading::default() },
             prefiltered: OWN.to_owned(),
             dfg: OWN.to_owned(),
             curve: ToneCurve::default(),

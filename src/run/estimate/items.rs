@@ -132,8 +132,8 @@ impl Item {
 pub fn amount(plan: &Plan, point: &Point) -> Amount {
     let settings = point.settings();
     let [width, height] = settings.size.map(f64::from);
-    let specular = if settings.method.uses_samples { settings.samples } else { 1 };
-    let diffuse = if settings.diffuse.is_integrated() { plan.config.reference.samples } else { 0 };
+    let specular = if settings.shading.method.uses_samples { settings.shading.samples } else { 1 };
+    let diffuse = if settings.shading.diffuse.is_integrated() { plan.config.reference.samples } else { 0 };
     let pixels = width * height;
     Amount { pixels, samples: pixels * (f64::from(specular) + f64::from(diffuse)) }
 }
@@ -150,7 +150,12 @@ const STABLE_WARMUP_FRAMES: u32 = 64;
 /// Kind of the work on the image, the reference or the timed frame of a point.
 pub fn kind_of(what: &str, point: &Point) -> String {
     let settings = point.settings();
-    format!("{what} {} {} {}", settings.method.name, settings.diffuse.name, settings.brdf.name())
+    format!(
+        "{what} {} {} {}",
+        settings.shading.method.name,
+        settings.shading.diffuse.name,
+        settings.shading.brdf.name()
+    )
 }
 
 /// Every table that an image reads: what tells it from others, its kind, the samples it takes. Where it takes none, texels.
@@ -159,11 +164,18 @@ pub fn all_tables(plan: &Plan, point: &Point) -> Vec<(String, String, f64)> {
     let image = &plan.inputs.environment(&settings.environment).image;
     let texels = f64::from(image.width) * f64::from(image.height);
     let reads = [
-        (PREFILTER, settings.method.uses_prefiltered()),
-        (DFG, settings.method.needs_dfg(settings.compensation, settings.diffuse, !plan.config.lights.is_empty())),
-        (IRRADIANCE, settings.diffuse.uses_irradiance_map),
+        (PREFILTER, settings.shading.method.uses_prefiltered()),
+        (
+            DFG,
+            settings.shading.method.needs_dfg(
+                settings.shading.compensation,
+                settings.shading.diffuse,
+                !plan.config.lights.is_empty(),
+            ),
+        ),
+        (IRRADIANCE, settings.shading.diffuse.uses_irradiance_map),
         (MIPS, true),
-        (SH9, settings.diffuse.sh9.is_some()),
+        (SH9, settings.shading.diffuse.sh9.is_some()),
     ];
     let table = |(table, _): (&str, bool)| {
         let axes = AXES.iter().zip(&point.0).filter(|(axis, _)| axis.feeds.contains(&table));
@@ -174,8 +186,8 @@ pub fn all_tables(plan: &Plan, point: &Point) -> Vec<(String, String, f64)> {
         });
         (
             key,
-            format!("table {table} {}", settings.brdf.name()),
-            settings.precompute.samples_of(table).unwrap_or(texels),
+            format!("table {table} {}", settings.shading.brdf.name()),
+            settings.shading.precompute.samples_of(table).unwrap_or(texels),
         )
     };
     reads.into_iter().filter(|(_, is_read)| *is_read).map(table).collect()

@@ -5,7 +5,6 @@ use super::items::{amount, kind_of};
 use crate::experiment::axis::{DIFFUSE_METHOD, METHOD, SAMPLES, SIZE};
 use crate::experiment::plan::Plan;
 use crate::experiment::value::Value;
-use crate::pipeline::RenderRequest;
 use crate::precompute::PrecomputeSettings;
 use crate::run::renderer::{RenderFault, Renderer};
 use crate::shade::{METHODS, NONE};
@@ -27,7 +26,7 @@ pub fn samples_per_second(plan: &Plan, renderer: &mut dyn Renderer) -> Result<Op
     point[DIFFUSE_METHOD] = Value::from(NONE);
     point[SAMPLES] = Value::Count(SAMPLE_COUNT);
     point[SIZE] = Value::Pair(point[SIZE].pair().map(|side| side.min(SIDE)));
-    let request = RenderRequest { precompute: PrecomputeSettings::default(), ..plan.request(&point) };
+    let request = plan.request(&point).shaded(|s| s.precompute = PrecomputeSettings::default());
     let mut fastest_s = f64::INFINITY;
     for image in 0..=IMAGE_COUNT {
         let started = Instant::now();

@@ -9,7 +9,7 @@ use crate::experiment::plan::{Cell, Plan, ReferenceGroup};
 use crate::files::content_hash;
 use crate::ladder::BANDS;
 use crate::metrics::{BiasVariance, Repeats};
-use crate::pipeline::{DeviceInfo, Frame, FrameTimings, RenderRequest};
+use crate::pipeline::{DeviceInfo, Frame, FrameTimings};
 use crate::pixels::Rgb8Image;
 use crate::run::images;
 use crate::run::renderer::Renderer;
@@ -139,7 +139,7 @@ impl<'p> Run<'p> {
 
     /// The image of a cell's point with a set of the sequence.
     fn render(&self, point: &Point, set: u32, renderer: &mut dyn Renderer) -> Result<Frame, CellFault> {
-        Ok(renderer.render(&RenderRequest { point_set: set, ..self.plan.request(point) })?)
+        Ok(renderer.render(&self.plan.request(point).shaded(|s| s.point_set = set))?)
     }
 
     /// The image of a point, and its bias and variance where the experiment asks for them.
@@ -151,7 +151,7 @@ impl<'p> Run<'p> {
         spent: &mut Spent,
     ) -> Result<Made, CellFault> {
         let started = Instant::now();
-        let frame = Arc::new(self.render(point, point.settings().point_set, renderer)?);
+        let frame = Arc::new(self.render(point, point.settings().shading.point_set, renderer)?);
         spent.add(|spent| &mut spent.image_ms, &frame.timings, milliseconds(started));
         let started = Instant::now();
         let mut made = Made { frame, bias_variance: None, steps: Arc::default() };

@@ -100,7 +100,7 @@ fn met(frame: &Frame) -> Vec<Met> {
             let met = |case: &break_even::Case| {
                 let [sampled, fixed] = [case.of.curve.first(), case.of.fixed].map(settings);
                 let jobs = [sampled.specular_job(), fixed.specular_job(), fixed.prefilter_job()];
-                (jobs, fixed.precompute)
+                (jobs, fixed.shading.precompute)
             };
             let case = |case: &break_even::Case| Met {
                 names: names.clone(),

@@ -56,8 +56,8 @@ fn missing(row: &Row) -> f64 {
     let settings = row.point.settings();
     let (alpha, f0) = (row.point[ALPHA].number(), Vec3::from_array(row.point[F0].color()).as_dvec3());
     let at = |root: f64| {
-        let pair = dfg_within(settings.brdf, settings.masking_shadowing, root * root, alpha, WITHIN);
-        let factor = settings.compensation.factor(f0, DVec2::new(pair.f0_scale, pair.f90_scale));
+        let pair = dfg_within(settings.shading.brdf, settings.shading.masking_shadowing, root * root, alpha, WITHIN);
+        let factor = settings.shading.compensation.factor(f0, DVec2::new(pair.f0_scale, pair.f90_scale));
         let missing = 1.0 - factor.recip();
         2.0 * root * (missing * missing).element_sum() / 3.0
     };
@@ -70,7 +70,7 @@ fn answer(frame: &Frame) -> Option<Finding> {
     let axes = frame.case_axes();
     let is_told = |row: &&Row| {
         let settings = row.point.settings();
-        scales(settings.compensation) && settings.method.uses_prefiltered()
+        scales(settings.shading.compensation) && settings.shading.method.uses_prefiltered()
     };
     let mut known: HashMap<Key, f64> = HashMap::new();
     let mut table = Table::new(&[&axes[..], &[METHOD]].concat(), QUESTION.columns);

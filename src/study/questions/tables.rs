@@ -87,12 +87,12 @@ impl Tried<'_, '_> {
 impl Tried<'_, '_> {
     /// Texels of the tables of the row.
     fn texels(&self) -> f64 {
-        texels(&self.row.point.settings().precompute)
+        texels(&self.row.point.settings().shading.precompute)
     }
 
     /// Samples that its prefiltered map takes; none by harmonics.
     fn samples(&self) -> f64 {
-        self.row.point.settings().precompute.samples_of("prefilter").unwrap_or(0.0)
+        self.row.point.settings().shading.precompute.samples_of("prefilter").unwrap_or(0.0)
     }
 }
 

@@ -166,7 +166,7 @@ fn level_biases_have_names_and_sequences_and_formats_are_checked() {
     let text = "name = \"x\"\n[axes]\nmethod = [\"split-sum\"]\nprefilter = [\"sampled\"]\nprefilter_lod_bias = [\"filament\", 0.5, \"khronos-sampler\"]\n";
     let plan = Plan::from_text(Path::new("e.toml"), text, &[]).unwrap();
     let biases: Vec<f32> =
-        plan.cells.iter().map(|cell| plan.request(&cell.point).precompute.prefilter_lod_bias).collect();
+        plan.cells.iter().map(|cell| plan.request(&cell.point).shading.precompute.prefilter_lod_bias).collect();
     assert_eq!(biases, [1.0, 0.5, 0.5 * (4.0 * std::f32::consts::PI).log2()]);
     let text = "name = \"x\"\n[axes]\nprefilter_lod_bias = [1, \"filament\", \"filamnt\", 17]\nsequence = [\"sobol\"]\n\
                 storage_format = [\"f8\"]\nlod_bias = [\"filament\"]\nlevel_mapping = [\"cmgen\"]\nprefilter_weight = [\"cosin\"]\n\

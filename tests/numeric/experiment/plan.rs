@@ -282,11 +282,11 @@ fn sequence_and_storage_format_are_axes_of_the_methods_that_use_them() {
     assert_eq!(plan.cells.len(), 4 + 2);
     assert_eq!(plan.groups().len(), 1, "the reference depends on neither");
     let requests: Vec<_> = plan.cells.iter().map(|cell| plan.request(&cell.point)).collect();
-    let sequences: Vec<&str> = requests[..4].iter().map(|request| request.sequence.name).collect();
+    let sequences: Vec<&str> = requests[..4].iter().map(|request| request.shading.sequence.name).collect();
     assert_eq!(sequences, ["hammersley", "sobol-owen", "r2", "random"]);
-    assert_ne!(requests[4].precompute.storage, requests[5].precompute.storage);
+    assert_ne!(requests[4].shading.precompute.storage, requests[5].shading.precompute.storage);
     let reference = plan.request(&plan.reference_point(&plan.cells[5].point));
-    assert_eq!(reference.precompute.storage, Default::default());
+    assert_eq!(reference.shading.precompute.storage, Default::default());
 }
 
 #[test]
@@ -296,7 +296,7 @@ fn size_point_set_and_clip_are_axes() {
     assert_eq!(plan.cells.len(), 8);
     let requests: Vec<_> = plan.cells.iter().map(|cell| plan.request(&cell.point)).collect();
     assert_eq!((requests[0].size, requests[7].size), ([8, 8], [16, 8]));
-    assert_eq!((requests[0].point_set, requests[7].point_set), (0, 1));
+    assert_eq!((requests[0].shading.point_set, requests[7].shading.point_set), (0, 1));
     let peak = |i: usize| requests[i].environment.image.data.iter().flatten().fold(0.0f32, |a, b| a.max(*b));
     assert_eq!(peak(0), 0.5);
     assert!(peak(1) > 0.5 && peak(1) <= 8.0);
@@ -332,7 +332,10 @@ fn a_reference_under_test_shares_no_points_with_the_one_that_judges_it() {
     let [under_test, sampled] = &plan.cells[..] else { panic!("{} cells", plan.cells.len()) };
     let judge = plan.reference_request(&plan.reference_point(&under_test.point));
     let request = plan.request(&under_test.point);
-    assert_eq!((judge.method.name, judge.reference_samples), (request.method.name, request.reference_samples));
+    assert_eq!(
+        (judge.shading.method.name, judge.reference_samples),
+        (request.shading.method.name, request.reference_samples)
+    );
     assert_ne!(judge.seed, request.seed);
     assert_ne!(under_test.radiance, under_test.reference, "one image must not stand for both");
     assert_eq!((judge.seed, plan.request(&sampled.point).seed), (7, 7));
@@ -352,7 +355,7 @@ fn a_reference_under_test_does_not_stop_by_itself() {
         let is_under_test = cell.point.get("method").text() == "reference";
         let request = stopping.request(&cell.point);
         assert_eq!(request.reference_error, (!is_under_test).then_some(0.05));
-        assert_eq!(request.reference_samples, if is_under_test { request.samples } else { 4096 });
+        assert_eq!(request.reference_samples, if is_under_test { request.shading.samples } else { 4096 });
         // The image of a reference under test is the same either way, and so is its name.
         assert_eq!(cell.radiance == same.radiance, is_under_test);
         let judge = stopping.reference_request(&stopping.reference_point(&cell.point));
@@ -387,7 +390,7 @@ fn tables_of_other_tools_count_by_their_content() {
     assert_eq!(plan.cells.len(), 4);
     let theirs =
         plan.cells.iter().find(|cell| cell.point.get("prefiltered").to_string() == "file:a.ktx#unity").unwrap();
-    let settings = plan.request(&theirs.point).precompute;
+    let settings = plan.request(&theirs.point).shading.precompute;
     assert_eq!(
         (settings.prefilter_size, settings.prefilter_level_count, settings.level_mapping.name),
         ([128, 128], 7, "unity")

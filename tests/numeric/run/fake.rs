@@ -88,7 +88,9 @@ impl Renderer for Fake {
         let mut log = self.0.borrow_mut();
         let fault =
             |message: &str, device_lost| Err(RenderFault { message: message.to_owned(), device_lost, is_input: false });
-        if log.broken_method == Some(request.method.name) || log.broken.is_some_and(|is_broken| is_broken(request)) {
+        if log.broken_method == Some(request.shading.method.name)
+            || log.broken.is_some_and(|is_broken| is_broken(request))
+        {
             return fault("the shader is broken", false);
         }
         match &mut log.renders_left {
@@ -96,11 +98,11 @@ impl Renderer for Fake {
             Some(left) => *left -= 1,
             None => {}
         }
-        log.renders.push((request.method.name.to_owned(), request.samples));
-        let factor = match request.method.name {
+        log.renders.push((request.shading.method.name.to_owned(), request.shading.samples));
+        let factor = match request.shading.method.name {
             "reference" => 1.0,
             "split-sum" => 1.0 + log.split_sum_error.map_or(SPLIT_SUM_ERROR, |error| error(request)),
-            _ => 1.0 + ERROR_AT_ONE / (request.samples as f32).sqrt() + set_error(request.point_set),
+            _ => 1.0 + ERROR_AT_ONE / (request.shading.samples as f32).sqrt() + set_error(request.shading.point_set),
         };
         let alpha = request.scene.materials.first().map_or(0.5, |m| m.alpha);
         let [width, height] = request.size;
@@ -115,10 +117,13 @@ impl Renderer for Fake {
             n_z(x, y).map_or([0.0; 3], |n_z| [0.2, 0.5, 1.0].map(|c: f32| factor * c * (alpha + n_z)))
         });
         let standard_error =
-            (request.method.name == "reference").then(|| radiance.map(|texel| texel.map(|c| c * NOISE)));
+            (request.shading.method.name == "reference").then(|| radiance.map(|texel| texel.map(|c| c * NOISE)));
         Ok(Frame {
             radiance,
-            convergences: (request.method.name == "reference").then(|| convergence(request)).into_iter().collect(),
+            convergences: (request.shading.method.name == "reference")
+                .then(|| convergence(request))
+                .into_iter()
+                .collect(),
             standard_error,
             mask: Arc::new(mask),
             n_dot_v: Arc::new(n_dot_v),
@@ -166,7 +171,7 @@ impl Renderer for Fake {
         sh9[0] = [(4.0 * std::f32::consts::PI).sqrt(); 3];
         let dfg = Pixels::filled(4, 4, [1.0, 0.0]);
         Ok(LightTables {
-            level_mapping: request.precompute.level_mapping,
+            level_mapping: request.shading.precompute.level_mapping,
             environment: chain(4),
             layout: &splitsum::environment::layout::LAYOUTS[2],
             sh9,
@@ -192,9 +197,13 @@ impl Renderer for Fake {
             let rounds = rounds as usize;
             return Ok(TimingSamples { passes: vec![("dfg", vec![3.0; rounds])], wall_ms: vec![10.0; rounds] });
         }
-        let frame = log.frames.entry((request.brdf.name(), request.method.name, request.samples)).or_default();
-        let ms: Vec<f64> =
-            (0..rounds as usize).map(|round| f64::from(request.samples) + ((*frame + round + 4) % 5) as f64).collect();
+        let frame = log
+            .frames
+            .entry((request.shading.brdf.name(), request.shading.method.name, request.shading.samples))
+            .or_default();
+        let ms: Vec<f64> = (0..rounds as usize)
+            .map(|round| f64::from(request.shading.samples) + ((*frame + round + 4) % 5) as f64)
+            .collect();
         *frame += ms.len();
         Ok(TimingSamples {
             passes: vec![("gbuffer", vec![1.0; ms.len()]), ("shade-specular", ms.clone())],

@@ -1,0 +1,72 @@
+//! The parameters of one image: method, model, light's placement, points and tables.
+
+use super::{Diffuse, Method, NONE, diffuse_by_name, method_by_name};
+use crate::brdf::{Brdf, Compensation, Ggx, MaskingShadowing};
+use crate::environment::Placement;
+use crate::math::sequence::{PixelPoints, SEQUENCES, Sequence};
+use crate::precompute::PrecomputeSettings;
+
+/// How an image is shaded, whatever scene, camera and environment it shows.
+#[derive(Clone, Copy, Debug)]
+pub struct Shading {
+    pub placement: Placement,
+    /// Multiplies the environment's radiance.
+    pub environment_scale: f32,
+    pub brdf: &'static dyn Brdf,
+    pub masking_shadowing: MaskingShadowing,
+    pub compensation: Compensation,
+    pub method: &'static Method,
+    pub diffuse: &'static Diffuse,
+    /// Samples per pixel of a sampled method.
+    pub samples: u32,
+    /// The points of a sampled method.
+    pub sequence: &'static Sequence,
+    /// Set of the sequence: 0 is the plain one, k > 0 are randomised copies.
+    pub point_set: u32,
+    pub pixel_points: PixelPoints,
+    /// Levels added to the mip level of a filtered method.
+    pub lod_bias: f32,
+    pub precompute: PrecomputeSettings,
+}
+
+impl Default for Shading {
+    /// GGX, split sum, no diffuse term, default tables.
+    fn default() -> Self {
+        Self {
+            placement: Placement::default(),
+            environment_scale: 1.0,
+            brdf: &Ggx,
+            masking_shadowing: MaskingShadowing::default(),
+            compensation: Compensation::default(),
+            method: method_by_name("split-sum").expect("a listed method"),
+            diffuse: diffuse_by_name(NONE).expect("a listed diffuse method"),
+            samples: 64,
+            sequence: &SEQUENCES[0],
+            point_set: 0,
+            pixel_points: PixelPoints::default(),
+            lod_bias: 0.0,
+            precompute: PrecomputeSettings::default(),
+        }
+    }
+}
+
+impl Shading {
+    /// Settings of the tables that are made for the method.
+    pub fn tables(&self) -> PrecomputeSettings {
+        self.method.tables(self.precompute)
+    }
+
+    /// Specialization constants of the specular pass.
+    pub fn constants(&self) -> [u32; 7] {
+        let mut constants = self.table_constants(self.masking_shadowing);
+        constants[2] = (self.precompute.level_mapping.bend as f32).to_bits();
+        constants[4] = self.pixel_points as u32;
+        constants
+    }
+
+    /// Specialization constants of passes that read no map of the lobe.
+    pub(super) fn table_constants(&self, masking: MaskingShadowing) -> [u32; 7] {
+        // The second and the fourth one are the reference's.
+        [masking as u32, 0, 0, 0, 0, self.compensation as u32, self.precompute.dfg_axes as u32]
+    }
+}
