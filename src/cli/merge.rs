@@ -42,7 +42,6 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         dir: arguments.out.clone().unwrap_or_else(|| arguments.store.clone()),
         stop: &STOP,
         command_line: command_line(),
-        extend: false,
         fail_fast: false,
         trace: arguments.trace,
     };

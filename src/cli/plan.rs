@@ -11,7 +11,7 @@ use splitsum::experiment::{Cell, Plan};
 use splitsum::run::RunError;
 use splitsum::run::chunk::{PlanFile, Prices};
 use splitsum::run::estimate::{Part, SAMPLES_PER_SECOND, Source};
-use splitsum::run::store::{CELLS_FOLDER, CHUNKS_FOLDER, Extension, Store, StoreError};
+use splitsum::run::store::{CELLS_FOLDER, CHUNKS_FOLDER, Store, StoreError};
 use splitsum::run::timing;
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -81,7 +81,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     }
     let dir = arguments.subject.dir(&plan);
     let store = Store::at(&dir);
-    let extension = store.extension(&plan).map_err(Failure::input)?;
+    store.check_identity(&plan).map_err(Failure::input)?;
     let states =
         plan.cells.iter().map(|cell| state(&store, cell)).collect::<Result<Vec<_>, _>>().map_err(RunError::from)?;
     let open: Vec<&Cell> =
@@ -101,13 +101,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let folders: Vec<PathBuf> = std::iter::once(dir.clone()).chain(arguments.from.iter().cloned()).collect();
     let (cache, device) = (&arguments.cache, arguments.device);
     let cost = estimated(&plan, &Question { open: &open, jobs: &left, folders: &folders, cache, device })?;
-    let shown = Shown {
-        plan: &plan,
-        states: &states,
-        timings: [jobs.len(), jobs.len() - left.len()],
-        extension: extension.as_ref(),
-        cost: &cost,
-    };
+    let shown = Shown { plan: &plan, states: &states, timings: [jobs.len(), jobs.len() - left.len()], cost: &cost };
     match arguments.json {
         true => shown.write_json()?,
         false => print(&shown.as_text(&dir))?,
@@ -149,8 +143,6 @@ struct Shown<'a> {
     states: &'a [&'static str],
     /// Timed configurations, and how many are done.
     timings: [usize; 2],
-    /// The run of another plan in the folder, where there is one.
-    extension: Option<&'a Extension>,
     cost: &'a Estimated,
 }
 
@@ -173,10 +165,6 @@ impl Shown<'_> {
             format!("{}: {}", plan.config.name, plan.config.question),
             format!("{cells} cells from {radiances} images and {references} references; {states} in {dir}"),
         ];
-        lines.extend(self.extension.map(|extension| {
-            let (hash, kept) = (extension.from["plan_hash"].as_str().unwrap_or_default(), extension.kept.len());
-            format!("{dir} holds a run of another plan, {hash}; `splitsum run` with --extend keeps the {kept} cells that it has done")
-        }));
         lines.extend(self.excluded().map(|(count, why, place)| format!("excluded {count} by {place}: {why}")));
         let collapsed = plan.collapsed;
         lines.extend(
@@ -249,11 +237,6 @@ impl Shown<'_> {
         json!({
             "name": plan.config.name,
             "plan_hash": plan.hash,
-            "extends": self.extension.map(|extension| json!({
-                "plan_hash": extension.from["plan_hash"],
-                "cells_kept": extension.kept.len(),
-                "timed_again": extension.timed_again,
-            })),
             "excluded": exclusions.collect::<Vec<_>>(),
             "collapsed": plan.collapsed,
             "timings": self.timings[0],

@@ -27,14 +27,13 @@ use std::time::Instant;
     override_usage = "splitsum run [OPTIONS] <EXPERIMENT>\n       splitsum run --plan <FILE> --chunk <K> --store <DIR> [--device <N>]",
     after_help = "A run that was stopped (Ctrl-C, SIGTERM, a crash, a full disk) goes on where it stopped: give the same command again. One \
     that is finished ends with 0 at once. Cells whose images are gone, or not those that their records name, are done again.\n\n\
-    A larger sweep goes on in the folder of a smaller one with --extend: give the experiment more values or axes that leave the cells of \
-    before in the plan. Blocks of timings that have new members are timed anew as a whole, since only times of the same rounds are \
-    compared.\n\n\
+    A larger sweep goes on in the folder of a smaller one: give the experiment more values or axes. An experiment that lacks a finished \
+    cell of the folder is refused. Configurations that are compared by time are timed again when one joins them.\n\n\
     The experiment.toml that a run keeps runs again as it stands: provenance.json beside it says where its files are and which --set \
     belong to it.\n\n\
     Examples:\n  splitsum run experiments/quick.toml\n  \
     splitsum run experiments/quick.toml --set alpha=0.1,0.5 --set brdf=ggx --out runs/short\n  \
-    splitsum run experiments/quick.toml --set alpha=0.1,0.25,0.5 --set brdf=ggx --out runs/short --extend\n  \
+    splitsum run experiments/quick.toml --set alpha=0.1,0.25,0.5 --set brdf=ggx --out runs/short\n  \
     splitsum run experiments/real.toml --set environment=sky.hdr --set scene=teapot.obj --out runs/teapot\n  \
     splitsum run experiments/ladder.toml --set environment=my.hdr --set brdf=ggx   (where the split sum's error comes from)\n  \
     splitsum run --plan plan.json --chunk 17 --store shared/sweep"
@@ -52,10 +51,6 @@ pub struct Arguments {
     /// The folder that all chunks share; `splitsum merge` makes one run of it.
     #[arg(long, value_name = "DIR", requires = "plan", conflicts_with = "experiment")]
     store: Option<PathBuf>,
-    /// Where the folder holds a run of the same experiment with fewer cells: keeps them and does the others. Refused where one of its cells
-    /// is not in this plan.
-    #[arg(long, conflicts_with = "plan")]
-    extend: bool,
     /// Ends the run at the first cell that fails; without it the others are still done.
     #[arg(long)]
     fail_fast: bool,
@@ -116,7 +111,6 @@ fn options(arguments: &Arguments, dir: PathBuf) -> RunOptions<'static> {
         dir,
         stop: &STOP,
         command_line: command_line(),
-        extend: arguments.extend,
         fail_fast: arguments.fail_fast,
         trace: arguments.trace,
     }

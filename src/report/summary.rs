@@ -2,7 +2,6 @@
 
 use super::record::{AnswerRecord, told};
 use crate::experiment::axis::{AXES, SIZE};
-use crate::run::provenance::EXTENSIONS;
 use crate::run::sheets::sheet_files;
 use crate::run::store::{ANSWERS_FOLDER, StopReason};
 use crate::study::finished::Finished;
@@ -69,38 +68,11 @@ fn state(run: &Finished, record: &AnswerRecord) -> String {
         reference_stops(run),
         if record.devices.is_empty() { "none yet".to_owned() } else { inline(&record.devices.join("; ")) }
     );
-    text += &extensions(run);
     if record.devices.len() > 1 {
         text +=
             "**The cells come from more than one device or driver: their scores may differ in the last digits.**\n\n";
     }
     text
-}
-
-/// A sentence for each time that the run was made the beginning of a larger one.
-fn extensions(run: &Finished) -> String {
-    let extensions = run.provenance[EXTENSIONS].as_array().into_iter().flatten();
-    let sentences = extensions.map(|extension| {
-        let text = |pointer: &str| match extension.pointer(pointer) {
-            Some(serde_json::Value::String(text)) => inline(text),
-            Some(value) => inline(&value.to_string()),
-            None => String::new(),
-        };
-        let timed = match extension["timed_again"].as_u64().unwrap_or(0) {
-            0 => String::new(),
-            count => format!(", {count} configurations timed again"),
-        };
-        format!(
-            "Extended on {} from plan {} (`{}`): {} of its {} cells kept, {} new{timed}.\n\n",
-            text("/date_utc"),
-            text("/from/plan_hash"),
-            text("/from/frozen"),
-            text("/cells_kept"),
-            text("/from/cell_count"),
-            text("/cells_new"),
-        )
-    });
-    sentences.collect()
 }
 
 /// Where the references stopped, as the end of a sentence; empty where they do not say.

@@ -3,7 +3,7 @@
 use super::store::Store;
 use super::tables::{CellResult, Results, Rows};
 use crate::environment::BUILTIN_PREFIX;
-use crate::experiment::axis::{AXES, Axis, Point};
+use crate::experiment::axis::{ALPHA, AXES, Axis, BRDF, DIFFUSE_METHOD, ENVIRONMENT, METHOD, Point, SAMPLES, SCENE};
 use crate::experiment::plan::{Cell, Plan};
 use crate::files::content_hash;
 use crate::pipeline::Frame;
@@ -36,12 +36,15 @@ pub fn short_value<'v>(axis: &Axis, text: &'v str) -> Cow<'v, str> {
     }
 }
 
-/// The swept values of a point as part of a file name.
-fn slug(plan: &Plan, point: &Point, with_display: bool) -> String {
-    let axes = plan.swept().filter(|&axis| AXES[axis].changes_radiance() || with_display);
-    let words: Vec<String> = axes.map(|axis| short_text(axis, point)).filter(|word| !word.is_empty()).collect();
-    let word = if words.is_empty() { plan.config.name.clone() } else { words.join("_") };
-    file_words(&word)
+/// The axes whose values begin a file name, for people; the id after them tells files apart. They are the same in every plan, so that a larger
+/// one finds the files of a smaller one.
+const NAMING: [usize; 7] = [ENVIRONMENT, SCENE, BRDF, ALPHA, METHOD, DIFFUSE_METHOD, SAMPLES];
+
+/// The values of a point that begin a file name.
+fn slug(point: &Point) -> String {
+    let words: Vec<String> =
+        NAMING.iter().map(|&axis| short_text(axis, point)).filter(|word| !word.is_empty()).collect();
+    file_words(&words.join("_"))
 }
 
 /// A text as part of a file name. It begins with a letter, digit or `_`, or as a number does: nothing that a spreadsheet, a shell or a
@@ -58,28 +61,28 @@ pub fn file_words(text: &str) -> String {
 }
 
 /// File name of the linear image of a point.
-pub fn radiance_name(plan: &Plan, point: &Point, id: &str) -> String {
-    format!("{}.{id}.exr", slug(plan, point, false))
+pub fn radiance_name(point: &Point, id: &str) -> String {
+    format!("{}.{id}.exr", slug(point))
 }
 
-pub(super) fn picture_name(plan: &Plan, cell: &Cell) -> String {
-    format!("{}.{}.png", slug(plan, &cell.point, true), cell.id)
+pub(super) fn picture_name(cell: &Cell) -> String {
+    format!("{}.{}.png", slug(&cell.point), cell.id)
 }
 
 /// Cells that differ in the tone curve only share it.
-pub(super) fn error_name(plan: &Plan, cell: &Cell) -> String {
-    format!("{}.{}.error.png", slug(plan, &cell.point, false), cell.radiance)
+pub(super) fn error_name(cell: &Cell) -> String {
+    format!("{}.{}.error.png", slug(&cell.point), cell.radiance)
 }
 
-pub(super) fn flip_name(plan: &Plan, cell: &Cell) -> String {
-    format!("{}.{}.flip.png", slug(plan, &cell.point, true), cell.id)
+pub(super) fn flip_name(cell: &Cell) -> String {
+    format!("{}.{}.flip.png", slug(&cell.point), cell.id)
 }
 
 pub(super) fn reference_picture_name(plan: &Plan, cell: &Cell) -> String {
     let point = plan.reference_point(&cell.point);
     let display = AXES.iter().zip(&point.0).filter(|(axis, _)| !axis.changes_radiance());
     let display: Vec<String> = display.map(|(axis, value)| format!("{}{value}", axis.name)).collect();
-    format!("{}.{}.{}.png", slug(plan, &point, false), display.join("-"), cell.reference)
+    format!("{}.{}.{}.png", slug(&point), display.join("-"), cell.reference)
 }
 
 /// Writes linear RGBA (A is the mask) and, for a reference, its standard error as a layer.
@@ -95,7 +98,7 @@ pub(super) fn sweeps_display(plan: &Plan) -> bool {
 
 /// Every file of `images/` that belongs to a finished cell.
 pub(super) fn files(plan: &Plan, cell: &Cell) -> Vec<String> {
-    let flip = sweeps_display(plan).then(|| flip_name(plan, cell));
+    let flip = sweeps_display(plan).then(|| flip_name(cell));
     index_names(plan, cell).into_iter().chain(flip).collect()
 }
 
@@ -109,23 +112,7 @@ pub(super) fn hashes(plan: &Plan, cell: &Cell, recorded: &BTreeMap<String, Strin
 /// The linear images of a cell and its reference.
 pub fn linear_files(plan: &Plan, cell: &Cell) -> [String; 2] {
     let reference = plan.reference_point(&cell.point);
-    [radiance_name(plan, &cell.point, &cell.radiance), radiance_name(plan, &reference, &cell.reference)]
-}
-
-/// Of the files of a cell that a record has under `old` names, each with its name in this plan: what stands before the ids tells what a plan
-/// sweeps.
-pub(super) fn renames<'o>(
-    plan: &Plan,
-    cell: &Cell,
-    old: impl Iterator<Item = &'o String> + Clone,
-) -> Vec<(&'o String, String)> {
-    let ids = [&cell.radiance, &cell.id, &cell.reference].map(|id| format!(".{id}."));
-    let end = |name: &str| ids.iter().find_map(|id| name.rfind(id.as_str())).map(|place| name[place..].to_owned());
-    let known = files(plan, cell).into_iter().filter_map(|name| {
-        let end = end(&name)?;
-        Some((old.clone().find(|old| old.ends_with(&end))?, name))
-    });
-    known.collect()
+    [radiance_name(&cell.point, &cell.radiance), radiance_name(&reference, &cell.reference)]
 }
 
 /// Whether a file of `images/` is whole, as far as the file itself tells.
@@ -139,7 +126,7 @@ pub(super) fn is_whole(path: &Path) -> bool {
 /// The names in `images.csv`, in the order of its columns.
 fn index_names(plan: &Plan, cell: &Cell) -> [String; 5] {
     let [radiance, reference] = linear_files(plan, cell);
-    [radiance, reference, picture_name(plan, cell), reference_picture_name(plan, cell), error_name(plan, cell)]
+    [radiance, reference, picture_name(cell), reference_picture_name(plan, cell), error_name(cell)]
 }
 
 /// Files of finished cells that are missing or not what the cells' records say, in the order of their names. Each cell comes with the

@@ -15,8 +15,6 @@ pub const PROVENANCE_FILE: &str = "provenance.json";
 pub const EXPERIMENT_FOLDER: &str = "experiment_folder";
 /// Key of the folder that paths in its overrides are relative to; null where they name no file.
 pub const SET_FOLDER: &str = "set_folder";
-/// Key of the list of extensions, the first one first; none in a run that was never extended.
-pub const EXTENSIONS: &str = "extensions";
 /// Largest one that is read, bytes: every session adds a few thousand.
 const MAX_FILE_BYTES: u64 = 1 << 28;
 
@@ -67,30 +65,18 @@ pub fn experiment_hash(text: &str) -> String {
     blake3::hash(text.as_bytes()).to_hex().to_string()
 }
 
-/// Keys of a provenance that tell of the experiment file, not of its cells.
-const OF_THE_FILE: [&str; 9] = [
-    "question",
-    "asks",
-    "metric",
-    "experiment_file",
-    "experiment_hash",
-    "overrides",
-    EXPERIMENT_FOLDER,
-    SET_FOLDER,
-    "environment_files",
-];
+/// Keys of a provenance that hold what the user typed: the same experiment may be named in another way.
+const AS_TYPED: [&str; 2] = ["experiment_file", "overrides"];
 
-/// The provenance in the folder `dir` with the text of `plan`, which has the same cells, and the folders of its files as they are now; `None`
-/// where it tells them already.
-pub(super) fn of_now(mut value: Value, plan: &Plan, dir: &Path) -> Option<Value> {
+/// The provenance `found` in the folder `dir`, rewritten for `plan` and its text, with the sessions kept; `None` if it says the same.
+pub(super) fn of_now(found: &Value, plan: &Plan, dir: &Path) -> Option<Value> {
     let mut new = provenance(plan, dir);
-    let is_same = |key: &&str| value.get(*key) == new.get(*key) || value.get(*key).is_none() && new[*key].is_null();
-    // The file may be named in another way, by another text of the command line.
-    if OF_THE_FILE.iter().filter(|key| **key != "experiment_file" && **key != "overrides").all(is_same) {
-        return None;
-    }
-    OF_THE_FILE.iter().for_each(|key| value[*key] = new[*key].take());
-    Some(value)
+    new["sessions"] = found["sessions"].clone();
+    let is_same = |(key, value): (&String, &Value)| {
+        AS_TYPED.contains(&key.as_str()) || found.get(key).unwrap_or(&Value::Null) == value
+    };
+    let is_same = new.as_object().is_some_and(|keys| keys.iter().all(is_same));
+    (!is_same).then_some(new)
 }
 
 /// The provenance of a new run in the folder `dir`; `sessions` stays empty until [`session`] is added.

@@ -202,7 +202,7 @@ impl Rendered<'_> {
                 let metrics = linear_metrics();
                 let radiance = keep(store, radiance_name, |path| images::write_radiance(path, &self.frame))?;
                 let errors = RELATIVE_ERROR.image(&comparison.relative_error_map(), mask);
-                let errors = keep(store, images::error_name(plan, cell), |path| png::write_rgb8(path, &errors))?;
+                let errors = keep(store, images::error_name(cell), |path| png::write_rgb8(path, &errors))?;
                 let scores = by_name(comparison.evaluate(&metrics));
                 *linear = Some(Linear { files: [radiance, errors], scores, bins: bins_of(&metrics)? });
             }
@@ -217,7 +217,7 @@ impl Rendered<'_> {
         bins.iter_mut().zip(of_display).for_each(|(bin, display)| bin.scores.extend(display.scores));
         let noise_floors = reference.noise_floors().map_err(CellFault::Cell)?;
         let [test, of_reference] = &self.pictures;
-        files.extend([keep(store, images::picture_name(plan, cell), |path| png::write_rgb8(path, test))?]);
+        files.extend([keep(store, images::picture_name(cell), |path| png::write_rgb8(path, test))?]);
         // Shared by cells and written once.
         files.extend([keep(store, images::reference_picture_name(plan, cell), |path| match path.exists() {
             true => Ok(()),
@@ -225,7 +225,7 @@ impl Rendered<'_> {
         })?]);
         if images::sweeps_display(plan) {
             let flip = FLIP_ERROR.image(&comparison.flip_map(), mask);
-            files.extend([keep(store, images::flip_name(plan, cell), |path| png::write_rgb8(path, &flip))?]);
+            files.extend([keep(store, images::flip_name(cell), |path| png::write_rgb8(path, &flip))?]);
         }
         let bias_variance = self.bias_variance.map(|parts| BiasVariance::NAMES.into_iter().zip(parts.values()));
         Ok(CellRecord {

@@ -171,11 +171,11 @@ enum Kind {
 }
 
 impl Kind {
-    fn file(self, plan: &Plan, cell: &Cell) -> String {
+    fn file(self, cell: &Cell) -> String {
         match self {
-            Self::Display => picture_name(plan, cell),
-            Self::Flip => flip_name(plan, cell),
-            Self::RelativeError => error_name(plan, cell),
+            Self::Display => picture_name(cell),
+            Self::Flip => flip_name(cell),
+            Self::RelativeError => error_name(cell),
         }
     }
 
@@ -334,7 +334,7 @@ impl Page<'_> {
         if let Some((cell, record)) = cells.iter().find_map(|cell| Some((*cell, self.done(cell)?))) {
             let score = kind.metric(sweeps_display(self.plan)).and_then(|metric| record.score(metric));
             let note = score.map_or_else(String::new, |score| significant(score, 3));
-            return self.picture(&kind.file(self.plan, cell), note);
+            return self.picture(&kind.file(cell), note);
         }
         Tile::Missing(match self.results.get(&first.id) {
             Some(CellResult::Failed(record)) => format!("failed: {}", record.reason),

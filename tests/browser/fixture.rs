@@ -49,7 +49,6 @@ pub fn finished_run(dir: &Path, name: &str, broken: Option<&'static str>) -> Pat
         dir: dir.join(name),
         stop: &stop,
         command_line: vec![HOSTILE.to_owned()],
-        extend: false,
         fail_fast: false,
         trace: false,
     };
@@ -76,14 +75,7 @@ pub fn run_of_text(dir: &Path, text: &str, log: Log) -> PathBuf {
     let plan = Plan::from_text(&file, text, &[]).unwrap_or_else(|error| panic!("{error}"));
     let stop = AtomicBool::new(false);
     let fail_fast = log.broken.is_none();
-    let options = RunOptions {
-        dir: dir.to_owned(),
-        stop: &stop,
-        command_line: Vec::new(),
-        extend: false,
-        fail_fast,
-        trace: false,
-    };
+    let options = RunOptions { dir: dir.to_owned(), stop: &stop, command_line: Vec::new(), fail_fast, trace: false };
     let log = Rc::new(RefCell::new(log));
     let mut make = || -> Result<Box<dyn Renderer>, RenderFault> { Ok(Box::new(Fake(log.clone()))) };
     run(&plan, &mut make, &options, &mut Quiet).unwrap_or_else(|error| panic!("{error}"));

@@ -87,7 +87,6 @@ fn bench() -> Option<Bench> {
         dir: dir.path().join("run"),
         stop: &stop,
         command_line: Vec::new(),
-        extend: false,
         fail_fast: true,
         trace: false,
     };

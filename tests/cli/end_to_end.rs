@@ -172,30 +172,25 @@ fn answers_of_a_run_under_way_are_told_and_not_written() {
 }
 
 #[test]
-fn a_run_extended_ends_like_one_of_the_larger_plan() {
+fn a_larger_sweep_goes_on_in_the_folder_of_a_smaller_one() {
     let Some(dir) = folder() else { return };
-    // Another model and more tone curves: images take other names, and maps of visible differences are due.
+    // Another model, and more tone curves: maps of visible differences are due.
     let part = ["run", "tiny.toml", "--set", "brdf=ggx", "--set", "exposure=1"];
-    assert!(splitsum(dir.path(), &part).status.success());
-    let output = splitsum(dir.path(), &["plan", "tiny.toml"]);
-    assert!(stdout(&output).contains("with --extend keeps the 6 cells that it has done"), "{}", stdout(&output));
-    assert!(stdout(&output).contains("6 done, 0 failed, 18 open"), "{}", stdout(&output));
-    let output = splitsum(dir.path(), &["run", "tiny.toml", "--extend"]);
+    ok(dir.path(), &part);
+    assert!(ok(dir.path(), &["plan", "tiny.toml"]).contains("6 done, 0 failed, 18 open"));
+    let output = splitsum(dir.path(), &["run", "tiny.toml"]);
     assert!(output.status.success(), "{}", stderr(&output));
-    assert!(stderr(&output).contains("6 of its cells are kept, 18 are new"), "{}", stderr(&output));
-    assert!(splitsum(dir.path(), &["run", "tiny.toml", "--out", "whole"]).status.success());
+    let note = "goes on from a run of another plan: 6 of 24 cells are done";
+    assert!(stderr(&output).contains(note), "{}", stderr(&output));
+    ok(dir.path(), &["run", "tiny.toml", "--out", "whole"]);
     for name in ["errors.csv", "errors_by_n_dot_v.csv", "images.csv", "tables/ggx.png", "experiment.toml"] {
-        let [extended, whole] =
-            ["runs/tiny", "whole"].map(|run| std::fs::read(dir.path().join(run).join(name)).unwrap());
-        assert!(extended == whole, "{name} differs");
+        let [grown, whole] = ["runs/tiny", "whole"].map(|run| std::fs::read(dir.path().join(run).join(name)).unwrap());
+        assert!(grown == whole, "{name} differs");
     }
     assert_eq!(entries(&dir.path().join("runs/tiny/images")), entries(&dir.path().join("whole/images")));
-    // Back is no way: cells would be lost.
-    assert_ends(
-        &splitsum(dir.path(), &[part.as_slice(), &["--extend"]].concat()),
-        2,
-        &["Of its 24 cells 18 would not be in the tables"],
-    );
+    // There is no way back: finished cells would be lost.
+    let lost = "runs/tiny: holds 18 finished cells that tiny.toml lacks: ";
+    assert_ends(&splitsum(dir.path(), &part), 2, &[lost, "brdf=phong", "choose another --out"]);
     // The experiment that the run keeps is run again from another folder, to the same bytes.
     let elsewhere = tempfile::tempdir().unwrap();
     let frozen = dir.path().join("runs/tiny/experiment.toml").display().to_string();

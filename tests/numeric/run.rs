@@ -3,9 +3,9 @@
 mod chunk;
 mod environments;
 mod estimate;
-mod extend;
 pub mod fake;
 mod frozen;
+mod grow;
 mod host;
 mod resume;
 pub mod run;

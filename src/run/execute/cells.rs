@@ -190,7 +190,7 @@ impl<'p> Run<'p> {
         renderer: &mut dyn Renderer,
         spent: &mut Spent,
     ) -> Result<ReferenceImage, CellFault> {
-        let name = images::radiance_name(self.plan, point, id);
+        let name = images::radiance_name(point, id);
         let path = self.store.image_path(&name);
         let request = self.plan.reference_request(point);
         let stop = self.store.reference(id)?;

@@ -1,7 +1,6 @@
 //! Runs a plan: renders each reference and each radiance once, scores every cell, keeps records, writes tables.
 
 mod cells;
-mod extend;
 mod outcome;
 mod session;
 mod timed;
@@ -37,8 +36,6 @@ pub struct RunOptions<'a> {
     pub stop: &'a AtomicBool,
     /// The command line, for the provenance.
     pub command_line: Vec<String>,
-    /// Where the folder holds a run of another plan of the same experiment, each of whose cells is in this one, goes on from it.
-    pub extend: bool,
     /// Ends the run at the first cell that fails, instead of going on with the others.
     pub fail_fast: bool,
     /// Writes the timed passes as a Chrome trace, `trace.json`.
@@ -71,20 +68,12 @@ pub fn run(
     progress: &mut dyn Progress,
 ) -> Result<Outcome, RunError> {
     let started = Instant::now();
-    let folder = Store::at(&options.dir);
-    let is_extended = options.extend && folder.extension(plan)?.is_some();
-    if !is_extended {
-        folder.check_identity(plan)?;
-    }
+    let is_begun = Store::at(&options.dir).check_identity(plan)?;
     // A new run leaves nothing behind when there is no device, and one that cannot be finished is not begun.
-    let is_new = is_extended || !folder.provenance_path().exists();
-    let mut renderer = if is_new { Some(opened(plan, make_renderer)?) } else { None };
-    if is_extended {
-        extend::extend(plan, options, progress)?;
-    }
+    let mut renderer = if is_begun { None } else { Some(opened(plan, make_renderer)?) };
     let store = Store::open(&options.dir, plan)?;
     let mut run = Run::load(plan, store, options)?;
-    run.freeze_again(progress)?;
+    let is_adopted = run.adopt(progress)?;
     run.forget_changed(progress)?;
     let steps_left = run.steps_left();
     progress.start(plan.cells.len() + run.jobs.len(), plan.cells.len() + run.jobs.len() - steps_left);
@@ -101,7 +90,7 @@ pub fn run(
         result?;
     }
     let has_worked = run.work.is_some();
-    run.finish(has_worked)
+    run.finish(has_worked || is_adopted)
 }
 
 /// The renderer, if it can serve every cell: a run that cannot be finished is not begun.

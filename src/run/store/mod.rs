@@ -9,7 +9,6 @@ pub use super::record::{
     BinRecord, CellRecord, Exact, FailureRecord, KeptCell, ReferenceStop, Scores, Spent, StepRecord, StopReason,
 };
 pub use fault::StoreError;
-pub use identity::Extension;
 
 use super::seal;
 use crate::experiment::plan::Plan;
@@ -59,7 +58,7 @@ impl Store {
         Self { dir: dir.to_owned(), lock: None }
     }
 
-    /// Makes the folder, or checks that the one that is there holds this experiment.
+    /// Makes the folder, or checks that the plan may run in it, and locks it.
     pub fn open(dir: &Path, plan: &Plan) -> Result<Self, StoreError> {
         let mut store = Self::at(dir);
         store.check_identity(plan)?;
@@ -70,13 +69,6 @@ impl Store {
         for folder in ["", ANSWERS_FOLDER].iter().chain(SUBFOLDERS) {
             remove_parts(&dir.join(folder))?;
         }
-        Ok(store)
-    }
-
-    /// The folder, whosever run it holds, for this process alone.
-    pub(super) fn held(dir: &Path) -> Result<Self, StoreError> {
-        let mut store = Self::at(dir);
-        store.take()?;
         Ok(store)
     }
 
@@ -181,6 +173,11 @@ impl Store {
     /// Keeps the reason of a failure.
     pub fn write_failure(&self, record: &FailureRecord) -> Result<(), StoreError> {
         self.write_sealed(&self.record_path(FAILED_FOLDER, &record.cell), record)
+    }
+
+    /// Forgets a failure.
+    pub(super) fn remove_failure(&self, id: &str) -> Result<(), StoreError> {
+        remove(self.record_path(FAILED_FOLDER, id))
     }
 
     /// Where the reference image of this id stopped, as an earlier invocation left it. A record that cannot be used is none: the reference

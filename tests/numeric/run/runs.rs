@@ -3,6 +3,7 @@
 use super::fake::{Fake, Log};
 use splitsum::experiment::Plan;
 use splitsum::report::write::Written;
+use splitsum::run::store::{CELLS_FOLDER, Store, TIMINGS_FOLDER};
 use splitsum::run::{MakeRenderer, Outcome, Progress, RenderFault, Renderer, RunError, RunOptions, run};
 use splitsum::study::finished::Finished;
 use splitsum::study::questions::answers;
@@ -113,7 +114,7 @@ impl Bench {
 /// Options of a run in `dir` that traces its timings.
 pub fn options<'a>(dir: &Path, stop: &'a AtomicBool) -> RunOptions<'a> {
     let command_line = vec!["splitsum".to_owned(), "run".to_owned(), "tiny.toml".to_owned()];
-    RunOptions { dir: dir.to_owned(), stop, command_line, extend: false, fail_fast: false, trace: true }
+    RunOptions { dir: dir.to_owned(), stop, command_line, fail_fast: false, trace: true }
 }
 
 /// Makes fakes that write to one log.
@@ -147,17 +148,37 @@ pub fn summary(dir: &Path) -> String {
     String::from_utf8(read(dir.join("summary.md"))).unwrap()
 }
 
-/// One invocation that extends the run of another plan in `dir`, and what it noted.
-pub fn extend(plan: &Plan, dir: &Path, log: &Rc<RefCell<Log>>) -> Result<Outcome, RunError> {
-    let stop = AtomicBool::new(false);
-    let options = RunOptions { extend: true, ..options(dir, &stop) };
-    answered(run(plan, &mut fakes(log) as &mut MakeRenderer, &options, &mut Silent))
-}
-
 /// A finished run in `dir`.
 pub fn finished(plan: &Plan, dir: &Path) -> PathBuf {
     invoke(plan, dir, &log(), usize::MAX).unwrap_or_else(|error| panic!("{error}"));
     dir.to_owned()
+}
+
+/// Checks that a folder holds what a run of the plan from nothing leaves: the same tables, images and records. Times differ, and so does
+/// what says which invocations there were.
+pub fn assert_like_whole(dir: &Path, plan: &Plan) {
+    let whole = tempfile::tempdir().unwrap();
+    finished(plan, whole.path());
+    let is_alike = |name: &String| {
+        let differs =
+            ["provenance.json", "summary.md", "trace.json", ".lock", "cells/", "timings", "timing_", "answers/"];
+        !differs.iter().any(|start| name.starts_with(start))
+    };
+    let left = |dir: &Path| contents(dir).into_iter().filter(|(name, _)| is_alike(name)).collect::<BTreeMap<_, _>>();
+    let (found, due) = (left(dir), left(whole.path()));
+    assert_eq!(found.keys().collect::<Vec<_>>(), due.keys().collect::<Vec<_>>());
+    for (name, bytes) in &due {
+        assert!(found[name] == *bytes, "{name} differs");
+    }
+    let ids = |dir: &Path| [CELLS_FOLDER, TIMINGS_FOLDER].map(|folder| Store::at(dir).ids(folder));
+    assert_eq!(ids(dir), ids(whole.path()));
+    for cell in &plan.cells {
+        let record = |dir: &Path| Store::at(dir).whole_cell(&cell.id).unwrap().expect("a record");
+        let [mut found, due] = [record(dir), record(whole.path())];
+        (found.spent, found.device) = (due.spent.clone(), due.device.clone());
+        // A tone curve more gives every cell a file more.
+        assert_eq!(found, due);
+    }
 }
 
 /// The bytes of a file.

@@ -1,0 +1,197 @@
+//! Larger plans that go on in the folder of a smaller run.
+
+use super::run::EXPERIMENT;
+use super::runs::{
+    Bench, assert_like_whole, contents, fakes, finished, invoke, log, options, plan, read, snapshot, written,
+};
+use splitsum::report::publish::publish;
+use splitsum::run::store::Store;
+use splitsum::run::{MakeRenderer, Progress, RunError, run, timing};
+use std::collections::BTreeMap;
+use std::path::Path;
+use std::sync::atomic::AtomicBool;
+
+#[test]
+fn a_larger_plan_keeps_finished_cells_and_ends_like_a_run_from_nothing() {
+    let whole = plan(EXPERIMENT);
+    // More values of an axis that is swept; an axis that begins to be swept; tone curves, for which every cell needs another map.
+    let parts = [
+        ("[1, 4, 16]", "[4, 16]", 4, 0),
+        ("[\"ggx\", \"phong\"]", "[\"phong\"]", 8, 2),
+        ("[0.1, 0.5]", "[0.5]", 8, 2),
+        ("[1, 10]", "[10]", 16, 0),
+    ];
+    for (all, few, images, references) in parts {
+        let part = plan(&EXPERIMENT.replace(all, few));
+        let dir = tempfile::tempdir().unwrap();
+        finished(&part, dir.path());
+        let log = log();
+        let outcome = invoke(&whole, dir.path(), &log, usize::MAX).unwrap();
+        assert!(outcome.failures.is_empty() && !outcome.is_stopped);
+        let (of_references, of_images): (Vec<_>, Vec<_>) =
+            log.borrow().renders.iter().cloned().partition(|(method, _)| method == "reference");
+        assert_eq!((of_images.len(), of_references.len()), (images, references), "{few}");
+        assert_like_whole(dir.path(), &whole);
+        let provenance: serde_json::Value = serde_json::from_slice(&read(dir.path().join("provenance.json"))).unwrap();
+        let plans: Vec<&str> =
+            provenance["sessions"].as_array().unwrap().iter().map(|s| s["plan_hash"].as_str().unwrap()).collect();
+        assert_eq!(
+            (plans, &provenance["plan_hash"]),
+            (vec![&*part.hash, &whole.hash], &(&*whole.hash).into()),
+            "{few}"
+        );
+        // From then on it is a run like any other.
+        let before = contents(dir.path());
+        invoke(&whole, dir.path(), &super::runs::log(), usize::MAX).unwrap();
+        assert!(contents(dir.path()) == before, "{few}");
+    }
+}
+
+/// Not one byte changes when a plan is refused.
+#[test]
+fn a_plan_that_lacks_finished_work_is_refused() {
+    let timed = format!("{EXPERIMENT}[timing]\nwarmup = 1\nrounds = 6\n");
+    let dir = tempfile::tempdir().unwrap();
+    finished(&plan(&timed), dir.path());
+    let refused = |text: &str, words: &[&str]| {
+        let before = snapshot(dir.path());
+        let RunError::Store(fault) = invoke(&plan(text), dir.path(), &log(), usize::MAX).unwrap_err() else {
+            panic!("no fault of the folder")
+        };
+        assert!(fault.is_misuse(), "{fault}");
+        for part in words {
+            assert!(fault.to_string().contains(part), "no {part:?} in {fault}");
+        }
+        assert_eq!(fault.to_string().lines().count(), 1, "{fault}");
+        assert_eq!(before, snapshot(dir.path()));
+    };
+    let other_alpha = timed.replace("[0.1, 0.5]", "[0.1, 0.25]");
+    refused(
+        &other_alpha,
+        &["holds 16 finished cells that tiny.toml lacks: ", "alpha=0.5", "; 13 more; choose another --out"],
+    );
+    // Another seed, shader or input makes other cells throughout.
+    refused(&format!("seed = 2\n{timed}"), &["holds 32 finished cells", "(seed is 1 there and 2 here)"]);
+    refused(&timed.replace("samples = 64", "samples = 96"), &["32 finished cells", "(reference is ", "96"]);
+    refused(EXPERIMENT, &["holds 12 timed configurations that tiny.toml lacks, which has another [timing] or none"]);
+    refused(&timed.replace("rounds = 6", "rounds = 7"), &["holds 12 timed configurations"]);
+
+    let path = dir.path().join("provenance.json");
+    let whole: serde_json::Value = serde_json::from_slice(&read(&path)).unwrap();
+    let with = |pointer: &str, value: serde_json::Value| {
+        let mut changed = whole.clone();
+        *changed.pointer_mut(pointer).unwrap() = value;
+        std::fs::write(&path, changed.to_string()).unwrap();
+    };
+    with("/metrics/1/version", 99.into());
+    let metric = whole["metrics"][1]["name"].as_str().unwrap();
+    refused(&timed, &[&format!("another version of the metric {metric}")]);
+    with("/shader_hash", "0".into());
+    refused(&other_alpha, &["(they were rendered by other shaders)"]);
+    with("/inputs/builtin:constant", "0".into());
+    refused(&other_alpha, &["(builtin:constant has changed since)"]);
+
+    // A published folder has tables without records.
+    with("/name", whole["name"].clone());
+    written(dir.path()).write().unwrap();
+    let results = tempfile::tempdir().unwrap();
+    publish(dir.path(), results.path(), false).unwrap();
+    let published = results.path().join("tiny");
+    let error = invoke(&plan(&other_alpha), &published, &log(), usize::MAX).unwrap_err().to_string();
+    assert!(error.contains("holds 16 finished cells"), "{error}");
+}
+
+/// A cell that failed is not finished: a plan without it forgets it.
+#[test]
+fn failures_of_cells_that_a_plan_lacks_are_forgotten() {
+    let (bench, broken) = (Bench::new(EXPERIMENT), log());
+    broken.borrow_mut().broken_method = Some("split-sum");
+    assert_eq!(bench.invoke(&broken, usize::MAX).unwrap().failures.len(), 8);
+    let sampled = plan(&EXPERIMENT.replace("[\"sampled\", \"split-sum\"]", "[\"sampled\"]"));
+    let log = log();
+    invoke(&sampled, bench.dir.path(), &log, usize::MAX).unwrap();
+    assert!(log.borrow().renders.is_empty());
+    assert_like_whole(bench.dir.path(), &sampled);
+}
+
+#[test]
+fn a_larger_plan_that_was_cut_off_goes_on() {
+    let (part, whole) = (plan(&EXPERIMENT.replace("[\"ggx\", \"phong\"]", "[\"ggx\"]")), plan(EXPERIMENT));
+    for renders in 0..10 {
+        let dir = tempfile::tempdir().unwrap();
+        finished(&part, dir.path());
+        let cut = log();
+        cut.borrow_mut().renders_left = Some(renders);
+        assert!(matches!(invoke(&whole, dir.path(), &cut, usize::MAX), Err(RunError::DeviceLost(_))));
+        let again = log();
+        invoke(&whole, dir.path(), &again, usize::MAX).unwrap();
+        // One model with its two references; an image of which only some cells were scored is rendered again.
+        assert!(again.borrow().renders.len() <= 10 - renders + 2, "{renders}: {:?}", again.borrow().renders);
+        assert_like_whole(dir.path(), &whole);
+    }
+}
+
+#[test]
+fn a_block_with_a_new_member_is_timed_again_and_others_stay() {
+    let text = |samples: &str, brdfs: &str| {
+        let text = EXPERIMENT.replace("[1, 4, 16]", samples).replace("[\"ggx\", \"phong\"]", brdfs);
+        plan(&format!("{text}[timing]\nwarmup = 1\nrounds = 6\n"))
+    };
+    let (part, more, models) =
+        (text("[4, 16]", "[\"ggx\"]"), text("[1, 4, 16]", "[\"ggx\"]"), text("[1, 4, 16]", "[\"ggx\", \"phong\"]"));
+    let dir = tempfile::tempdir().unwrap();
+    finished(&part, dir.path());
+    let of = |id: &str| read(dir.path().join(format!("timings/{id}.json")));
+    let old: BTreeMap<String, Vec<u8>> =
+        timing::jobs(&part).into_iter().map(|job| (job.id.clone(), of(&job.id))).collect();
+    finished(&more, dir.path());
+    let frames = |plan: &splitsum::experiment::Plan| {
+        timing::jobs(plan).into_iter().filter(|job| job.phase == timing::FRAME).map(|job| job.id).collect::<Vec<_>>()
+    };
+    // Sampled 1, 4, 16 and split-sum of one model are one block.
+    assert_eq!(frames(&more).len(), 4);
+    for (id, record) in &old {
+        assert_eq!(frames(&part).contains(id), of(id) != *record, "{id}");
+    }
+    // Another model is another block.
+    let old: Vec<(String, Vec<u8>)> = frames(&more).into_iter().map(|id| (id.clone(), of(&id))).collect();
+    finished(&models, dir.path());
+    assert!(old.iter().all(|(id, record)| of(id) == *record));
+}
+
+/// Looks, when the first record of a block is written, for old ones of the same block.
+struct FirstRecord<'a> {
+    dir: &'a Path,
+    block: &'a [String],
+    seen: Vec<String>,
+}
+
+impl Progress for FirstRecord<'_> {
+    fn start(&mut self, _: usize, _: usize) {}
+
+    fn step(&mut self, label: &str, _: Option<&str>) {
+        if label.starts_with("timing") && self.seen.is_empty() {
+            let path = |id: &String| self.dir.join(format!("timings/{id}.json"));
+            self.seen = self.block.iter().filter(|id| path(id).exists()).cloned().collect();
+        }
+    }
+
+    fn note(&mut self, _: &str) {}
+}
+
+/// Records of a block are of the same rounds, wherever a run is killed: all old ones are removed before the first new one is written.
+#[test]
+fn a_block_never_mixes_rounds() {
+    let bench = Bench::finished(&format!("{EXPERIMENT}[timing]\nwarmup = 1\nrounds = 6\n"));
+    let (dir, plan) = (bench.dir.path(), &bench.plan);
+    let jobs = timing::jobs(plan);
+    let of_last = jobs.iter().filter(|job| job.block == jobs.last().unwrap().block);
+    let block: Vec<String> = of_last.map(|job| job.id.clone()).collect();
+    assert_eq!(block.len(), 4);
+    std::fs::remove_file(dir.join(format!("timings/{}.json", block[1]))).unwrap();
+    let stop = AtomicBool::new(false);
+    let mut progress = FirstRecord { dir, block: &block, seen: Vec::new() };
+    run(plan, &mut fakes(&log()) as &mut MakeRenderer, &options(dir, &stop), &mut progress).unwrap();
+    assert_eq!(progress.seen, block[..1]);
+    assert!(block.iter().all(|id| Store::at(dir).has_timing(id)));
+}
