@@ -1,9 +1,11 @@
 #!/bin/sh
-# Checks the subjects of the commits after BASE: `area: imperative`, at most 72 characters. CONTRIBUTING.md has the rule.
+# Checks the subjects of the commits after BASE: `area: imperative`, at most 72 characters. CONTRIBUTING.md has the
+# rule.
 #
 #     sh scripts/check-commits.sh [BASE]
 #
-# Skips with one line and exit status 77 without git or without the history since BASE (an unpacked archive, a shallow clone).
+# Skips with one line and exit status 77 without git or without the history since BASE (an unpacked archive, a shallow
+# clone).
 set -eu
 cd "$(dirname "$0")/.."
 . scripts/setup.sh

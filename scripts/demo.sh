@@ -1,6 +1,6 @@
 #!/bin/sh
-# Installs what is missing, builds splitsum and runs experiments/quick.toml. Run it again at any time: it installs nothing twice,
-# and the run resumes where it stopped.
+# Installs what is missing, builds splitsum and runs experiments/quick.toml. Run it again at any time: it installs
+# nothing twice, and the run resumes where it stopped.
 set -eu
 cd "$(dirname "$0")/.."
 . scripts/setup.sh

@@ -1,9 +1,9 @@
 # shellcheck shell=sh
 # Sourced by the other scripts: finds what a build and a Vulkan device need, and installs only what is missing.
 #
-# POSIX sh. Packages come from apt-get, as root or through sudo. Without apt-get a message lists the packages to install by hand.
-# Functions that set variables are subshells, `name() (...)`, so that none of their variables reaches the caller. Only require_rust
-# changes the caller: it extends PATH.
+# POSIX sh. Packages come from apt-get, as root or through sudo. Without apt-get a message lists the packages to install
+# by hand. Functions that set variables are subshells, `name() (...)`, so that none of their variables reaches the
+# caller. Only require_rust changes the caller: it extends PATH.
 
 say() {
     printf '%s\n' "splitsum: $*"

@@ -1,6 +1,7 @@
 #!/bin/sh
-# Tests test.sh, demo.sh, setup.sh and check-commits.sh with stubs of cargo, apt-get and every other tool. Each part is made to fail once, on a
-# bare machine and on a full one, for a plain user and with CI set: the last line and the exit status must be right each time.
+# Tests the scripts of README, CI and setup with stubs of cargo, apt-get and every other tool. Each part is
+# made to fail once, on a bare machine and on a full one, for a plain user and with CI set: the last line and the exit
+# status must be right each time.
 set -eu
 cd "$(dirname "$0")/.."
 . scripts/setup.sh
@@ -13,7 +14,8 @@ trap 'exit 143' TERM
 # What the caller's environment must not change.
 unset CI CXX CARGO_HOME VK_ICD_FILENAMES LD_LIBRARY_PATH SPLITSUM_SECOND_DRIVER
 
-# Every tool is this stub under another name. It logs its call and ends as $FAIL_WITH says if the call matches a pattern of $FAIL.
+# Every tool is this stub under another name. It logs its call and ends as $FAIL_WITH says if the call matches a pattern
+# of $FAIL.
 cat >"$WORK/stub" <<'STUB'
 #!/bin/sh
 call="${0##*/}${*:+ $*}"
@@ -58,7 +60,7 @@ case $call in
                 vulkan-validationlayers) bring VkLayer_khronos_validation.json ;;
                 xvfb) bring bin/Xvfb ;;
                 nodejs) bring bin/node ;;
-                chromium | xdotool | openbox | npm) bring "bin/$package" ;;
+                chromium | xdotool | openbox | npm | debootstrap) bring "bin/$package" ;;
             esac
         done
         ;;
@@ -80,20 +82,22 @@ esac
 STUB
 chmod +x "$WORK/stub"
 
-# Makes a machine: a folder with the repository and a PATH of its own, which has Rust, and on a full machine everything else.
+# Makes a machine: a folder with the repository and a PATH of its own, which has Rust, and on a full machine everything
+# else.
 box() { # name, machine
     mkdir -p "$1/bin" "$1/scripts" "$1/src/study/questions" "$1/target/release" "$1/tmp" "$1/.cargo"
     for tool in cat cut date dirname env grep ln ls mkdir mktemp nice paste rm sed sh sort tr wc; do
         ln -s "$(command -v "$tool")" "$1/bin/$tool"
     done
-    cp "$scripts/test.sh" "$scripts/demo.sh" "$scripts/setup.sh" "$1/scripts/"
-    files="bin/apt-get bin/sudo bin/id bin/ldconfig bin/cargo bin/rustfmt scripts/test-scripts.sh scripts/check-commits.sh
-        scripts/check-page.sh scripts/check-clients.sh scripts/cluster-test.sh scripts/second-driver.sh target/release/splitsum
+    cp "$scripts/test.sh" "$scripts/demo.sh" "$scripts/bare.sh" "$scripts/setup.sh" "$1/scripts/"
+    files="bin/apt-get bin/sudo bin/id bin/ldconfig bin/cargo bin/rustfmt target/release/splitsum
+        scripts/test-scripts.sh scripts/check-commits.sh scripts/check-page.sh scripts/check-clients.sh
+        scripts/cluster-test.sh scripts/second-driver.sh
         target/lib target/main target/browser target/cli target/device target/numeric target/view"
     if [ "$2" = full ]; then
         mkdir -p "$1/.cargo/advisory-dbs/db/.git"
-        files="$files bin/c++ bin/cc libvulkan.so.1 driver.json VkLayer_khronos_validation.json bin/chromium bin/Xvfb bin/xdotool
-            bin/openbox bin/node bin/npm bin/shellcheck"
+        files="$files bin/c++ bin/cc libvulkan.so.1 driver.json VkLayer_khronos_validation.json
+            bin/chromium bin/Xvfb bin/xdotool bin/openbox bin/node bin/npm bin/shellcheck"
     fi
     for file in $files; do
         ln -s "$WORK/stub" "$1/$file"
@@ -110,7 +114,8 @@ runs_as() { # machine, user or ci, what fails, how, script, expected status, exp
     (
         cd "$box"
         export BOX="$box" PATH="$box/bin" HOME="$box" TMPDIR="$box/tmp" FAIL="$3" FAIL_WITH="$4" USER_ID=1000
-        export VK_DRIVER_FILES="$box/driver.json${DRIVER:+:$box/$DRIVER}" VK_LAYER_PATH="$box" XDG_DATA_HOME="$box" XDG_DATA_DIRS="$box"
+        export VK_DRIVER_FILES="$box/driver.json${DRIVER:+:$box/$DRIVER}" VK_LAYER_PATH="$box"
+        export XDG_DATA_HOME="$box" XDG_DATA_DIRS="$box"
         if [ "$2" = ci ]; then
             export CI=true USER_ID=0
         fi
@@ -250,6 +255,14 @@ demo() {
     runs_as full ci "cargo run*devices" 1 demo.sh 1 "  Vulkan 1.3 is needed: Mesa 22.3 or newer. Unset VK_DRIVER_FILES and VK_ICD_FILENAMES if they name another driver."
 }
 
+# Where the bare root cannot be made.
+bare() {
+    box=$WORK/root
+    runs_as full user nothing 0 bare.sh 77 "skipped: the bare root (it needs root)"
+    runs_as full ci "apt-get install*" 100 bare.sh 1 "apt-get could not install: debootstrap"
+    runs_as full ci nothing 0 bare.sh 77 "skipped: the bare root (this machine forbids mount and process namespaces)"
+}
+
 # No function of setup.sh changes a variable of its caller.
 variables() (
     box=$WORK/variables
@@ -276,8 +289,8 @@ cmp before after || { diff before after; exit 1; }
 SCRIPT
     ln -s "$(command -v cmp)" "$(command -v diff)" "$box/bin/"
     cd "$box"
-    BOX=$box PATH=$box/bin HOME=$box FAIL='' FAIL_WITH=0 USER_ID=1000 VK_DRIVER_FILES=$box/driver.json VK_LAYER_PATH=$box \
-        sh ./script >"$box/output" 2>&1 </dev/null || complain "changed by a function"
+    BOX=$box PATH=$box/bin HOME=$box FAIL='' FAIL_WITH=0 USER_ID=1000 \
+        VK_DRIVER_FILES=$box/driver.json VK_LAYER_PATH=$box sh ./script >"$box/output" 2>&1 </dev/null || complain "changed by a function"
     has_output "but absent is still missing"
 )
 
@@ -296,7 +309,8 @@ commits() (
     base=40b0298
     says 77 "skipped: commit subjects (the history since 40b0298 is not here)"
     has_command git || exit 0
-    export GIT_CONFIG_GLOBAL=/dev/null GIT_CONFIG_SYSTEM=/dev/null GIT_AUTHOR_NAME=a GIT_AUTHOR_EMAIL=a@b GIT_COMMITTER_NAME=a GIT_COMMITTER_EMAIL=a@b
+    export GIT_CONFIG_GLOBAL=/dev/null GIT_CONFIG_SYSTEM=/dev/null
+    export GIT_AUTHOR_NAME=a GIT_AUTHOR_EMAIL=a@b GIT_COMMITTER_NAME=a GIT_COMMITTER_EMAIL=a@b
     commit() {
         git commit -q --allow-empty -m "$1"
     }
@@ -316,7 +330,7 @@ commits() (
 
 # Two at a time.
 parts user >"$WORK/user.log" 2>&1 &
-(parts ci && passes && demo && variables && commits) >"$WORK/ci.log" 2>&1 || : >"$WORK/wrong"
+(parts ci && passes && demo && bare && variables && commits) >"$WORK/ci.log" 2>&1 || : >"$WORK/wrong"
 wait $! || : >"$WORK/wrong"
 cat "$WORK/user.log" "$WORK/ci.log"
 [ ! -e "$WORK/wrong" ]

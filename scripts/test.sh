@@ -1,8 +1,8 @@
 #!/bin/sh
 # Installs what is missing, then checks formatting, lints and runs every test; docs/testing.md has the parts.
 #
-# A part that fails does not keep the next one from running. The last line says PASSED, or FAILED and which parts failed.
-# With CI set, the parts that a plain user is spared run too: they install more, or fetch from npm and PyPI.
+# A part that fails does not keep the next one from running. The last line says PASSED, or FAILED and which parts
+# failed. With CI set, the parts that a plain user is spared run too: they install more, or fetch from npm and PyPI.
 set -eu
 cd "$(dirname "$0")/.."
 . scripts/setup.sh
@@ -147,7 +147,8 @@ check scripts/check-commits.sh sh scripts/check-commits.sh
 need setup setup
 check_with "cargo fmt" "rustup component add rustfmt" "cargo fmt" cargo fmt --check
 # cargo fmt does not see files that a macro declares.
-check_with rustfmt "rustup component add rustfmt" "rustfmt of the questions" rustfmt --check --edition 2024 src/study/questions/*.rs
+check_with rustfmt "rustup component add rustfmt" "rustfmt of the questions" \
+    rustfmt --check --edition 2024 src/study/questions/*.rs
 need "the build" build
 built=$(date +%s)
 need "Vulkan devices" require_device cargo run --release --locked --quiet --features view --
@@ -160,9 +161,11 @@ begin numeric 19
 check_with "cargo clippy" "rustup component add clippy" "cargo clippy" \
     cargo clippy --release --locked --all-targets --features view -- -D warnings
 # Offline: advisories are as old as the last `cargo deny fetch`.
-check_with "cargo deny" "cargo install cargo-deny" "cargo deny" cargo deny --offline --locked check licenses bans sources
+check_with "cargo deny" "cargo install cargo-deny" "cargo deny" \
+    cargo deny --offline --locked check licenses bans sources
 if ls -d "${CARGO_HOME:-$HOME/.cargo}"/advisory-dbs/*/.git >/dev/null 2>&1; then
-    check_with "cargo deny" "cargo install cargo-deny" "cargo deny advisories" cargo deny --offline --locked check advisories
+    check_with "cargo deny" "cargo install cargo-deny" "cargo deny advisories" \
+        cargo deny --offline --locked check advisories
 else
     note "skipped cargo deny advisories (the data base is missing: cargo deny fetch)"
 fi
@@ -180,7 +183,8 @@ provide "the tests of the window" Xvfb xdotool openbox
 # Without a browser or a display tests skip; here they must not.
 [ -z "${CI:-}" ] || export SPLITSUM_REQUIRE_BROWSER=1 SPLITSUM_REQUIRE_WINDOW=1
 
-# Test binaries run without cargo, so that their signals show. Those of the browser and of the device keep one core busy each.
+# Test binaries run without cargo, so that their signals show. Those of the browser and of the device keep one core busy
+# each.
 while read -r name path; do
     case $name in
         browser | numeric) ;;
