@@ -119,15 +119,19 @@ pub mod spelling;
 
 pub mod brdf;
 pub mod environment;
+#[cfg(feature = "gpu")]
 pub mod scene;
 
+#[cfg(feature = "gpu")]
 pub mod gpu;
 
+#[cfg(feature = "gpu")]
 pub mod gbuffer;
 pub mod precompute;
 pub mod shade;
 pub mod tonemap;
 
+#[cfg(feature = "cli")]
 pub mod figure;
 pub mod metrics;
 pub mod table;
@@ -135,17 +139,24 @@ pub mod table;
 pub mod ladder;
 
 pub mod bakes;
+#[cfg(feature = "cli")]
 pub mod cost;
 
 pub mod oracle;
+#[cfg(feature = "gpu")]
 pub mod pipeline;
+#[cfg(feature = "cli")]
 pub mod slips;
 
+#[cfg(feature = "cli")]
 pub mod experiment;
+#[cfg(feature = "cli")]
 pub mod run;
 
+#[cfg(feature = "cli")]
 pub mod study;
 
+#[cfg(feature = "cli")]
 pub mod report;
 #[cfg(feature = "view")]
 pub mod view;

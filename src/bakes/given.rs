@@ -4,7 +4,7 @@ use super::convention::{Convention, PRESETS, preset_by_name};
 use super::source::{Reading, read};
 use crate::brdf::MODELS;
 use crate::environment::layout::{LAYOUTS, MapLayout};
-use crate::glsl::source::FILE_PREFIX;
+use crate::glsl::constants::FILE_PREFIX;
 use crate::pixels::RgbImage;
 use crate::precompute::prefilter::{LEVEL_MAPPINGS, LevelMapping};
 use crate::spelling::suggestion;

@@ -185,6 +185,10 @@ impl Making<'_> {
     pub fn check(&self) -> Result<(), String> {
         let product = &self.preset.product;
         let engine = product.engine;
+        let is_exr = |name: &&str| name.ends_with(".exr") || container(name).is_none() && !name.ends_with(".png");
+        if !exr::IS_BUILT && [product.specular].iter().chain(product.tables).any(is_exr) {
+            return Err(format!("--for {engine} writes OpenEXR, which this build leaves out; add the feature exr"));
+        }
         let most = self.side.max(1).ilog2() + 1;
         if !self.side.is_power_of_two() || self.side < 8 || 8 * u64::from(self.side).pow(2) > TEXELS_MAX {
             return Err(format!("faces of {} texels: --for {engine} writes powers of 2 from 8 to 1024", self.side));

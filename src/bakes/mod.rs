@@ -8,6 +8,7 @@ pub mod container;
 pub mod convention;
 pub mod given;
 pub mod make;
+#[cfg(feature = "cli")]
 pub mod page;
 mod parts;
 pub mod product;

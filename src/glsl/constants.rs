@@ -1,5 +1,8 @@
 //! Every number that Rust and GLSL share. The build script writes `generated/constants.glsl` from [`ALL`].
 
+/// Prefix of the name of a shader in a file of the user's; other names are paths below `shaders/`.
+pub const FILE_PREFIX: &str = "file:";
+
 /// A shared number as GLSL text needs it.
 #[derive(Clone, Copy, Debug)]
 pub enum Value {

@@ -14,6 +14,7 @@
 //!
 //! A permutation is named `<entry>[:<candidate>]...`, candidates in the order in which their includes are met, stems with `-` for `_`.
 
+use super::constants::FILE_PREFIX;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
 use std::path::Path;
@@ -26,9 +27,6 @@ const SELECTIONS: [(&str, &str); 5] = [
     ("selected/lobe.glsl", "shade/lobe"),
     ("selected/map_layout.glsl", "map_layout"),
 ];
-
-/// What a path begins with that is no path below `shaders/`.
-pub const FILE_PREFIX: &str = "file:";
 
 /// The include that stands for the specular method.
 pub const METHOD_INCLUDE: &str = "selected/method.glsl";

@@ -3,6 +3,7 @@
 use super::device::{Memory, Shared, lock};
 use super::sync::State;
 use super::{Gpu, GpuError, Wrap};
+use crate::pixels::half;
 use crate::pixels::lookup::Edge;
 use ash::vk;
 use gpu_allocator::MemoryLocation;
@@ -221,7 +222,7 @@ impl Gpu {
             let halves: Vec<[u16; 4]>;
             let bytes = match image.inner.format {
                 Format::Rgba16Float => {
-                    halves = texels.iter().map(|texel| texel.map(|x| half::f16::from_f32(x).to_bits())).collect();
+                    halves = texels.iter().map(|texel| texel.map(|x| half::to_bits(x))).collect();
                     bytemuck::cast_slice(&halves)
                 }
                 _ => bytemuck::cast_slice(texels),
@@ -247,7 +248,7 @@ impl Gpu {
         recorder.submit()?;
         if is_half {
             let bits: Vec<[u16; 4]> = staging.host_copy();
-            return Ok(bits.iter().map(|texel| texel.map(|bits| half::f16::from_bits(bits).to_f32())).collect());
+            return Ok(bits.iter().map(|texel| texel.map(|bits| half::from_bits(bits))).collect());
         }
         Ok(staging.host_copy())
     }

@@ -10,7 +10,7 @@ use std::sync::{LazyLock, PoisonError, RwLock};
 
 include!(concat!(env!("OUT_DIR"), "/shaders.rs"));
 
-/// SPIR-V words of the permutation `name` (see `shaders/build.rs`).
+/// SPIR-V words of the permutation `name` (see `shaders/compile.rs`).
 pub(super) fn spirv(name: &str) -> Result<Vec<u32>, GpuError> {
     let code = code_of(name).ok_or_else(|| GpuError::NoShader(name.into()))?;
     Ok(bytemuck::pod_collect_to_vec(code))

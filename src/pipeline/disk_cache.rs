@@ -35,7 +35,7 @@ pub(super) enum Code<'a> {
     /// This program, all of it.
     Program,
     /// These shaders, by their SPIR-V, and the host's code around them: the build script hashes every source file but those that
-    /// no device result hangs on (`HOST_EXCLUDED` in `shaders/build.rs`), and the versions of all crates. So the distribution of an
+    /// no device result hangs on (`HOST_EXCLUDED` in `shaders/compile.rs`), and the versions of all crates. So the distribution of an
     /// environment, the scrambles, the rule that stops a reference and the parameters of its passes count without a version to keep.
     Shaders(&'a [String]),
 }

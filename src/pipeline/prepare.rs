@@ -370,7 +370,7 @@ impl Resources {
         let made = maker.table(
             &mut self.lobe_shapes,
             &key,
-            || lobe_shape::table(gpu).map(Levels::all),
+            || lobe_shape::pass::table(gpu).map(Levels::all),
             |table| {
                 gpu.write_image(&table.image, 0, &lobe_shape::texels(inputs.kernel, inputs.masking))?;
                 Ok(Report::default())

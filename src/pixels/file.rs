@@ -5,14 +5,13 @@ use crate::spelling::printable;
 use std::fs::File;
 use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Most texels of an environment, read or made (8192 x 4096): with [`ENVIRONMENT_TEXEL_BYTES`] they stay below 2 GiB.
 pub(crate) const ENVIRONMENT_TEXELS_MAX: u64 = 1 << 25;
 /// Bytes that a texel of an environment takes at most: 12 as radiance, as many again in f32 for the exact integrals, up to 34 for the
 /// quadtree of those; or 12, 16 on the way to the device and, where that is this machine, 22 there.
 const ENVIRONMENT_TEXEL_BYTES: u64 = 58;
-/// Most pixels of a linear image that is read and is no environment: a frame (4096 x 4096).
-pub(super) const FRAME_TEXELS_MAX: u64 = 1 << 24;
 /// Most pixels of a picture of 8-bit values that is read, such as a contact sheet (8192 x 8192).
 pub(super) const PICTURE_TEXELS_MAX: u64 = 1 << 26;
 /// Bytes that a texel takes while it is decoded: planes of red, green, blue and alpha, and the image.
@@ -104,7 +103,7 @@ pub(super) fn filled<T: Clone>(count: usize, value: T) -> Result<Vec<T>, Fault> 
 }
 
 /// What the names of unfinished files begin with; they end in `.part`.
-pub(crate) const PART_PREFIX: &str = ".splitsum-";
+pub const PART_PREFIX: &str = ".splitsum-";
 
 /// Writes through `fill` into a temporary file beside `path`, then renames it: `path` holds the old or the whole new content,
 /// never a part, and nothing is left behind on failure.
@@ -115,15 +114,16 @@ pub(crate) fn write_atomically(
     Staged::filled(path, fill)?.put()
 }
 
-/// A file written beside the one that it will replace: until [`Staged::put`] the old one stands, and where this is dropped nothing is left.
-pub(crate) struct Staged {
+/// A file beside the one that it will replace. Until [`Staged::put`] the old file stays; a value that is dropped leaves nothing.
+pub struct Staged {
     path: PathBuf,
-    temporary: tempfile::NamedTempFile,
+    /// `None` once it is in its place.
+    part: Option<PathBuf>,
 }
 
 impl Staged {
     /// Writes `bytes`, for the file at `path`.
-    pub(crate) fn new(path: &Path, bytes: &[u8]) -> Result<Self, PixelsError> {
+    pub fn new(path: &Path, bytes: &[u8]) -> Result<Self, PixelsError> {
         Self::filled(path, |writer| writer.write_all(bytes))
     }
 
@@ -131,26 +131,44 @@ impl Staged {
         path: &Path,
         fill: impl FnOnce(&mut BufWriter<&mut File>) -> std::io::Result<()>,
     ) -> Result<Self, PixelsError> {
-        let target = target_of(path)?;
-        let path = target.as_path();
-        let io = |error| write_fault(path, error);
-        let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-        let mut builder = tempfile::Builder::new();
-        builder.prefix(PART_PREFIX).suffix(".part");
-        // The default of temporary files is private to the user; the result should get the rights of any new file.
-        #[cfg(unix)]
-        builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-        let mut temporary = builder.tempfile_in(folder).map_err(io)?;
-        let mut writer = BufWriter::new(temporary.as_file_mut());
+        let path = target_of(path)?;
+        let io = |error| write_fault(&path, error);
+        let (mut file, part) = new_part(path.parent().unwrap_or(Path::new(""))).map_err(io)?;
+        let staged = Self { path: path.clone(), part: Some(part) };
+        let mut writer = BufWriter::new(&mut file);
         fill(&mut writer).and_then(|()| writer.flush()).map_err(io)?;
-        drop(writer);
-        Ok(Self { path: path.to_owned(), temporary })
+        Ok(staged)
     }
 
     /// Replaces the file, in one step.
-    pub(crate) fn put(self) -> Result<(), PixelsError> {
-        self.temporary.persist(&self.path).map_err(|error| write_fault(&self.path, error.error))?;
+    pub fn put(mut self) -> Result<(), PixelsError> {
+        let Some(part) = &self.part else { return Ok(()) };
+        std::fs::rename(part, &self.path).map_err(|error| write_fault(&self.path, error))?;
+        self.part = None;
         Ok(())
+    }
+}
+
+impl Drop for Staged {
+    fn drop(&mut self) {
+        if let Some(part) = &self.part {
+            // An error leaves nothing to do: the folder may be gone.
+            let _ = std::fs::remove_file(part);
+        }
+    }
+}
+
+/// Makes a file of a name that no other process and no other thread has.
+fn new_part(folder: &Path) -> std::io::Result<(File, PathBuf)> {
+    static COUNT: AtomicU64 = AtomicU64::new(0);
+    loop {
+        let count = COUNT.fetch_add(1, Ordering::Relaxed);
+        let path = folder.join(format!("{PART_PREFIX}{}-{count}.part", std::process::id()));
+        match File::create_new(&path) {
+            // Another machine may write to the same folder, by the same numbers.
+            Err(error) if error.kind() == std::io::ErrorKind::AlreadyExists => {}
+            result => return result.map(|file| (file, path)),
+        }
     }
 }
 

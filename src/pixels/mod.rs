@@ -3,16 +3,22 @@
 //! Readers take hostile bytes: they never panic, and allocate only what the size of the file makes plausible.
 //! Writers replace the target in one step, or leave it as it was.
 
+#[cfg(feature = "exr")]
+pub mod exr;
+#[cfg(not(feature = "exr"))]
+#[path = "exr_absent.rs"]
 pub mod exr;
 mod file;
+pub mod half;
 pub mod lookup;
+#[cfg(feature = "cli")]
 pub mod packed;
 pub mod png;
 pub mod radiance;
 mod shrink;
 
-pub use file::PixelsError;
-pub(crate) use file::{ENVIRONMENT_TEXELS_MAX, Fault, PART_PREFIX, Staged, read_bounded, reserved, write_atomically};
+pub(crate) use file::{ENVIRONMENT_TEXELS_MAX, Fault, read_bounded, reserved, write_atomically};
+pub use file::{PART_PREFIX, PixelsError, Staged};
 
 /// What a reader of float images returns.
 #[derive(Clone, Debug)]

@@ -5,12 +5,11 @@
 //! then all low bytes, each as the difference to the byte before it modulo 256. Neighbours share exponent and sign, so most
 //! high differences are zero; measured on a noisy 1024x512 image this saves 28 % over deflating interleaved halves.
 
-use super::{GrayImage, Pixels};
+use super::{GrayImage, Pixels, half};
 use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
 use flate2::Compression;
 use flate2::write::DeflateEncoder;
-use half::f16;
 use std::io::Write;
 
 /// Larger radiance is stored as this, the largest finite half.
@@ -28,7 +27,7 @@ pub struct Encoded {
 pub fn texels<const N: usize>(image: &Pixels<[f32; N]>) -> Encoded {
     let clamped_count = image.data.iter().flatten().filter(|value| **value > HALF_MAX).count();
     let halves: Vec<[u16; N]> =
-        image.data.iter().map(|texel| texel.map(|value| f16::from_f32(value.min(HALF_MAX)).to_bits())).collect();
+        image.data.iter().map(|texel| texel.map(|value| half::to_bits(value.min(HALF_MAX)))).collect();
     Encoded { base64: words(&halves), clamped_count }
 }
 

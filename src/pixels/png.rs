@@ -2,9 +2,8 @@
 
 use super::file::{Fault, PICTURE_TEXELS_MAX, check_claim, read_bounded, reserved};
 use super::{Decoded, Pixels, PixelsError, Rgb8Image, write_atomically};
-use image::codecs::png::{CompressionType, FilterType, PngEncoder};
-use image::{DynamicImage, ExtendedColorType, ImageEncoder, ImageFormat, ImageReader};
-use std::io::{self, Cursor};
+use png::{BitDepth, ColorType, Compression, Decoder, DecodingError, Encoder, Limits, Transformations};
+use std::io::{self, Cursor, Write};
 use std::path::Path;
 
 /// Deflate expands at most 1032 times and a texel takes at least one bit.
@@ -12,62 +11,98 @@ const MAX_TEXELS_PER_BYTE: u64 = 1 << 14;
 
 /// Writes `image` (already sRGB-encoded) to `path` in one step.
 pub fn write_rgb8(path: &Path, image: &Rgb8Image) -> Result<(), PixelsError> {
-    write_atomically(path, |writer| {
-        PngEncoder::new(writer)
-            .write_image(image.data.as_flattened(), image.width, image.height, ExtendedColorType::Rgb8)
-            .map_err(io::Error::other)
-    })
+    write_atomically(path, |writer| encode(writer, image, Compression::Fast))
 }
 
-/// The bytes of a PNG file of `image` (already sRGB-encoded), as few as the encoder can make.
+/// Encodes `image` (already sRGB-encoded) as a PNG file of as few bytes as the encoder can make.
 pub fn encode_rgb8(image: &Rgb8Image) -> io::Result<Vec<u8>> {
     let mut bytes = Vec::new();
-    PngEncoder::new_with_quality(&mut bytes, CompressionType::Best, FilterType::Adaptive)
-        .write_image(image.data.as_flattened(), image.width, image.height, ExtendedColorType::Rgb8)
-        .map_err(io::Error::other)?;
+    encode(&mut bytes, image, Compression::High)?;
     Ok(bytes)
+}
+
+fn encode(to: impl Write, image: &Rgb8Image, compression: Compression) -> io::Result<()> {
+    let mut encoder = Encoder::new(to, image.width, image.height);
+    encoder.set_color(ColorType::Rgb);
+    encoder.set_depth(BitDepth::Eight);
+    encoder.set_compression(compression);
+    encoder.set_filter(png::Filter::Adaptive);
+    let mut writer = encoder.write_header()?;
+    writer.write_image_data(image.data.as_flattened())?;
+    Ok(writer.finish()?)
 }
 
 /// Reads any PNG as 8-bit RGB; alpha is dropped, 16-bit samples are rounded.
 pub fn read_rgb8(path: &Path) -> Result<Rgb8Image, PixelsError> {
     let bytes = read_bounded(path)?;
-    decode(&bytes).map_err(|fault| fault.at(path))
+    let read = || {
+        let samples = decode(&bytes)?;
+        // 255 as 65535 is exact, by the factor 257.
+        Ok(samples.colours()?.map(|texel| texel.map(|value| ((u32::from(value) + 128) / 257) as u8)))
+    };
+    read().map_err(|fault: Fault| fault.at(path))
 }
 
-/// The samples of the PNG in `bytes` over their largest, as they stand: no transfer curve is undone, since tables have none. Of two channels,
+/// Reads the samples of the PNG in `bytes` over their largest value; no transfer curve is undone, since tables have none. Of two channels,
 /// grey and alpha, both are kept; alpha beside colour is dropped.
 pub fn read_linear(path: &Path, bytes: &[u8]) -> Result<Decoded, PixelsError> {
     let read = || {
-        let whole = decoded(bytes)?;
-        let (width, height) = (whole.width(), whole.height());
-        let is_pair = whole.color().channel_count() == 2;
-        let mut data = reserved(width as usize * height as usize)?;
-        match whole {
-            // Both depths keep their own largest value: 255 as 65535 is exact, by the factor 257.
-            pair if is_pair => data.extend(pair.into_luma_alpha16().pixels().map(|p| [p.0[0], p.0[1], 0])),
-            other => data.extend(other.into_rgb16().pixels().map(|p| p.0)),
-        }
-        let words = Pixels::<[u16; 3]>::new(width, height, data);
+        let samples = decode(bytes)?;
+        let words = if samples.channels == 2 { samples.pairs()? } else { samples.colours()? };
         let rgb = words.map(|texel| texel.map(|value| f32::from(value) / 65535.0));
         Ok(Decoded { rgb, alpha: None, warnings: Vec::new() })
     };
     read().map_err(|fault: Fault| fault.at(path))
 }
 
-fn decode(bytes: &[u8]) -> Result<Rgb8Image, Fault> {
-    let decoded = decoded(bytes)?.into_rgb8();
-    let mut data = reserved(decoded.as_raw().len() / 3)?;
-    data.extend_from_slice(decoded.as_raw().as_chunks().0);
-    Ok(Rgb8Image::new(decoded.width(), decoded.height(), data))
+/// The samples of an image, 16 bits each.
+struct Samples {
+    width: u32,
+    height: u32,
+    channels: usize,
+    words: Vec<u16>,
 }
 
-fn decoded(bytes: &[u8]) -> Result<DynamicImage, Fault> {
-    let refuse = |error: image::ImageError| Fault::new(format!("cannot be decoded ({error})"), "a whole PNG file");
-    let (width, height) =
-        ImageReader::with_format(Cursor::new(bytes), ImageFormat::Png).into_dimensions().map_err(refuse)?;
+impl Samples {
+    /// Colours without alpha; grey becomes three equal channels.
+    fn colours(&self) -> Result<Pixels<[u16; 3]>, Fault> {
+        self.texels(|texel| match texel {
+            [grey] | [grey, _] => [*grey; 3],
+            texel => [texel[0], texel[1], texel[2]],
+        })
+    }
+
+    /// Grey and alpha as the first two channels.
+    fn pairs(&self) -> Result<Pixels<[u16; 3]>, Fault> {
+        self.texels(|texel| [texel[0], texel[1], 0])
+    }
+
+    fn texels(&self, texel: impl Fn(&[u16]) -> [u16; 3]) -> Result<Pixels<[u16; 3]>, Fault> {
+        let mut data = reserved(self.width as usize * self.height as usize)?;
+        data.extend(self.words.chunks_exact(self.channels).map(texel));
+        Ok(Pixels::new(self.width, self.height, data))
+    }
+}
+
+fn decode(bytes: &[u8]) -> Result<Samples, Fault> {
+    let refuse = |error: DecodingError| Fault::new(format!("cannot be decoded ({error})"), "a whole PNG file");
+    // The claim is checked below; the default limit of the crate would refuse images that we allow.
+    let mut decoder = Decoder::new_with_limits(Cursor::new(bytes), Limits { bytes: usize::MAX });
+    decoder.set_ignore_text_chunk(true);
+    decoder.set_ignore_iccp_chunk(true);
+    decoder.set_transformations(Transformations::EXPAND);
+    let (width, height) = decoder.read_header_info().map_err(refuse)?.size();
     check_claim(width.into(), height.into(), PICTURE_TEXELS_MAX, bytes.len(), MAX_TEXELS_PER_BYTE)?;
-    let mut reader = ImageReader::with_format(Cursor::new(bytes), ImageFormat::Png);
-    // The size was checked above; the default limit of the crate would refuse images that we allow.
-    reader.no_limits();
-    reader.decode().map_err(refuse)
+    let mut reader = decoder.read_info().map_err(refuse)?;
+    let (color, depth) = reader.output_color_type();
+    let size =
+        reader.output_buffer_size().ok_or_else(|| Fault::new("is too large for memory", "a smaller PNG file"))?;
+    let mut raw = reserved(size)?;
+    raw.resize(size, 0);
+    reader.next_frame(&mut raw).map_err(refuse)?;
+    let words = match depth {
+        BitDepth::Sixteen => raw.as_chunks().0.iter().map(|word| u16::from_be_bytes(*word)).collect(),
+        _ => raw.iter().map(|byte| 257 * u16::from(*byte)).collect(),
+    };
+    Ok(Samples { width, height, channels: color.samples(), words })
 }

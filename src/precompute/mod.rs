@@ -1,9 +1,11 @@
 //! Tables made once per environment or BRDF model.
 pub mod dfg;
+#[cfg(feature = "gpu")]
 pub mod filtered;
 pub mod irradiance;
 pub mod lobe_shape;
 pub mod mips;
+#[cfg(feature = "gpu")]
 pub mod points;
 pub mod prefilter;
 mod settings;

@@ -2,8 +2,10 @@
 
 pub mod diffuse;
 pub mod method;
+#[cfg(feature = "gpu")]
 pub mod pass;
 pub mod reference;
+#[cfg(feature = "gpu")]
 pub mod reference_pass;
 mod shading;
 pub mod twin;
@@ -16,7 +18,7 @@ pub const NONE: &str = "none";
 /// Name of the split sum with exact factors: what tables approximate.
 pub const EXACT_SPLIT: &str = "ladder-view";
 
-pub use crate::glsl::source::FILE_PREFIX;
+pub use crate::glsl::constants::FILE_PREFIX;
 pub use diffuse::{DIFFUSE, Diffuse, diffuse_by_name};
 pub use method::{METHODS, Method, method_by_name, own};
 pub use shading::Shading;

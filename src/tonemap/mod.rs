@@ -14,6 +14,7 @@ pub mod reference;
 /// The display exponent that `contrast` multiplies the inverse of.
 pub const DISPLAY_GAMMA: f64 = 2.2;
 
+#[cfg(feature = "gpu")]
 pub mod pass;
 
 /// Parameters of the tone curve.

@@ -2,7 +2,8 @@
 
 use glam::DVec3;
 use splitsum::brdf::reflect;
-use splitsum::gbuffer::design::{frame, gbuffer};
+use splitsum::gbuffer::design::gbuffer;
+use splitsum::math::design::frame;
 use splitsum::scene::{Camera, CameraKind, MaterialOverride, Scene};
 use std::path::Path;
 

@@ -3,11 +3,11 @@
 use glam::{DVec2, DVec3};
 use splitsum::environment::Environment;
 use splitsum::environment::layout::{FilteredMap, LAYOUTS};
-use splitsum::gbuffer::design;
 use splitsum::ladder::diffuse::{Irradiance, Radiance, integrals};
 use splitsum::ladder::game::{Coalition, coalitions};
 use splitsum::ladder::radiance::rounded;
 use splitsum::ladder::{IRRADIANCE_MAP, SH9, ladder_of};
+use splitsum::math::design;
 use splitsum::pixels::{Pixels, RgbImage};
 use splitsum::precompute::exact_quadrature;
 use splitsum::precompute::sh9::reference::{project_bilinear, project_texel_centers};

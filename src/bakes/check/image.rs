@@ -16,7 +16,7 @@ use crate::bakes::convention::Convention;
 use crate::bakes::parts::Bake;
 use crate::brdf::{perceptual_roughness_from_alpha, reflect};
 use crate::environment::layout::FilteredMap;
-use crate::gbuffer::design;
+use crate::math::design;
 use crate::math::equirect_quadrature::EquirectQuadrature;
 use crate::math::harmonics::SmoothMap;
 use crate::math::quadrature::Tolerance;

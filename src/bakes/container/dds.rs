@@ -1,34 +1,76 @@
 //! DDS: face after face, each with all of its levels.
+//!
+//! A magic word, a header of 31 words, and for `DX10` files a second one of 5; all little-endian [Microsoft, "Programming Guide for DDS"].
 
 use super::texel::{self, TEXELS};
 use super::{Claim, Encoding, FACE_COUNT, Texture, truncated};
 use crate::pixels::Fault;
-use ddsfile::{AlphaMode, Caps2, D3D10ResourceDimension, D3DFormat, Dds, DxgiFormat, MiscFlag, NewDxgiParams};
 
+const MAGIC: u32 = u32::from_le_bytes(*b"DDS ");
+/// The pixel format's code in files with the second header.
+const DX10: u32 = u32::from_le_bytes(*b"DX10");
+/// Words of the headers, the magic word first.
+const WORDS: usize = 32;
+const WORDS_DX10: usize = WORDS + 5;
+
+/// Bytes of the first header and of the pixel format in it, as they state themselves.
+const HEADER_BYTES: u32 = 124;
+const FORMAT_BYTES: u32 = 32;
+
+// Bits of the flags: which words hold something.
+const HAS_MIPS: u32 = 0x2_0000;
+const HAS_DEPTH: u32 = 0x80_0000;
+const HAS_PITCH: u32 = 0x8;
+/// Caps, height, width and pixel format.
+const HAS_REQUIRED: u32 = 0x1007;
+// Bits of the pixel format's flags.
+const HAS_FOURCC: u32 = 0x4;
+const IS_RGB: u32 = 0x40;
+// Bits of the caps.
+const COMPLEX: u32 = 0x8;
+const TEXTURE: u32 = 0x1000;
+const MIPMAP: u32 = 0x40_0000;
+const CUBE: u32 = 0x200;
+const ALL_FACES: u32 = 0xfc00;
+// Numbers of the second header.
+const TEXTURE_2D: u32 = 3;
+const CUBE_DX10: u32 = 0x4;
+const OPAQUE: u32 = 3;
+
+/// Reads the texture in the bytes of a file.
 pub fn read(bytes: &[u8]) -> Result<Texture, Fault> {
-    let dds = Dds::read(bytes).map_err(|error| Fault::new(format!("is no whole DDS file ({error})"), "a DDS file"))?;
-    let (header, more) = (&dds.header, &dds.header10);
-    let is_cube = header.caps2.contains(Caps2::CUBEMAP)
-        || more.as_ref().is_some_and(|more| more.misc_flag.contains(MiscFlag::TEXTURECUBE));
-    if is_cube && more.is_none() && !header.caps2.contains(Caps2::CUBEMAP_ALLFACES) {
+    let whole = || Fault::new("has no whole DDS header", "a DDS file");
+    let words_of = |count: usize| -> Option<(Vec<u32>, &[u8])> {
+        let (header, rest) = bytes.split_at_checked(4 * count)?;
+        Some((header.as_chunks().0.iter().map(|word| u32::from_le_bytes(*word)).collect(), rest))
+    };
+    let (header, _) = words_of(WORDS).ok_or_else(whole)?;
+    let [magic, size, flags, height, width, _, depth, levels, ..] = header[..] else { return Err(whole()) };
+    if magic != MAGIC || size != HEADER_BYTES {
+        return Err(whole());
+    }
+    let (fourcc, caps2) = (header[21], header[28]);
+    let is_dx10 = fourcc == DX10;
+    let (header, mut rest) = words_of(if is_dx10 { WORDS_DX10 } else { WORDS }).ok_or_else(whole)?;
+    let is_cube = caps2 & CUBE != 0 || (is_dx10 && header[WORDS + 2] & CUBE_DX10 != 0);
+    if is_cube && !is_dx10 && caps2 & ALL_FACES != ALL_FACES {
         return Err(Fault::new("it is a cube without all of its faces", "all six faces"));
     }
     let claim = Claim {
-        width: header.width,
-        height: header.height,
-        depth: header.depth.unwrap_or(1),
-        layers: more.as_ref().map_or(1, |more| more.array_size),
+        width,
+        height,
+        depth: if flags & HAS_DEPTH == 0 { 1 } else { depth },
+        layers: if is_dx10 { header[WORDS + 3] } else { 1 },
         faces: if is_cube { FACE_COUNT as u32 } else { 1 },
-        levels: header.mip_map_count.unwrap_or(1).max(1),
+        levels: if flags & HAS_MIPS == 0 { 1 } else { levels.max(1) },
     };
     let faces = claim.check()?;
-    let format = dds.get_dxgi_format().or_else(|| dds.get_d3d_format().and_then(dxgi));
+    let format = if is_dx10 { Some(header[WORDS]) } else { dxgi(fourcc) };
     let texel = TEXELS.iter().find(|texel| texel.dxgi.is_some() && texel.dxgi == format).ok_or_else(|| {
-        let found = format.map_or("not known".to_owned(), |format| format!("{format:?}"));
+        let found = if is_dx10 { format!("DXGI format {}", header[WORDS]) } else { format!("code {fourcc:#010x}") };
         Fault::new(format!("its pixel format is {found}"), format!("one of {}", texel::names()))
     })?;
     let mut read = vec![Vec::new(); claim.levels as usize];
-    let mut rest = dds.data.as_slice();
     for _ in 0..faces {
         for level in 0..claim.levels {
             let needed = claim.face_bytes(level, texel);
@@ -44,35 +86,30 @@ pub fn read(bytes: &[u8]) -> Result<Texture, Fault> {
 /// The file of a texture, whose texel has a code here. It has no room for keys.
 pub fn write(encoding: &Encoding) -> Vec<u8> {
     let Encoding { texel, levels, .. } = encoding;
-    let (first, faces) = (&levels[0][0], levels[0].len());
-    let is_cube = faces == FACE_COUNT;
-    let mut dds = Dds::new_dxgi(NewDxgiParams {
-        height: first.height,
-        width: first.width,
-        depth: None,
-        format: texel.dxgi.expect("a format with a code"),
-        mipmap_levels: Some(levels.len() as u32),
-        // The crate makes room for so many images; a cube of six faces is one in the header.
-        array_layers: is_cube.then_some(FACE_COUNT as u32),
-        caps2: is_cube.then_some(Caps2::CUBEMAP | Caps2::CUBEMAP_ALLFACES),
-        is_cubemap: is_cube,
-        resource_dimension: D3D10ResourceDimension::Texture2D,
-        alpha_mode: AlphaMode::Opaque,
-    })
-    .expect("a texture of known size");
-    dds.data = (0..faces).flat_map(|face| levels.iter().flat_map(move |level| texel.bytes_of(&level[face]))).collect();
-    let mut file = Vec::new();
-    dds.write(&mut file).expect("memory takes all");
+    let (first, faces, count) = (&levels[0][0], levels[0].len(), levels.len() as u32);
+    let (is_cube, has_mips) = (faces == FACE_COUNT, count > 1);
+    let with = |bits: u32, is_set: bool| if is_set { bits } else { 0 };
+    let flags = HAS_REQUIRED | HAS_PITCH | with(HAS_MIPS, has_mips);
+    let size = [first.height, first.width, first.width * texel.bytes as u32, 0, count];
+    let format = [FORMAT_BYTES, HAS_FOURCC | IS_RGB, DX10, 8 * texel.bytes as u32, 0, 0, 0, 0];
+    let caps = TEXTURE | with(COMPLEX, is_cube || has_mips) | with(MIPMAP, has_mips);
+    let caps = [caps, with(CUBE | ALL_FACES, is_cube), 0, 0, 0];
+    let code = texel.dxgi.expect("a format with a code");
+    // A cube of six faces is one image of an array here.
+    let dx10 = [code, TEXTURE_2D, with(CUBE_DX10, is_cube), 1, OPAQUE];
+    let words = [&[MAGIC, HEADER_BYTES, flags][..], &size, &[0; 11], &format, &caps, &dx10].concat();
+    let mut file: Vec<u8> = words.iter().flat_map(|word| word.to_le_bytes()).collect();
+    file.extend((0..faces).flat_map(|face| levels.iter().flat_map(move |level| texel.bytes_of(&level[face]))));
     file
 }
 
-/// The formats that have a code of their own in files without the later header.
-fn dxgi(format: D3DFormat) -> Option<DxgiFormat> {
-    match format {
-        D3DFormat::A16B16G16R16F => Some(DxgiFormat::R16G16B16A16_Float),
-        D3DFormat::G16R16F => Some(DxgiFormat::R16G16_Float),
-        D3DFormat::A32B32G32R32F => Some(DxgiFormat::R32G32B32A32_Float),
-        D3DFormat::G32R32F => Some(DxgiFormat::R32G32_Float),
+/// The DXGI format of a `D3DFORMAT` in files without the second header.
+fn dxgi(fourcc: u32) -> Option<u32> {
+    match fourcc {
+        112 => Some(34), // G16R16F
+        113 => Some(10), // A16B16G16R16F
+        115 => Some(16), // G32R32F
+        116 => Some(2),  // A32B32G32R32F
         _ => None,
     }
 }

@@ -1,8 +1,6 @@
 //! How a texel lies in bytes, by the code that each container has for it.
 
-use crate::pixels::{Fault, Pixels, RgbImage, reserved};
-use ddsfile::DxgiFormat;
-use half::f16;
+use crate::pixels::{Fault, Pixels, RgbImage, half, reserved};
 use ktx2::Format;
 
 /// A pixel format. All are little-endian and linear.
@@ -18,8 +16,8 @@ pub struct Texel {
     pub gl: u32,
     /// `glType` and `glTypeSize` there.
     pub gl_type: (u32, u32),
-    /// Its code in DDS; three channels have none there.
-    pub dxgi: Option<DxgiFormat>,
+    /// Its `DXGI_FORMAT` in DDS; three halves have none there.
+    pub dxgi: Option<u32>,
     /// Its largest number.
     pub largest: f32,
     /// Red, green and blue of its bytes; 0 where it has no such channel.
@@ -37,7 +35,7 @@ pub static TEXELS: &[Texel] = &[
         vulkan: Format::R16G16B16A16_SFLOAT,
         gl: 0x881a,
         gl_type: (0x140b, 2),
-        dxgi: Some(DxgiFormat::R16G16B16A16_Float),
+        dxgi: Some(10),
         largest: HALF_MAX,
         decode: halves,
         encode: to_halves,
@@ -61,7 +59,7 @@ pub static TEXELS: &[Texel] = &[
         vulkan: Format::R16G16_SFLOAT,
         gl: 0x822f,
         gl_type: (0x140b, 2),
-        dxgi: Some(DxgiFormat::R16G16_Float),
+        dxgi: Some(34),
         largest: HALF_MAX,
         decode: halves,
         encode: to_halves,
@@ -73,7 +71,7 @@ pub static TEXELS: &[Texel] = &[
         vulkan: Format::R32G32B32A32_SFLOAT,
         gl: 0x8814,
         gl_type: (0x1406, 4),
-        dxgi: Some(DxgiFormat::R32G32B32A32_Float),
+        dxgi: Some(2),
         largest: f32::MAX,
         decode: floats,
         encode: to_floats,
@@ -85,7 +83,7 @@ pub static TEXELS: &[Texel] = &[
         vulkan: Format::R32G32B32_SFLOAT,
         gl: 0x8815,
         gl_type: (0x1406, 4),
-        dxgi: Some(DxgiFormat::R32G32B32_Float),
+        dxgi: Some(6),
         largest: f32::MAX,
         decode: floats,
         encode: to_floats,
@@ -97,7 +95,7 @@ pub static TEXELS: &[Texel] = &[
         vulkan: Format::R32G32_SFLOAT,
         gl: 0x8230,
         gl_type: (0x1406, 4),
-        dxgi: Some(DxgiFormat::R32G32_Float),
+        dxgi: Some(16),
         largest: f32::MAX,
         decode: floats,
         encode: to_floats,
@@ -109,7 +107,7 @@ pub static TEXELS: &[Texel] = &[
         vulkan: Format::E5B9G9R9_UFLOAT_PACK32,
         gl: 0x8c3d,
         gl_type: (0x8c3e, 4),
-        dxgi: Some(DxgiFormat::R9G9B9E5_SharedExp),
+        dxgi: Some(67),
         largest: SHARED_MAX,
         decode: shared_exponent,
         encode: to_shared_exponent,
@@ -121,7 +119,7 @@ pub static TEXELS: &[Texel] = &[
         vulkan: Format::B10G11R11_UFLOAT_PACK32,
         gl: 0x8c3a,
         gl_type: CMGEN,
-        dxgi: Some(DxgiFormat::R11G11B10_Float),
+        dxgi: Some(26),
         largest: PACKED_MAX,
         decode: eleven_eleven_ten,
         encode: to_eleven_eleven_ten,
@@ -167,7 +165,7 @@ pub fn names() -> String {
 
 fn halves(bytes: &[u8]) -> [f32; 3] {
     let words = bytes.as_chunks::<2>().0;
-    std::array::from_fn(|i| words.get(i).map_or(0.0, |word| f16::from_le_bytes(*word).to_f32()))
+    std::array::from_fn(|i| words.get(i).map_or(0.0, |word| half::from_bits(u16::from_le_bytes(*word))))
 }
 
 fn floats(bytes: &[u8]) -> [f32; 3] {
@@ -177,7 +175,7 @@ fn floats(bytes: &[u8]) -> [f32; 3] {
 
 fn to_halves(values: [f32; 4], bytes: &mut [u8]) {
     for (word, value) in bytes.as_chunks_mut::<2>().0.iter_mut().zip(values) {
-        *word = f16::from_f32(value).to_le_bytes();
+        *word = half::to_bits(value).to_le_bytes();
     }
 }
 
@@ -218,7 +216,7 @@ fn to_eleven_eleven_ten([r, g, b, _]: [f32; 4], bytes: &mut [u8]) {
     let bits = |value: f32, drop: i32| {
         let leading = ((value.to_bits() >> 23) as i32 - 127).max(-14);
         let step = f32::powi(2.0, leading - 10 + drop);
-        u32::from(f16::from_f32((value / step).round_ties_even() * step).to_bits()) >> drop
+        u32::from(half::to_bits((value / step).round_ties_even() * step)) >> drop
     };
     bytes.copy_from_slice(&(bits(r, 4) | bits(g, 4) << 11 | bits(b, 5) << 22).to_le_bytes());
 }
@@ -231,6 +229,6 @@ const PACKED_MAX: f32 = 64512.0;
 /// Halves without a sign, cut to 6 and 5 bits of mantissa [Vulkan13, "Unsigned 11-Bit Floating-Point Numbers"].
 fn eleven_eleven_ten(bytes: &[u8]) -> [f32; 3] {
     let word = word(bytes);
-    let half = |bits: u32| f16::from_bits(bits as u16).to_f32();
+    let half = |bits: u32| half::from_bits(bits as u16);
     [half((word & 0x7ff) << 4), half(((word >> 11) & 0x7ff) << 4), half((word >> 22) << 5)]
 }

@@ -4,6 +4,7 @@ mod cap;
 mod checker;
 mod constant;
 mod gradient;
+mod hosek_wilkie;
 mod raster;
 mod sky;
 mod studio;

@@ -14,12 +14,12 @@
 //!
 //! The whole map is scaled to a mean luminance of 1 over the sphere.
 
+use super::hosek_wilkie::Sky;
 use super::{Builtin, Values, parameter, raster};
 use crate::color::{REC709_LUMINANCE, luminance};
 use crate::math::equirect;
 use crate::pixels::RgbImage;
 use glam::DVec3;
-use hw_skymodel::rgb::{Channel, SkyParams, SkyState};
 use std::f64::consts::{PI, TAU};
 
 /// Radius of the solar disc, radians.
@@ -48,19 +48,14 @@ fn make(values: &Values, size: [u32; 2]) -> RgbImage {
     let elevation = values.get("elevation_deg").to_radians();
     let sun = raster::direction(values.get("azimuth_deg").to_radians(), elevation);
     let (turbidity, albedo) = (values.get("turbidity"), values.get("albedo"));
-    let state = SkyState::new(&SkyParams {
-        // The model refuses what rounding to f32 pushes above π/2.
-        elevation: (elevation as f32).min(std::f32::consts::FRAC_PI_2),
-        turbidity: turbidity as f32,
-        albedo: [albedo as f32; 3],
-    })
-    .expect("the ranges of the parameters are within those of the model");
+    // Rounding to f32 may push the elevation above π/2.
+    let elevation_f32 = (elevation as f32).min(std::f32::consts::FRAC_PI_2);
+    let model = Sky::new(elevation_f32, turbidity as f32, albedo as f32);
     let sky = |d: DVec3| {
         let theta = d.y.clamp(0.0, 1.0).acos() as f32;
         let gamma = d.dot(sun).clamp(-1.0, 1.0).acos() as f32;
-        let radiance = [Channel::R, Channel::G, Channel::B].map(|c| f64::from(state.radiance(theta, gamma, c)));
         // The fit can dip below 0 in the channel of a low sun.
-        DVec3::from_array(radiance).max(DVec3::ZERO)
+        DVec3::from_array(model.radiance(theta, gamma).map(f64::from)).max(DVec3::ZERO)
     };
     let dome = raster::at_centers(size, |d| if d.y >= -HORIZON_EPSILON { sky(d) } else { DVec3::ZERO });
     let e_sky = horizontal_irradiance(&dome);

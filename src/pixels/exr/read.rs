@@ -2,7 +2,7 @@
 
 use super::blocks::{Parts, check_blocks, read_planes};
 use super::colour::{Layer, colour_layers, layer_called, to_rgb};
-use crate::pixels::file::{ENVIRONMENT_TEXELS_MAX, FRAME_TEXELS_MAX, Fault, read_bounded};
+use crate::pixels::file::{ENVIRONMENT_TEXELS_MAX, Fault, read_bounded};
 use crate::pixels::{Decoded, GrayImage, PixelsError};
 use ::exr::meta::MetaData;
 use ::exr::meta::attribute::EnvironmentMap;
@@ -10,6 +10,9 @@ use ::exr::meta::header::Header;
 use ::exr::prelude::Vec2;
 use std::io::Cursor;
 use std::path::Path;
+
+/// Most pixels of a linear image that is not an environment: a frame (4096 x 4096).
+const FRAME_TEXELS_MAX: u64 = 1 << 24;
 
 /// Reads the data window of the first part with colour as linear Rec.709: R, G, B or luminance with or without chroma; half, float or
 /// uint; scan lines or the largest level of tiles. Subsampled chroma is interpolated linearly.

@@ -8,6 +8,7 @@
 //! and alpha along y; [`DfgAxes`] says where its texels lie.
 
 mod albedos;
+#[cfg(feature = "gpu")]
 pub mod pass;
 pub mod reference;
 

@@ -2,5 +2,6 @@
 //!
 //! The map is equirectangular with the project's texel mapping (see `math::equirect`).
 
+#[cfg(feature = "gpu")]
 pub mod pass;
 pub mod reference;

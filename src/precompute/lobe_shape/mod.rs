@@ -12,11 +12,12 @@
 //! by the second, each as `√(a/alpha)` for s = 0, 1/2, 1.
 
 mod fit;
+#[cfg(feature = "gpu")]
+pub mod pass;
 mod rule;
 
 use crate::brdf::{Brdf, MaskingShadowing, alpha_from_perceptual_roughness, perceptual_roughness_from_alpha};
 use crate::glsl::constants::{ALPHA_MIN, COSINE_MIN, LOBE_SHAPE_PARTS, LOBE_SHAPE_SIDE};
-use crate::gpu::{Format, Gpu, GpuError, Image};
 use crate::precompute::prefilter::Kernel;
 use fit::Widths;
 pub use fit::{AMBIENT, Objective};
@@ -77,12 +78,6 @@ impl LobeShapes {
         });
         LobeShape { moments, width_ratios: [0, 1].map(|objective| fits.map(|fit| fit[objective])) }
     }
-}
-
-/// An empty table.
-pub fn table(gpu: &Gpu) -> Result<Image, GpuError> {
-    let size = [LOBE_SHAPE_SIDE, LOBE_SHAPE_PARTS * LOBE_SHAPE_SIDE];
-    gpu.image("lobe shapes", size, 1, Format::Rgba32Float)
 }
 
 /// The texels of a table, row by row.

@@ -4,6 +4,7 @@
 //! source texel: overlap in u times the difference of cos θ over the overlap in θ. Unlike a box filter this keeps the integral
 //! over the sphere at every level, for any size, odd ones too; at the poles a box filter overrates the texels nearest to the pole.
 
+#[cfg(feature = "gpu")]
 pub mod pass;
 pub mod reference;
 

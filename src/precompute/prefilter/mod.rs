@@ -10,6 +10,7 @@
 pub mod harmonic;
 pub mod level_bias;
 mod level_mapping;
+#[cfg(feature = "gpu")]
 pub mod pass;
 pub mod reference;
 mod weight;

@@ -6,6 +6,7 @@
 //! The integral over a map has three readings: the sum of source document 0, `Σ L Y sin θ 2π²/(W H)` at texel centres, which the device
 //! computes; texels as constant patches with their exact solid angle; and the bilinear map that lookups and the reference see.
 
+#[cfg(feature = "gpu")]
 pub mod pass;
 pub mod reference;
 

@@ -61,6 +61,20 @@ pub fn ktx1(texel: &Texel, side: u32, levels: &[Level]) -> Vec<u8> {
     bytes
 }
 
+fn dxgi(texel: &Texel) -> ddsfile::DxgiFormat {
+    use ddsfile::DxgiFormat as Dxgi;
+    match texel.name {
+        "rgba16f" => Dxgi::R16G16B16A16_Float,
+        "rg16f" => Dxgi::R16G16_Float,
+        "rgba32f" => Dxgi::R32G32B32A32_Float,
+        "rgb32f" => Dxgi::R32G32B32_Float,
+        "rg32f" => Dxgi::R32G32_Float,
+        "rgb9e5" => Dxgi::R9G9B9E5_SharedExp,
+        "r11g11b10f" => Dxgi::R11G11B10_Float,
+        name => panic!("{name} has no code"),
+    }
+}
+
 /// A DDS file with the later header: face after face with its levels.
 pub fn dds(texel: &Texel, side: u32, levels: &[Level]) -> Vec<u8> {
     let is_cube = levels[0].len() == 6;
@@ -68,7 +82,7 @@ pub fn dds(texel: &Texel, side: u32, levels: &[Level]) -> Vec<u8> {
         height: side,
         width: side,
         depth: None,
-        format: texel.dxgi.unwrap(),
+        format: dxgi(texel),
         mipmap_levels: Some(levels.len() as u32),
         array_layers: is_cube.then_some(6),
         caps2: is_cube.then_some(ddsfile::Caps2::CUBEMAP | ddsfile::Caps2::CUBEMAP_ALLFACES),

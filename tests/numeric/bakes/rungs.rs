@@ -8,7 +8,7 @@ use splitsum::bakes::{Bake, Map};
 use splitsum::brdf::{Ggx, MaskingShadowing};
 use splitsum::environment::Environment;
 use splitsum::environment::layout::LAYOUTS;
-use splitsum::gbuffer::design;
+use splitsum::math::design;
 use splitsum::math::equirect::direction_from_uv;
 use splitsum::pixels::RgbImage;
 use splitsum::precompute::dfg::Albedos;

@@ -1,0 +1,165 @@
+//! Compiles every shader to SPIR-V and writes what Rust and GLSL share as GLSL text. `src/glsl/source.rs` says what a shader's text may name.
+//!
+//! The entry points in `page/` are for the report's page: they include the same libraries. The program writes those that a page needs as
+//! GLSL ES 3.00 texts, which the page's own compiler takes.
+
+use source::{Choice, Language, PAGE_FOLDER, Sources, compile};
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+use std::{env, fs, io};
+
+#[path = "../src/glsl/constants.rs"]
+mod constants;
+#[path = "../src/glsl/layout.rs"]
+#[allow(dead_code)] // the structs themselves are for the crate; only their description is read here
+mod layout;
+#[path = "../src/glsl/source.rs"]
+#[allow(dead_code)] // what methods in files need is for the crate
+mod source;
+
+/// Files and folders of `src` whose code makes no number that the device returns: what is done with its results, and the f64
+/// twins. Kept tables and references outlive a change of these, and of nothing else.
+const HOST_EXCLUDED: [&str; 21] = [
+    "bakes/check/image.rs",
+    "main.rs",
+    "cli",
+    "cost",
+    "ladder",
+    "pipeline/ladder.rs",
+    "figure",
+    "report",
+    "study",
+    "view",
+    "experiment",
+    "run",
+    "oracle",
+    "slips",
+    "metrics",
+    "table",
+    "tonemap",
+    "shade/method",
+    "shade/diffuse",
+    "shade/twin.rs",
+    "shade/reference.rs",
+];
+
+pub fn main() {
+    println!("cargo::rerun-if-changed=shaders");
+    println!("cargo::rerun-if-changed=src/glsl");
+    println!("cargo::rerun-if-changed=Cargo.lock");
+    if let Err(message) = build() {
+        // A panic would bury the compiler's file:line:message under a backtrace.
+        for line in message.lines() {
+            println!("cargo::error={line}");
+        }
+        std::process::exit(1);
+    }
+}
+
+fn build() -> Result<(), String> {
+    let root = PathBuf::from("shaders");
+    let out = PathBuf::from(env::var_os("OUT_DIR").ok_or("OUT_DIR is not set")?);
+    let mut sources = Sources(shader_texts(&root)?);
+    sources.0.insert("generated/constants.glsl".into(), constants_text());
+    sources.0.insert("generated/layout.glsl".into(), layout_text());
+
+    let mut table = String::from("pub static SHADERS: &[(&str, &[u8])] = &[\n");
+    for entry in sources.entries().filter(|entry| !entry.starts_with(PAGE_FOLDER)) {
+        for (name, choice) in sources.permutations(entry, &Choice::new())? {
+            let text = sources.expand(entry, &choice, Language::Vulkan)?;
+            let spirv = compile(entry, &text).map_err(|log| format!("{name}: {log}"))?;
+            let file = out.join(format!("{}.spv", name.replace(['/', ':', '.'], "_")));
+            let bytes: Vec<u8> = spirv.iter().flat_map(|word| word.to_ne_bytes()).collect();
+            fs::write(&file, bytes).map_err(|e| format!("{}: {e}", file.display()))?;
+            writeln!(table, "    ({name:?}, include_bytes!({:?})),", file.display().to_string())
+                .expect("a String takes all");
+        }
+    }
+    table.push_str("];\n/// The text of every shader by its path.\npub static SHADER_TEXTS: &[(&str, &str)] = &[\n");
+    for (path, text) in sources.0.iter().filter(|(path, _)| !path.ends_with(".rs")) {
+        writeln!(table, "    ({path:?}, {text:?}),").expect("a String takes all");
+    }
+    table.push_str("];\n");
+    table.push_str(&host_text()?);
+    fs::write(out.join("shaders.rs"), table).map_err(|e| format!("shaders.rs: {e}"))
+}
+
+/// The host's code around the shaders: names of its files, and one hash of them and of the versions of all crates.
+fn host_text() -> Result<String, String> {
+    let (mut found, mut open) = (Vec::new(), vec![PathBuf::from("src")]);
+    while let Some(folder) = open.pop() {
+        for path in files(&folder).map_err(|e| format!("{}: {e}", folder.display()))? {
+            let name = path.strip_prefix("src").map_err(|e| e.to_string())?.to_string_lossy().replace('\\', "/");
+            if HOST_EXCLUDED.contains(&name.as_str()) {
+                continue;
+            } else if path.is_dir() {
+                open.push(path);
+            } else {
+                println!("cargo::rerun-if-changed={}", path.display());
+                found.push((name, fs::read(&path).map_err(|e| format!("{}: {e}", path.display()))?));
+            }
+        }
+    }
+    found.sort();
+    let names: Vec<&str> = found.iter().map(|(name, _)| name.as_str()).collect();
+    let mut text =
+        format!("/// Files of src that results of the device hang on.\npub static HOST_FILES: &[&str] = &{names:?};\n");
+    let lock = fs::read("Cargo.lock").unwrap_or_default();
+    found.push(("Cargo.lock".into(), lock));
+    let mut hasher = blake3::Hasher::new();
+    for (name, bytes) in &found {
+        hasher.update(name.as_bytes()).update(&(bytes.len() as u64).to_le_bytes()).update(bytes);
+    }
+    writeln!(
+        text,
+        "/// One hash of them and of Cargo.lock.\npub static HOST_HASH: &str = {:?};",
+        hasher.finalize().to_hex().as_str()
+    )
+    .expect("a String takes all");
+    Ok(text)
+}
+
+fn constants_text() -> String {
+    let mut text = String::from("// Written by shaders/compile.rs from src/glsl/constants.rs.\n");
+    for (name, value) in constants::ALL {
+        match value {
+            constants::Value::Float(x) => writeln!(text, "const float {name} = {x:e};"),
+            constants::Value::Uint(x) => writeln!(text, "const uint {name} = {x}u;"),
+        }
+        .expect("a String takes all");
+    }
+    text
+}
+
+fn layout_text() -> String {
+    let mut text = String::from("// Written by shaders/compile.rs from src/glsl/layout.rs.\n");
+    for shared in layout::ALL {
+        writeln!(text, "struct {} {{", shared.name).expect("a String takes all");
+        for member in shared.members {
+            writeln!(text, "    {} {};", member.ty, member.name).expect("a String takes all");
+        }
+        text.push_str("};\n");
+    }
+    text
+}
+
+/// The text of every file below `root`, by its path relative to it.
+fn shader_texts(root: &Path) -> Result<BTreeMap<String, String>, String> {
+    let (mut found, mut open) = (BTreeMap::new(), vec![root.to_path_buf()]);
+    while let Some(folder) = open.pop() {
+        for path in files(&folder).map_err(|e| format!("{}: {e}", folder.display()))? {
+            if path.is_dir() {
+                open.push(path);
+            } else if let Ok(name) = path.strip_prefix(root) {
+                let text = fs::read_to_string(&path).map_err(|e| format!("{}: {e}", path.display()))?;
+                found.insert(name.to_string_lossy().replace('\\', "/"), text);
+            }
+        }
+    }
+    Ok(found)
+}
+
+fn files(folder: &Path) -> io::Result<Vec<PathBuf>> {
+    fs::read_dir(folder)?.map(|entry| Ok(entry?.path())).collect()
+}

@@ -1,1 +1,0 @@
-//! The same by adaptive cubature over directions.
