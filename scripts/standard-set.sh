@@ -12,7 +12,7 @@ set -eu
 cd "$(dirname "$0")/.."
 . scripts/setup.sh
 
-set_names="quick break-even break-even-of-pairs equal-cost sample-count source-document-0 level-bias printed-slips energy diffuse tables ladder split-sums split-sums-seen split-or-energy exposure-and-contrast dynamic-range better-method timing"
+set_names="quick break-even break-even-of-pairs equal-cost sample-count source-document-0 level-bias energy diffuse tables ladder split-sums split-sums-seen split-or-energy exposure-and-contrast dynamic-range better-method timing"
 runs=runs/standard
 results=results
 while [ $# -gt 0 ]; do

@@ -145,8 +145,6 @@ pub mod cost;
 pub mod oracle;
 #[cfg(feature = "gpu")]
 pub mod pipeline;
-#[cfg(feature = "cli")]
-pub mod slips;
 
 #[cfg(feature = "cli")]
 pub mod experiment;

@@ -1,5 +1,5 @@
 //! GGX (Trowbridge-Reitz): `D = alpha² / (π (alpha² cos² θ_h + sin² θ_h)²)` [Walter07, eq. 33],
-//! `G1 = 2 / (1 + √(1 + alpha² tan² θ))` [Walter07, eq. 34]. Source document 0 prints `alpha² + tan²` in G1: a slip.
+//! `G1 = 2 / (1 + √(1 + alpha² tan² θ))` [Walter07, eq. 34].
 
 use super::{Brdf, sin2_cos2};
 use crate::math::sampling::direction_from_polar;

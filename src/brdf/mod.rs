@@ -17,7 +17,7 @@ mod phong;
 pub use beckmann::Beckmann;
 pub use compensation::Compensation;
 pub use ggx::Ggx;
-pub use phong::{Phong, alpha_from_exponent, exponent_from_alpha};
+pub use phong::{Phong, exponent_from_alpha};
 
 /// A microfacet distribution with its Smith masking. `alpha` is in (0, 1] and precise down to 0.001.
 pub trait Brdf: Sync + std::fmt::Debug {

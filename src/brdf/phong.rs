@@ -32,14 +32,9 @@ use std::f64::consts::{PI, TAU};
 #[derive(Debug)]
 pub struct Phong;
 
-/// Phong exponent of a microfacet width in (0, 1]: `2/alpha² - 2`, from ∞ down to 0. Inverse: [`alpha_from_exponent`].
+/// Phong exponent of a microfacet width in (0, 1]: `2/alpha² - 2`, from ∞ down to 0.
 pub fn exponent_from_alpha(alpha: f64) -> f64 {
     2.0 / (alpha * alpha) - 2.0
-}
-
-/// Inverse of [`exponent_from_alpha`]: `√(2/(exponent + 2))`.
-pub fn alpha_from_exponent(exponent: f64) -> f64 {
-    (2.0 / (exponent + 2.0)).sqrt()
 }
 
 impl Brdf for Phong {
@@ -79,7 +74,7 @@ impl Brdf for Phong {
         cos_theta / (cos_theta * (1.0 - 0.5 * incomplete_beta_half(n, cos_theta)) + grazing)
     }
 
-    /// `cos θ = (1 - u)^(1/(exponent + 2))`, density `D cos θ` [Walter07, section 5.2]. Source document 0 prints `1/(exponent + 1)`: a slip.
+    /// `cos θ = (1 - u)^(1/(exponent + 2))`, density `D cos θ` [Walter07, section 5.2].
     fn sample_d(&self, xi: DVec2, alpha: f64) -> DVec3 {
         // 1/(exponent + 2) = alpha²/2
         let ln_cos2 = alpha * alpha * (-xi.x).ln_1p();

@@ -3,44 +3,18 @@
 use super::{Failure, print_data, tell};
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
+use splitsum::brdf::{MODELS, MaskingShadowing};
 use splitsum::environment::LoadOptions;
 use splitsum::math::quadrature::Tolerance;
-use splitsum::oracle::{Kind, Queries};
+use splitsum::oracle::{ALPHA_MIN, Kind, Queries};
+use splitsum::precompute::prefilter::WEIGHTS;
 use splitsum::shade::reference::TOLERANCE;
 use splitsum::spelling::suggestion;
 use std::path::{Path, PathBuf};
 
 /// Exact answers for a table of queries, in f64 on the CPU (no Vulkan).
 #[derive(Args, Debug)]
-#[command(after_help = "\
-QUERIES.csv has a header and one query a line. The answer is the same table with columns added: each number with a bound of its
-absolute error. All rows are checked first; a fault is told as file:line:column and nothing is written.
-
-Kinds, their columns (any order; [optional]) and what is added (_r _g _b, then _error_r _error_g _error_b):
-  shading     environment,brdf,alpha,f0,nx,ny,nz,vx,vy,vz [masking,id]
-              specular        outgoing radiance of the specular term, Schlick's F from f0
-              specular_white  the same with F = 1
-              diffuse         of albedo 1, with 1 - F(v.h) inside the integral
-              lambert         of albedo 1, without: irradiance over pi
-              seed0_literal   with --seed0-literal: what source document 0's printed formula converges to
-  ladder      as shading, and [levels] -> reference, ladder_fresnel, ladder_masking, ladder_view, ladder_levels (the rungs
-              between the integral and the split sum), and those of albedo 1 from the diffuse integral to nine coefficients:
-              diffuse_fresnel_inside, diffuse_reference, diffuse_ladder_truncation, diffuse_ladder_clamp
-  dfg         brdf,alpha,n_dot_v [masking,id] -> f0_scale,f90_scale,albedo,error (the albedo is the sum: a white furnace)
-  prefilter   environment,brdf,alpha,rx,ry,rz [weight,masking,id] -> prefiltered (the split sum's first factor)
-  irradiance  environment,nx,ny,nz [id] -> irradiance (not divided by pi)
-  sh9         environment [id] -> l00,l1m1,l10,l11,l2m2,l2m1,l20,l21,l22 (y up, no Condon-Shortley sign)
-
-Cells: environment is builtin:NAME or an .hdr or .exr file (relative to QUERIES.csv; FILE.exr#NAME for a layer); brdf ggx, beckmann or phong; alpha in [0.0001, 1];
-f0 one number or R:G:B in [0, 1]; n, v and r unit vectors within 1e-5, y up, v above the horizon of n; masking separable (default),
-correlated, schlick or smith-exact; weight cosine (default), masking (G1 of l)
-or none; id anything, passed on. Radiance is in the units of the map, looked up bilinearly.
-
-Examples:
-  printf 'environment,brdf,alpha,f0,nx,ny,nz,vx,vy,vz\\nbuiltin:sky,ggx,0.25,0.04,0,0.6,0.8,0,0,1\\n' > queries.csv
-  splitsum integrate queries.csv
-  printf 'brdf,masking,alpha,n_dot_v\\nphong,separable,1,0.1\\nphong,smith-exact,1,0.1\\n' > albedo.csv
-  splitsum integrate albedo.csv --kind dfg --out answers.csv")]
+#[command(after_help = after_help())]
 pub struct Arguments {
     /// The queries; see below for the columns.
     queries: PathBuf,
@@ -54,19 +28,57 @@ pub struct Arguments {
     /// has stands in its error columns.
     #[arg(long, value_name = "R", default_value_t = TOLERANCE.relative, value_parser = tolerance)]
     tolerance: f64,
-    /// Adds the limit of source document 0's printed estimator (shading only).
-    #[arg(long)]
-    seed0_literal: bool,
     /// Sets NaN, infinite and negative texels of environments to 0, with a warning, instead of refusing them.
     #[arg(long)]
     clamp_invalid: bool,
 }
 
-pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
-    if arguments.seed0_literal && arguments.kind != Kind::Shading {
-        let kind = arguments.kind.columns().name;
-        return Err(Failure::input(format!("--seed0-literal: --kind is {kind}; expected shading")));
+/// The columns of each kind, with the names that its cells may hold.
+fn after_help() -> String {
+    let models = MODELS.iter().map(|model| model.name());
+    let maskings = MaskingShadowing::ALL.iter().map(|(name, _)| *name);
+    let weights = WEIGHTS.iter().map(|weight| weight.name);
+    let [models, maskings, weights] = [either(models), either(maskings), either(weights)];
+    format!("\
+QUERIES.csv has a header and one query a line. The answer is the same table with columns added: each number with a bound of its
+absolute error. All rows are checked first; a fault is told as file:line:column and nothing is written.
+
+Kinds, their columns (any order; [optional]) and what is added (_r _g _b, then _error_r _error_g _error_b):
+  shading     environment,brdf,alpha,f0,nx,ny,nz,vx,vy,vz [masking,id]
+              specular        outgoing radiance of the specular term, Schlick's F from f0
+              specular_white  the same with F = 1
+              diffuse         of albedo 1, with 1 - F(v.h) inside the integral
+              lambert         of albedo 1, without: irradiance over pi
+  ladder      as shading, and [levels] -> reference, ladder_fresnel, ladder_masking, ladder_view, ladder_levels (the rungs
+              between the integral and the split sum), and those of albedo 1 from the diffuse integral to nine coefficients:
+              diffuse_fresnel_inside, diffuse_reference, diffuse_ladder_truncation, diffuse_ladder_clamp
+  dfg         brdf,alpha,n_dot_v [masking,id] -> f0_scale,f90_scale,albedo,error (the albedo is the sum: a white furnace)
+  prefilter   environment,brdf,alpha,rx,ry,rz [weight,masking,id] -> prefiltered (the split sum's first factor)
+  irradiance  environment,nx,ny,nz [id] -> irradiance (not divided by pi)
+  sh9         environment [id] -> l00,l1m1,l10,l11,l2m2,l2m1,l20,l21,l22 (y up, no Condon-Shortley sign)
+
+Cells: environment is builtin:NAME or an .hdr or .exr file (relative to QUERIES.csv; FILE.exr#NAME for a layer); brdf {models};
+alpha in [{ALPHA_MIN}, 1]; f0 one number or R:G:B in [0, 1]; n, v and r unit vectors within 1e-5, y up, v above the horizon of n;
+masking {maskings} (the first by default); weight {weights} (the first by default);
+id anything, passed on. Radiance is in the units of the map, looked up bilinearly.
+
+Examples:
+  printf 'environment,brdf,alpha,f0,nx,ny,nz,vx,vy,vz\\nbuiltin:sky,ggx,0.25,0.04,0,0.6,0.8,0,0,1\\n' > queries.csv
+  splitsum integrate queries.csv
+  printf 'brdf,masking,alpha,n_dot_v\\nphong,separable,1,0.1\\nphong,smith-exact,1,0.1\\n' > albedo.csv
+  splitsum integrate albedo.csv --kind dfg --out answers.csv")
+}
+
+/// "a, b or c".
+fn either<'n>(names: impl Iterator<Item = &'n str>) -> String {
+    let names: Vec<&str> = names.collect();
+    match &names[..] {
+        [first @ .., last] if !first.is_empty() => format!("{} or {last}", first.join(", ")),
+        _ => names.concat(),
     }
+}
+
+pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     if let Some(out) = &arguments.out {
         let folder = out.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
         if !folder.is_dir() {
@@ -85,7 +97,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
             .expect("the template is well-formed"),
     );
     let tolerance = Tolerance { relative: arguments.tolerance, ..TOLERANCE };
-    let answers = queries.answer(tolerance, arguments.seed0_literal, || bar.inc(1));
+    let answers = queries.answer(tolerance, || bar.inc(1));
     bar.finish_and_clear();
     if let Some(row) = answers.not_finite.first() {
         let (path, count) = (arguments.queries.display(), answers.not_finite.len());

@@ -108,8 +108,6 @@ pub struct Config {
     pub lights: Vec<Light>,
     /// Where each light was written.
     pub light_places: Vec<Place>,
-    /// Adds the table of what the source documents' slips cost (`slips`).
-    pub has_printed_slips: bool,
     /// Contact sheets are drawn.
     pub has_sheets: bool,
     /// `--set` texts that took part.
@@ -150,7 +148,6 @@ pub(super) const KEYS: &[&str] = &[
     "ladder",
     "precompute",
     "lights",
-    "printed_slips",
     "sheets",
 ];
 
@@ -272,11 +269,10 @@ impl Config {
                 Some(Err(fault)) => faults.add(&at(value), format!("orbit: {fault}; expected [yaw, pitch, distance]")),
                 None => {}
             },
-            "background" | "antialias" | "printed_slips" | "sheets" => match (raw, key) {
+            "background" | "antialias" | "sheets" => match (raw, key) {
                 (Raw::Boolean(is_set), "background") => self.background = is_set,
                 (Raw::Boolean(is_set), "antialias") => self.antialias = is_set,
-                (Raw::Boolean(is_set), "sheets") => self.has_sheets = is_set,
-                (Raw::Boolean(is_set), _) => self.has_printed_slips = is_set,
+                (Raw::Boolean(is_set), _) => self.has_sheets = is_set,
                 (raw, _) => faults.add(&at(value), format!("{key}: {raw} is not true or false")),
             },
             "reference" => self.read_reference(value, faults),

@@ -1,6 +1,6 @@
 //! Answering a table of queries, and the table of answers.
 
-use super::{Kind, Queries, Query, SEED0_LITERAL, rungs};
+use super::{Kind, Queries, Query, rungs};
 use crate::math::equirect_quadrature::EquirectQuadrature;
 use crate::math::quadrature::{Bounded, Estimate, Tolerance};
 use crate::math::spherical_harmonics::COUNT;
@@ -12,7 +12,6 @@ use crate::precompute::sh9::reference::project_bilinear_bounded;
 use crate::precompute::{PrecomputeSettings, exact_quadrature};
 use crate::shade::Method;
 use crate::shade::diffuse::ladder_clamp::truncated;
-use crate::shade::method::seed0_literal;
 use crate::shade::reference::integrate;
 use crate::shade::twin::Twin;
 use crate::table::csv::{Cell, to_text};
@@ -44,12 +43,8 @@ impl Queries {
     /// Answers every row, in parallel and in order. `done` is called after each, from any thread.
     ///
     /// `tolerance` does not apply to DFG pairs (5e-7) and SH9 (1e-9), which are quicker than their files.
-    /// `with_literal` adds what the printed estimator of source document 0 converges to, with separable masking.
-    pub fn answer(&self, tolerance: Tolerance, with_literal: bool, done: impl Fn() + Sync) -> Answers {
-        let (mut colors, numbers) = (self.kind.colors(), self.kind.columns().numbers);
-        if with_literal && self.kind == Kind::Shading {
-            colors.push(SEED0_LITERAL.to_owned());
-        }
+    pub fn answer(&self, tolerance: Tolerance, done: impl Fn() + Sync) -> Answers {
+        let (colors, numbers) = (self.kind.colors(), self.kind.columns().numbers);
         let color_columns = colors.iter().flat_map(|color| {
             ["", "error_"]
                 .iter()
@@ -74,8 +69,7 @@ impl Queries {
             let answered: Vec<Numbers> = members
                 .par_iter()
                 .map(|&row| {
-                    let numbers =
-                        answer(&self.queries[row], quadrature.as_ref(), sh9.as_ref(), tolerance, with_literal);
+                    let numbers = answer(&self.queries[row], quadrature.as_ref(), sh9.as_ref(), tolerance);
                     done();
                     numbers
                 })
@@ -100,17 +94,14 @@ fn answer(
     environment: Option<&EquirectQuadrature>,
     sh9: Option<&Estimate<COUNT>>,
     tolerance: Tolerance,
-    with_literal: bool,
 ) -> Numbers {
     let environment = || environment.expect("a query with an environment is answered with it");
     let (colors, judged) = match query {
         Query::Shading { surface, .. } => {
             let answer = integrate(environment(), surface, tolerance);
-            let literal = with_literal.then(|| seed0_literal::limit(environment(), surface, tolerance));
             // Those with F = 1 are what the integration judges itself by; the others are sums with the same parts.
-            let judged = [answer.specular_white, answer.diffuse].into_iter().chain(literal).collect();
-            let colors = [answer.specular, answer.specular_white, answer.diffuse_transmitted, answer.diffuse];
-            (colors.into_iter().chain(literal).collect(), judged)
+            let judged = vec![answer.specular_white, answer.diffuse];
+            (vec![answer.specular, answer.specular_white, answer.diffuse_transmitted, answer.diffuse], judged)
         }
         Query::Ladder { surface, levels, .. } => {
             let settings = PrecomputeSettings { prefilter_level_count: *levels, ..PrecomputeSettings::default() };

@@ -54,9 +54,6 @@ pub struct KindColumns {
     pub numbers: &'static [&'static str],
 }
 
-/// Added to the results of [`Kind::Shading`] when asked for.
-const SEED0_LITERAL: &str = "seed0_literal";
-
 impl Kind {
     /// Every kind.
     pub const ALL: &[Self] = &[Self::Shading, Self::Ladder, Self::Dfg, Self::Prefilter, Self::Irradiance, Self::Sh9];

@@ -10,19 +10,17 @@ use crate::run::frozen::EXPERIMENT_FILE;
 use crate::run::provenance::{EXPERIMENT_FOLDER, PROVENANCE_FILE, SET_FOLDER};
 use crate::run::sheets::{PUBLISHED_SIZE, sheet_files};
 use crate::run::store::{ANSWERS_FOLDER, TIMINGS_FOLDER};
-use crate::slips;
 use crate::study::finished::{FinishedError, provenance};
 use crate::table::markdown::{self, Align, MarkdownTable, inline, link_label, paragraph};
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
 /// Files of a run that are published beside its answers.
-const FILES: [&str; 9] = [
+const FILES: [&str; 8] = [
     EXPERIMENT_FILE,
     "environments.csv",
     "errors.csv",
     "steps.csv",
-    slips::FILE_NAME,
     COSTS_FILE,
     "timings.csv",
     "timing_ratios.csv",

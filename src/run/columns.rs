@@ -132,16 +132,6 @@ pub const IMAGES: &[Column] = &[
     column("error", "PNG of the relative error, in fixed colours."),
 ];
 
-/// Of `printed_slips.csv`.
-pub const SLIPS: &[Column] = &[
-    column("document", "Number of the source document."),
-    column("printed", "The formula as printed."),
-    column("right", "The right formula."),
-    column("quantity", "A quantity that both formulas give."),
-    column("printed_value", "The quantity by the printed formula; NaN where it gives no number."),
-    column("right_value", "The quantity by the right formula."),
-];
-
 /// Every table of a run: its file, the columns of its own, and which lists it takes columns from besides.
 pub const TABLES: &[(&str, &[Column], &str)] = &[
     (
@@ -163,5 +153,4 @@ pub const TABLES: &[(&str, &[Column], &str)] = &[
     ),
     ("environments.csv", ENVIRONMENTS, "One row an environment and clip, by their two axes."),
     ("images.csv", IMAGES, "One row a finished cell. Files stand in `images/`."),
-    ("printed_slips.csv", SLIPS, "One row a quantity. Only with `printed_slips = true`."),
 ];

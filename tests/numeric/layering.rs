@@ -18,7 +18,7 @@ const ROWS: &[&[&[&str]]] = &[
     &[&["precompute", "gbuffer", "shade", "tonemap"]],
     &[&["metrics"], &["table", "figure"]],
     &[&["bakes"], &["ladder"]],
-    &[&["pipeline"], &["oracle"], &["slips"], &["cost"]],
+    &[&["pipeline"], &["oracle"], &["cost"]],
     &[&["experiment", "run"]],
     &[&["study", "report"], &["view"]],
 ];

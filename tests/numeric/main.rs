@@ -30,7 +30,6 @@ mod robustness;
 mod run;
 mod scene;
 mod sequence;
-mod slips;
 mod study;
 mod table;
 mod tonemap;

@@ -12,7 +12,6 @@ use splitsum::pixels::{RgbImage, exr};
 use splitsum::precompute::dfg::reference::dfg;
 use splitsum::precompute::exact_quadrature;
 use splitsum::precompute::irradiance::reference::irradiance;
-use splitsum::shade::method::seed0_literal;
 use splitsum::shade::reference::{self, Surface, TOLERANCE};
 use std::f64::consts::{PI, TAU};
 use std::path::Path;
@@ -30,7 +29,6 @@ struct Golden {
     specular: DVec3,
     diffuse_transmitted: DVec3,
     diffuse: DVec3,
-    seed0_literal: DVec3,
 }
 
 fn golden_queries() -> Vec<Golden> {
@@ -54,7 +52,6 @@ fn golden_queries() -> Vec<Golden> {
             specular: vector(14),
             diffuse_transmitted: vector(17),
             diffuse: vector(20),
-            seed0_literal: vector(23),
         }
     });
     rows.collect()
@@ -86,14 +83,6 @@ fn golden_queries_are_met() {
             assert_close(&what, bounded.value, expected, QUERY_TOLERANCE);
             assert!(bounded.error.max_element() <= 2e-5 * expected.max_element(), "{what}: {bounded:?}");
         }
-        let white = Surface { f0: DVec3::ONE, ..golden.surface };
-        let literal = seed0_literal::limit(&environment, &white, TOLERANCE);
-        assert_close(
-            &format!("query {} seed_literal_F1", golden.id),
-            literal.value,
-            golden.seed0_literal,
-            QUERY_TOLERANCE,
-        );
         let irradiance = irradiance(&environment, golden.surface.n, TOLERANCE).value / PI;
         assert_close(&format!("query {} irradiance", golden.id), irradiance, golden.diffuse, QUERY_TOLERANCE);
     }

@@ -9,11 +9,10 @@ pub const SAMPLES_PER_SECOND: f64 = 60e6;
 const NS: f64 = 1e-9;
 
 /// A device's work: kind, ns a pixel, ns a sample.
-const DEVICE_NS: [(&str, f64, f64); 12] = [
+const DEVICE_NS: [(&str, f64, f64); 11] = [
     ("image", 120.0, 15.0),
     ("image split-sum", 250.0, 15.0),
     ("image none", 250.0, 15.0),
-    ("image seed0-literal", 120.0, 32.0),
     ("image reference", 120.0, 42.0),
     ("reference", 1500.0, 20.0),
     ("reference none", 1500.0, 28.0),

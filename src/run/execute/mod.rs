@@ -19,7 +19,6 @@ use crate::run::store::{CellRecord, FailureRecord, KeptCell, Store};
 use crate::run::tables::{self, CellResult, Results};
 use crate::run::timing::{self, TimingJob, TimingRecord};
 use crate::run::trace;
-use crate::slips;
 use crate::table::csv;
 use blake3::Hash;
 use std::collections::HashMap;
@@ -332,10 +331,6 @@ impl<'p> Run<'p> {
         }
         let (columns, rows) = environments::environments(self.plan);
         self.store.write_table("environments.csv", &columns, rows.into_iter().map(Ok))?;
-        if self.plan.config.has_printed_slips {
-            let (columns, rows) = slips::table();
-            self.store.write_table(slips::FILE_NAME, &columns, rows.into_iter().map(Ok))?;
-        }
         let (columns, rows) = images::index(self.plan, &self.results);
         let index = csv::to_text(&columns, rows.iter().map(Vec::as_slice));
         let path = self.store.dir().join("images.csv");

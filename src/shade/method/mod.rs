@@ -10,7 +10,6 @@ mod reference;
 mod sampled;
 mod sampled_unfiltered;
 mod sampled_vndf;
-pub mod seed0_literal;
 pub mod split_sum;
 mod split_sum_filament;
 mod split_sum_fitted;
@@ -71,7 +70,6 @@ pub static METHODS: &[Method] = &[
     sampled::METHOD,
     sampled_vndf::METHOD,
     sampled_unfiltered::METHOD,
-    seed0_literal::METHOD,
     split_sum::METHOD,
     split_sum_filament::METHOD,
     split_sum_frostbite::METHOD,

@@ -13,7 +13,6 @@ pub struct Shape {
     /// Distinct set values by index of `AXES`, in the order of the experiment.
     pub values: Vec<Vec<Value>>,
     pub has_timing: bool,
-    pub has_printed_slips: bool,
     pub has_ladder: bool,
     /// Name of the method that judges.
     pub reference_method: String,
@@ -40,7 +39,6 @@ impl Shape {
             None => Self {
                 values: set_only(values),
                 has_timing: !run.timings.is_empty(),
-                has_printed_slips: false,
                 has_ladder: false,
                 reference_method: run.text("/reference/method"),
                 judges_all_terms: true,
@@ -52,7 +50,6 @@ impl Shape {
         Self {
             values: set_only(values),
             has_timing: config.timing.is_some(),
-            has_printed_slips: config.has_printed_slips,
             has_ladder: config.ladder.is_some(),
             reference_method: config.reference.method.clone(),
             judges_all_terms: config.reference.terms == Terms::All,

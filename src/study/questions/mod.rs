@@ -62,7 +62,6 @@ questions! {
     equal_time,
     frame_time,
     table_cost,
-    printed_slips,
 }
 
 /// Sentences of a finding.
