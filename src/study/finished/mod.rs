@@ -103,8 +103,6 @@ pub struct Light {
     /// Luminance over the sphere and of the brightest texel.
     pub mean: f64,
     pub peak: f64,
-    /// log2 of peak over mean; nothing for a black environment.
-    pub range_stops: Option<f64>,
 }
 
 /// A finished run.

@@ -8,7 +8,7 @@ use crate::experiment::inputs::load_methods;
 use crate::experiment::value::Value;
 use crate::files::read_regular;
 use crate::metrics::BiasVariance;
-use crate::run::environments::{LUMINANCE_COLUMNS, RANGE_COLUMN};
+use crate::run::environments::LUMINANCE_COLUMNS;
 use crate::run::frozen::EXPERIMENT_FILE;
 use crate::run::provenance::{self, EXPERIMENT_FOLDER, PROVENANCE_FILE, ProvenanceError, SET_FOLDER};
 use crate::run::store::{StopReason, Store, StoreError, TIMINGS_FOLDER};
@@ -197,7 +197,6 @@ fn lights(mut table: TableRows) -> Result<Vec<Light>, FinishedError> {
             clip_log2: row.text("environment_clip_log2").unwrap_or_default().to_owned(),
             mean: row.number(LUMINANCE_COLUMNS[0])?,
             peak: row.number(LUMINANCE_COLUMNS[1])?,
-            range_stops: row.number(RANGE_COLUMN),
         })
     };
     let mut lights = Vec::new();

@@ -38,8 +38,6 @@ pub struct Row<'f> {
     pub copies: Vec<&'f str>,
     /// The cell's point with every axis unset that cannot reach its pixels, and equal lights written alike.
     pub point: Point,
-    /// log2 of peak over mean luminance of the environment.
-    pub range_stops: Option<f64>,
 }
 
 /// The images of one run.
@@ -367,8 +365,7 @@ fn distinct(run: &Finished) -> Vec<Row<'_>> {
             }
             None => {
                 places.insert(point.0.clone(), rows.len());
-                let range_stops = light.and_then(|light| light.range_stops);
-                rows.push(Row { cell, copies: Vec::new(), point, range_stops });
+                rows.push(Row { cell, copies: Vec::new(), point });
             }
         }
     }

@@ -39,15 +39,10 @@ pub const QUESTION: Question = Question {
 };
 
 pub(super) fn lacks(shape: &Shape) -> Option<&'static str> {
-    let has_counts = shape.is_swept(crate::experiment::axis::SAMPLES);
-    lacks_methods(shape).or_else(|| (!has_counts).then_some("axes.samples has fewer than two counts"))
-}
-
-/// What `axes.method` lacks for a comparison of a method that samples with one that does not.
-pub(super) fn lacks_methods(shape: &Shape) -> Option<&'static str> {
     match () {
         () if !shape.methods().any(|method| method.uses_samples) => Some("axes.method has no method that samples"),
         () if shape.methods().all(|method| method.uses_samples) => Some("axes.method has no method without samples"),
+        () if !shape.is_swept(SAMPLES) => Some("axes.samples has fewer than two counts"),
         () => None,
     }
 }

@@ -1,10 +1,8 @@
-//! Convergence, error, effects and sample counts of made-up runs whose answers are known.
+//! Convergence, error and effects of made-up runs whose answers are known.
 
-use super::paper::{F64, Made, column, finding, finished, numbers, only};
-use splitsum::brdf::{Ggx, MaskingShadowing};
+use super::paper::{F64, Made, column, finding, finished, numbers};
 use splitsum::experiment::axis::Point;
 use splitsum::experiment::value::Value;
-use splitsum::precompute::dfg::reference::dfg;
 use splitsum::study::questions::Finding;
 
 pub fn samples(point: &Point) -> Option<f64> {
@@ -25,7 +23,7 @@ pub const CURVES: &str = "method = [\"sampled\", \"split-sum\"]\nsamples = [1, 4
 #[test]
 fn one_case_is_one_case() {
     let run = finished(CURVES, |point| Some(Made::error(samples(point).map_or(0.3, |n| 4.0 / n))));
-    for name in ["break-even", "convergence", "error", "sample-count"] {
+    for name in ["break-even", "convergence", "error"] {
         let found = finding(&run, name);
         assert!(!found.sentence.contains("case") && !found.sentence.contains("median"), "{}", found.sentence);
     }
@@ -156,71 +154,26 @@ fn higher_scores_are_lower_errors() {
 }
 
 #[test]
-fn so_many_samples_are_held_against_the_split_sum_and_the_eye() {
-    let axes = "environment = [\"builtin:sky\", \"builtin:studio\"]\nbrdf = [\"ggx\", \"phong\"]\n\
-                method = [\"sampled\", \"split-sum\"]\nsamples = [10, 30, 40, 80]\npoint_set = [0, 1]\n";
-    let run = finished(axes, |point| {
-        let scale = if point.get("environment").text() == "builtin:sky" { 1.0 } else { 2.0 };
-        let luck = if point.get("brdf").text() == "ggx" { 1.0 } else { 4.0 };
-        let (error, flip) = match samples(point) {
-            Some(10.0) => (2.0, 0.2),
-            Some(30.0) => (0.5, 0.06),
-            Some(40.0) => (0.125, 0.04),
-            Some(_) => (0.1, 0.02),
-            None => return Some(Made { flip: 0.2, ..Made::error(scale) }),
-        };
-        let set = if *point.get("point_set") == Value::Count(0) { 1.5 } else { 1.0 / 1.5 };
-        Some(Made { flip, bias_variance: Some([0.25, 0.75]), ..Made::error(scale * luck * error * set) })
-    });
-    let found = finding(&run, "sample-count");
-    let (counts, ratios) = (numbers(&found.table, "samples"), numbers(&found.table, "ratio"));
-    let at = |n: f64| -> Vec<f64> {
-        let own = counts.iter().zip(&ratios).filter(|(count, _)| **count == n);
-        own.map(|(_, ratio)| *ratio).collect()
-    };
-    // Two environments of ggx and phong, whatever the scale: the geometric mean over both point sets.
-    let close = |a: &[f64], b: &[f64]| a.len() == b.len() && a.iter().zip(b).all(|(a, b)| (a - b).abs() < F64);
-    assert!(close(&at(40.0), &[0.125, 0.5, 0.125, 0.5]), "{:?}", at(40.0));
-    assert!(close(&at(30.0), &[0.5, 2.0, 0.5, 2.0]), "{:?}", at(30.0));
-    let visible: f64 = numbers(&found.table, "is_visible").iter().sum();
-    assert_eq!(visible, 8.0, "10 and 30 samples in four cases");
-    // The default of the axis is told. The geometric mean of 1/8 and 1/2 is 1/4.
-    assert!(found.sentence.starts_with("At **40 samples a pixel** `sampled` has 0.25 times"), "{}", found.sentence);
-    assert!(
-        found.sentence.contains("wins under 2 of 2 environments")
-            && found.sentence.contains("visible under 0 of 2 environments"),
-        "{}",
-        found.sentence
-    );
-    assert!(found.sentence.contains("25 % of its square error"), "{}", found.sentence);
-}
-
-#[test]
 fn a_change_of_sign_is_told_along_its_axis_and_not_averaged() {
-    let axes = "environment = [\"builtin:sky\", \"builtin:studio\"]\nmethod = [\"sampled\", \"split-sum\"]\nsamples = [40, 80]\n";
+    let axes = "environment = [\"builtin:sky\", \"builtin:studio\"]\nmethod = [\"sampled\"]\nlod_bias = [0, 1]\n";
     let ratios = [(0.05, 4.0), (0.1, 2.0), (0.25, 0.5), (0.5, 0.25)];
+    let biased =
+        |point: &Point, ratio: f64| Some(Made::error(if point.get("lod_bias").number() == 1.0 { ratio } else { 1.0 }));
     let run = finished(&format!("{axes}alpha = [0.05, 0.1, 0.25, 0.5]\n"), |point| {
-        let ratio = ratios.iter().find(|(alpha, _)| *alpha == point.get("alpha").number()).unwrap().1;
-        Some(Made::error(samples(point).map_or(1.0, |n| ratio * 40.0 / n)))
+        biased(point, ratios.iter().find(|(alpha, _)| *alpha == point.get("alpha").number()).unwrap().1)
     });
-    let found = finding(&run, "sample-count");
-    let told = "at alpha 0.25 (0.50) and 0.5 (0.25). It has more at alpha 0.05 (4.0) and 0.1 (2.0).";
+    let found = finding(&run, "effect");
+    let told = "at alpha 0.25 (0.50) and 0.5 (0.25), and more at 0.05 (4.0) and 0.1 (2.0).";
     assert!(found.sentence.contains(told), "{}", found.sentence);
-    // No row has a mean over all, so that no column is left of it.
-    assert!(found.digest.as_ref().unwrap().columns.iter().all(|name| name != "all"), "{:?}", digest(&found));
 
-    let run = finished(axes, |point| {
-        let ratio = if point.get("environment").text() == "builtin:sky" { 2.0 } else { 0.25 };
-        Some(Made::error(samples(point).map_or(1.0, |n| ratio * 40.0 / n)))
-    });
-    let found = finding(&run, "sample-count");
-    assert!(found.sentence.contains("studio (0.25). It has more at environment sky (2.0)."), "{}", found.sentence);
+    let by_light = |sky: f64, studio: f64| {
+        let of = |point: &Point| if point.get("environment").text() == "builtin:sky" { sky } else { studio };
+        finding(&finished(axes, |point| biased(point, of(point))), "effect")
+    };
+    let found = by_light(2.0, 0.25);
+    assert!(found.sentence.contains("studio (0.25), and more at sky (2.0)."), "{}", found.sentence);
     // Within 5 % of 1 nothing changes its sign.
-    let run = finished(axes, |point| {
-        let ratio = if point.get("environment").text() == "builtin:sky" { 1.02 } else { 0.5 };
-        Some(Made::error(samples(point).map_or(1.0, |n| ratio * 40.0 / n)))
-    });
-    assert!(!finding(&run, "sample-count").sentence.contains("more"));
+    assert!(!by_light(1.02, 0.5).sentence.contains("and more"));
 }
 
 #[test]
@@ -317,30 +270,4 @@ fn a_map_with_sizes_of_its_own_stands_beside_coefficients() {
         .map(|(_, ratio)| ratio)
         .collect();
     assert_eq!(methods, [0.25]);
-}
-
-/// The missing energy of a metal that reflects all is that of its albedo, (1 - E)², by another rule; the ratio divides by it.
-#[test]
-fn what_the_split_loses_stands_beside_what_the_model_loses() {
-    let text = "compensation = [\"turquin\"]\nf0 = [1, 0.04]\nalpha = [0.25, 1]\nmethod = [\"split-sum\", \"split-sum-parted\"]\n";
-    let run = finished(text, |_| Some(Made::error(0.5)));
-    let found = finding(&run, "split-or-energy");
-    let by_sum = |alpha: f64, f0: f64| {
-        let at = |i: u32| {
-            let pair = dfg(&Ggx, MaskingShadowing::default(), (f64::from(i) + 0.5) / 100.0, alpha);
-            let whole = pair.albedo() + f0 * (1.0 - pair.albedo());
-            (f0 * (1.0 - pair.albedo()) / whole).powi(2)
-        };
-        (0..100).map(at).sum::<f64>() / 100.0
-    };
-    for (alpha, f0) in [(0.25, 1.0), (1.0, 1.0), (1.0, 0.04)] {
-        let rows = only(&found.table, &[("alpha", &alpha.to_string()), ("f0", &f0.to_string())]);
-        let (missing, ratio) = (numbers(&rows, "missing_energy"), numbers(&rows, "ratio"));
-        let expected = by_sum(alpha, f0);
-        assert!(
-            missing.len() == 2 && missing.iter().all(|x| (x / expected - 1.0).abs() < 2e-3),
-            "{missing:?} {expected}"
-        );
-        assert!(ratio.iter().all(|ratio| (ratio * expected / 0.5 - 1.0).abs() < 2e-3), "{ratio:?}");
-    }
 }

@@ -9,7 +9,7 @@ use splitsum::experiment::axis::{AXES, METHOD, Point, index_of};
 use splitsum::experiment::value::Value;
 use splitsum::metrics::METRICS;
 use splitsum::run::tables::HEADLINE;
-use splitsum::study::finished::{Bin, Finished, FinishedCell, Light, MetricValues};
+use splitsum::study::finished::{Bin, Finished, FinishedCell, MetricValues};
 use splitsum::study::frame::Frame;
 use splitsum::study::questions::{Finding, question};
 use splitsum::study::table::{Table, shown};
@@ -163,13 +163,6 @@ impl Paper {
             ..cell_of(format!("{:04x}", self.run.cells.len()), point)
         });
         self.run.cells.last_mut().unwrap()
-    }
-
-    /// The light of builtin:sky clipped to this many stops.
-    pub fn clip(&mut self, clip: &str, stops: f64) {
-        let (environment, clip_log2) = ("builtin:sky".to_owned(), clip.to_owned());
-        let light = Light { environment, clip_log2, mean: 1.0, peak: stops.exp2(), range_stops: Some(stops) };
-        self.run.lights.push(light);
     }
 
     /// What the run lacks for a question.
