@@ -109,9 +109,6 @@ pub const RATIOS: &[Column] = &[
     column("ratio_lo", "Lower end of its 95 % interval; empty below six rounds."),
     column("ratio_hi", "Upper end of its 95 % interval."),
     column("rounds", "Rounds in which both were timed."),
-    column("verdict", "`FAST`, `SLOW`, `SAME` (within 2 %) or `AMBIGUOUS`, of `sampled`."),
-    column("fixed_tables_ms", "Time of the tables of `fixed` beyond those of `sampled`, ms, once."),
-    column("payback_frames", "Frames after which the tables are paid back; empty where the ratio does not decide."),
     column("device", "Name of the device."),
     column("device_type", "`cpu` for a software driver: its times say nothing about a GPU."),
 ];

@@ -57,8 +57,6 @@ const RESAMPLE_SEED: u64 = 1;
 /// Fewer samples than this have no 95 % interval of their median, whatever is computed from them: the widest one there is, from the
 /// smallest to the largest, misses the median when all samples fall on one side of it, which happens with probability 2 0.5^n > 0.05.
 pub const INTERVAL_SAMPLES_MIN: usize = 6;
-/// Stands where there are fewer.
-pub const TOO_FEW_ROUNDS: &str = "too few rounds for an interval";
 /// How often an interval holds the truth.
 pub const COVERAGE: f64 = 0.95;
 

@@ -7,7 +7,7 @@ use super::host::UNKNOWN;
 use super::statistics::median;
 use super::store::{BinRecord, FailureRecord, KeptCell, ReferenceStop, Scores, StepRecord, Store, StoreError};
 use super::timing::{Key, TimingRecord, summarize, swept_axes};
-use super::timing_ratios::{Ratio, TableCost, ratios};
+use super::timing_ratios::{Ratio, ratios};
 use crate::experiment::axis::named::{columns, fields};
 use crate::experiment::axis::{AXES, METHOD, SAMPLES, SIZE};
 use crate::experiment::plan::{Cell, Plan};
@@ -170,36 +170,27 @@ pub fn timings(records: &[TimingRecord]) -> Rows {
     (columns, rows)
 }
 
-/// `timing_ratios.csv`: one row for each pair of methods that was timed in the same rounds ([`ratios`]; both at `samples` where both draw some)
-/// and set of tables behind them.
+/// `timing_ratios.csv`: one row for each pair of methods that was timed in the same rounds ([`ratios`]).
 pub fn timing_ratios(records: &[TimingRecord]) -> Rows {
-    let pairs = ratios(records);
-    let frames = AXES.iter().filter(|axis| axis.frames_cost && !axis.is_compared);
-    let axes =
-        ratio_axes(&pairs, &std::iter::once(&AXES[SIZE]).chain(frames).map(|axis| axis.name).collect::<Vec<_>>());
+    let pairs: Vec<(Ratio, Key)> = ratios(records).into_iter().map(|pair| (pair.clone(), pair.key())).collect();
+    let named = AXES.iter().filter(|axis| axis.frames_cost && !axis.is_compared).map(|axis| axis.name);
+    let mut axes: Vec<&str> = std::iter::once(AXES[SIZE].name).chain(named).collect();
+    let swept = swept_axes(pairs.iter().map(|(_, key)| key));
+    axes.extend(swept.into_iter().filter(|name| !axes.contains(name)).collect::<Vec<_>>());
     let (before, after) = RATIOS.split_at(1);
     let columns = names_of(before).chain(axes.iter().map(|name| name.to_string())).chain(names_of(after)).collect();
-    let row = |pair: &Ratio, tables: &TableCost| {
-        let text = |key: &Key, axis: &str| text_field(key.get(axis).map_or("", String::as_str));
+    let row = |(pair, key): &(Ratio, Key)| {
         let [width, height] = pair.sampled.environment_size;
         let mut row = vec![Field::Text(format!("{width}x{height}"))];
-        row.extend(axes.iter().map(|axis| text(&tables.key, axis)));
+        row.extend(axes.iter().map(|axis| text_field(key.get(*axis).map_or("", String::as_str))));
         row.extend([METHOD, SAMPLES].map(|axis| text_field(pair.sampled.value(axis))));
         row.push(text_field(pair.fixed.value(METHOD)));
         row.extend([pair.ratio, pair.interval[0], pair.interval[1]].map(finite));
-        row.extend([Field::Integer(pair.rounds as u64), Field::Text(pair.verdict.to_string())]);
-        row.extend([finite(tables.ms), tables.payback.frames().into()]);
+        row.push(Field::Integer(pair.rounds as u64));
         row.extend([&pair.sampled.device, &pair.sampled.device_type].map(|text| Field::from(text.as_str())));
         row
     };
-    let rows = pairs.iter().flat_map(|pair| pair.tables.iter().map(|tables| row(pair, tables)).collect::<Vec<_>>());
-    (columns, rows.collect())
-}
-
-/// The axes that tell rows of ratios apart: the `named` ones, and all others that are swept.
-pub fn ratio_axes(pairs: &[Ratio], named: &[&'static str]) -> Vec<&'static str> {
-    let swept = swept_axes(pairs.iter().flat_map(|pair| &pair.tables).map(|tables| &tables.key));
-    named.iter().copied().chain(swept.into_iter().filter(|name| !named.contains(name))).collect()
+    (columns, pairs.iter().map(row).collect())
 }
 
 /// A number, or nothing where it is not defined.

@@ -2,12 +2,10 @@
 //!
 //! Every question is answered from a frame. A row is one distinct linear image at one tone curve. Statistics are in [`estimate`].
 
-pub mod band;
 pub mod curve;
 pub mod estimate;
 pub mod line;
 mod shape;
-pub mod times;
 
 pub use shape::Shape;
 

@@ -32,10 +32,9 @@ pub const QUESTION: Question = Question {
         column("fixed_error", "Error of the method without samples, in the metric of the question."),
         column("is_resolved", "1 where both errors at the break-even stand clear of the reference's noise, else 0."),
     ],
-    uses_times: false,
-    uses_costs: false,
     lacks,
     answer,
+    ..Question::PLAIN
 };
 
 pub(super) fn lacks(shape: &Shape) -> Option<&'static str> {

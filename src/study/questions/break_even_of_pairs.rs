@@ -25,10 +25,9 @@ pub const QUESTION: Question = Question {
         column("break_even_hi", UPPER),
         column("largest_tried", "Largest tried sample count."),
     ],
-    uses_times: false,
-    uses_costs: false,
     lacks,
     answer,
+    ..Question::PLAIN
 };
 
 fn lacks(shape: &Shape) -> Option<&'static str> {

@@ -28,10 +28,9 @@ pub const QUESTION: Question = Question {
             "Count from which on twice the samples take off less than 10 %; empty where it falls to the end.",
         ),
     ],
-    uses_times: false,
-    uses_costs: false,
     lacks,
     answer,
+    ..Question::PLAIN
 };
 
 /// A doubling of the samples that takes off less than this part of the error is no fall.

@@ -18,10 +18,9 @@ pub const QUESTION: Question = Question {
         column("ratio", "Error over that of the base; below 1 the value is closer to the reference."),
         column("is_resolved", "1 where an error of the two stands clear of the reference's noise, else 0."),
     ],
-    uses_times: false,
-    uses_costs: false,
     lacks,
     answer,
+    ..Question::PLAIN
 };
 
 /// Ways to make the image of a case.

@@ -23,10 +23,9 @@ pub const QUESTION: Question = Question {
         column("most_n_dot_v_from", "Least n·v of that bin."),
         column("most_n_dot_v_to", "Largest n·v of that bin."),
     ],
-    uses_times: false,
-    uses_costs: false,
     lacks,
     answer,
+    ..Question::PLAIN
 };
 
 /// The metric of the change.

@@ -21,10 +21,9 @@ pub const QUESTION: Question = Question {
             "Root mean square error in percent of the reference; empty where the metric is no mean square.",
         ),
     ],
-    uses_times: false,
-    uses_costs: false,
     lacks,
     answer,
+    ..Question::PLAIN
 };
 
 fn lacks(shape: &Shape) -> Option<&'static str> {

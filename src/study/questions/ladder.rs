@@ -40,10 +40,9 @@ pub const QUESTION: Question = Question {
         ),
         column("step_error", "Standard error of the step over the step: see `steps.csv`."),
     ],
-    uses_times: false,
-    uses_costs: false,
     lacks,
     answer,
+    ..Question::PLAIN
 };
 
 fn lacks(shape: &Shape) -> Option<&'static str> {

@@ -27,13 +27,8 @@ const BIAS_SHARE: Column = column(
     "bias_share",
     "Squared bias over mean square error; as an unbiased estimate it may fall below 0. Empty without [bias_variance].",
 );
-const MAP_SIZE: Column = column("environment_size", "Width and height of the environment's map.");
-const MS_HI: Column = column("ms_hi", UPPER);
 /// Of the second column of an interval.
 const UPPER: &str = "Upper end of that interval.";
-const DEVICE: Column = column("device", "The device that was timed.");
-const DEVICE_TYPE: Column = column("device_type", "Its type; times of a `cpu` say nothing about a GPU.");
-
 /// Declares the modules of the questions and lists them in this order.
 macro_rules! questions {
     ($($stem:ident),+ $(,)?) => {
@@ -56,9 +51,7 @@ questions! {
     n_dot_v,
     visibility,
     energy,
-    equal_time,
-    frame_time,
-    table_cost,
+    times,
 }
 
 /// Sentences of a finding.
@@ -79,8 +72,6 @@ pub struct Question {
     pub columns: &'static [Column],
     /// Whether the answer rests on measured times.
     pub uses_times: bool,
-    /// Whether it rests on costs by the model of compiled code.
-    pub uses_costs: bool,
     /// What an experiment lacks to serve it, as the end of the sentence "cannot be answered: ..."; `None` where it serves.
     pub lacks: fn(&Shape) -> Option<&'static str>,
     /// The answer; nothing while no finished cell tells.
@@ -88,6 +79,16 @@ pub struct Question {
 }
 
 impl Question {
+    /// What most questions have in common.
+    const PLAIN: Self = Self {
+        name: "",
+        asks: "",
+        columns: &[],
+        uses_times: false,
+        lacks: |_| None,
+        answer: |_| None,
+    };
+
     /// Whether the answer rests on times of a driver that computes on the CPU: it says nothing about a GPU.
     pub fn rests_on_cpu_times(&self, frame: &Frame) -> bool {
         self.uses_times && frame.run.is_cpu_timed()

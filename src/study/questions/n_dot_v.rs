@@ -20,10 +20,9 @@ pub const QUESTION: Question = Question {
         column("error_lo", "Lower end of its 95 % interval over environments; empty below six environments."),
         column("error_hi", super::UPPER),
     ],
-    uses_times: false,
-    uses_costs: false,
     lacks,
     answer,
+    ..Question::PLAIN
 };
 
 fn lacks(shape: &Shape) -> Option<&'static str> {

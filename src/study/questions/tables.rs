@@ -36,10 +36,9 @@ pub const QUESTION: Question = Question {
         column("texels", "Texels of all levels and faces of the tables that the combination sizes."),
         column("is_resolved", "1 where the error stands clear of the reference's noise, else 0."),
     ],
-    uses_times: false,
-    uses_costs: false,
     lacks,
     answer,
+    ..Question::PLAIN
 };
 
 /// Tables that err by at most this share of the split's own mean square error are enough: they add 5 % to it at most.

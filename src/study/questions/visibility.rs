@@ -17,10 +17,9 @@ pub const QUESTION: Question = Question {
         column("visible_from", "Mean FLIP from which a difference is called visible, a convention of this project."),
         column("visible", "Under how many environments the median has at least that."),
     ],
-    uses_times: false,
-    uses_costs: false,
     lacks,
     answer,
+    ..Question::PLAIN
 };
 
 const DISPLAY: [usize; 2] = [EXPOSURE, CONTRAST];

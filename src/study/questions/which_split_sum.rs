@@ -17,10 +17,9 @@ pub const QUESTION: Question = Question {
         column("ratio", "Error over that of the base; below 1 the way is closer to the reference."),
         column("is_on_front", "1 where no way with as few lookups has a smaller mean ratio over all cases, else 0."),
     ],
-    uses_times: false,
-    uses_costs: false,
     lacks,
     answer,
+    ..Question::PLAIN
 };
 
 fn lacks(shape: &Shape) -> Option<&'static str> {

@@ -1,0 +1,205 @@
+//! What does a frame cost with each method, and what do the tables cost once?
+//!
+//! A time is a sum of passes in each round, the median over rounds, with the 95 % interval of that median (order statistics and resampling,
+//! none below six rounds). Methods that are compared were timed in the same rounds in changing order: the time of one over the time of
+//! another is the median of the ratios round by round, so a disturbed round disturbs both. It is not the quotient of the medians. The host's
+//! own time of the same submissions checks the sum.
+//!
+//! Passes that make tables run once for each map and model. Sets of tables made with other parameters are alternatives: their times are a
+//! range and never a sum.
+//!
+//! Times hold for the device that was timed. Times of a driver that computes on the CPU say nothing about a GPU.
+
+use super::prelude::*;
+use crate::run::timing::{FRAME, Key, PRECOMPUTE, TimingRecord, summarize, swept_axes};
+use crate::run::timing_ratios::{Ratio, ratios};
+use crate::study::table::shown;
+
+pub const QUESTION: Question = Question {
+    name: "times",
+    asks: "What does a frame cost with each method, and what do the tables cost once?",
+    columns: &[
+        column("phase", "`frame` for what each frame costs, `precompute` for tables that are made once."),
+        column("environment_size", "Width and height of the environment, texels."),
+        column("pass", "A pass that makes a table, or `all`: their sum, or the sum of a frame's passes."),
+        column("rounds", "Rounds that were timed."),
+        column("ms", "Time in milliseconds, the median over rounds."),
+        column("ms_lo", "Lower end of its 95 % interval; empty below six rounds."),
+        column("ms_hi", super::UPPER),
+        column("over", "A method timed in the same rounds, with its sample count; a row for each."),
+        column("ratio", "Time of the frame over this method's, the median of the ratios round by round."),
+        column("ratio_lo", "Lower end of its 95 % interval; empty below six rounds."),
+        column("ratio_hi", super::UPPER),
+        column("host_check", "`ok` if the passes sum to 50 to 105 % of the host's own time, else what is wrong."),
+        column("device", "The device that was timed."),
+        column("device_type", "Its type; times of a `cpu` say nothing about a GPU."),
+    ],
+    uses_times: true,
+    lacks: |shape| (!shape.has_timing).then_some("the experiment has no [timing]"),
+    answer,
+    ..Question::PLAIN
+};
+
+/// A set of passes that was timed.
+struct Timed<'f> {
+    record: &'f TimingRecord,
+    key: Key,
+    /// Sums of the passes, ms, one a round.
+    sums: Vec<f64>,
+}
+
+impl Timed<'_> {
+    fn text(&self, axis: usize) -> &str {
+        text(&self.key, axis)
+    }
+
+    fn median(&self) -> f64 {
+        summarize(&self.sums).median
+    }
+
+    /// The method, or the diffuse one if there is no specular term.
+    fn method(&self) -> &str {
+        method(&self.key)
+    }
+}
+
+fn text(key: &Key, axis: usize) -> &str {
+    key.get(AXES[axis].name).map_or("", String::as_str)
+}
+
+fn method(key: &Key) -> &str {
+    if text(key, METHOD) == NONE { text(key, DIFFUSE_METHOD) } else { text(key, METHOD) }
+}
+
+/// "sampled 40": how a timed frame is made.
+fn way(key: &Key) -> String {
+    format!("{} {}", method(key), text(key, SAMPLES)).trim_end().to_owned()
+}
+
+/// What a phase timed, methods without samples first.
+fn timed<'f>(frame: &Frame<'f>, phase: &str) -> Vec<Timed<'f>> {
+    let records = frame.run.timings.iter().filter(|record| record.phase == phase);
+    let timed = |record: &'f TimingRecord| Timed { record, key: record.key(), sums: record.sums_ms() };
+    let mut found: Vec<Timed> = records.map(timed).filter(|one| !one.sums.is_empty()).collect();
+    found.sort_by_key(|one| {
+        let samples = one.text(SAMPLES).parse::<u32>().unwrap_or(0);
+        (samples > 0, one.text(METHOD).to_owned(), samples, one.record.block.clone())
+    });
+    found
+}
+
+fn answer(frame: &Frame) -> Option<Finding> {
+    let [frames, sets] = [FRAME, PRECOMPUTE].map(|phase| timed(frame, phase));
+    let ratios = ratios(&frame.run.timings);
+    let swept = swept_axes(frames.iter().chain(&sets).map(|one| &one.key)).into_iter().filter_map(index_of);
+    let axes: Vec<usize> =
+        [METHOD, SAMPLES].into_iter().chain(swept.filter(|axis| ![METHOD, SAMPLES].contains(axis))).collect();
+    let mut table = Table::new(&axes, QUESTION.columns);
+    let mut row = |one: &Timed, pass: &str, ms: &[f64], ratio: Option<&Ratio>| {
+        let ([width, height], summary) = (one.record.environment_size, summarize(ms));
+        let mut row: Vec<Cell> = axes.iter().map(|axis| one.text(*axis).into()).collect();
+        row.extend(cells![one.record.phase.as_str(), format!("{width}x{height}"), pass, summary.n, summary.median]);
+        row.extend(ends(summary.interval));
+        row.extend(cells![ratio.map(|ratio| way(&ratio.fixed.key())), ratio.map(|ratio| ratio.ratio)]);
+        row.extend(ends(ratio.map_or([f64::NAN; 2], |ratio| ratio.interval)));
+        row.extend([one.record.wall_check(), &one.record.device, &one.record.device_type].map(Cell::from));
+        table.row(row);
+    };
+    for one in &frames {
+        let mut own = ratios.iter().filter(|ratio| std::ptr::eq(ratio.sampled, one.record)).peekable();
+        if own.peek().is_none() {
+            row(one, ALL, &one.sums, None);
+        }
+        own.for_each(|ratio| row(one, ALL, &one.sums, Some(ratio)));
+    }
+    for one in &sets {
+        row(one, ALL, &one.sums, None);
+        one.record.passes.iter().for_each(|pass| row(one, &pass.pass, &pass.ms, None));
+    }
+    let digest = digest(&frames, &sets, &ratios);
+    Some(Finding {
+        sentence: sentence(frame, &digest)?,
+        table,
+        figure: figure(frame, &frames, &axes),
+        digest: Some(digest),
+    })
+}
+
+/// The ends of an interval as cells; nothing below six rounds.
+fn ends(interval: [f64; 2]) -> [Cell; 2] {
+    interval.map(|end| Some(end).filter(|end| end.is_finite()).into())
+}
+
+/// One row a way to make a frame and a way that it was timed beside, with what the method's tables cost once.
+fn digest(frames: &[Timed], sets: &[Timed], ratios: &[Ratio]) -> Table {
+    let names = ["configurations", "ms a frame", "times as long", "as", "tables once, ms", "of which"];
+    let mut table = Table::with_names(std::iter::once(AXES[METHOD].name).chain(names));
+    for (name, own) in grouped(frames, |one| way(&one.key)) {
+        let ms = range(own.iter().map(|one| one.median()));
+        let beside = grouped(ratios.iter().filter(|ratio| way(&ratio.sampled.key()) == name), |r| way(&r.fixed.key()));
+        let times = beside.iter().map(|(base, own)| (Some(range(own.iter().map(|r| r.ratio))), Some(base.as_str())));
+        let times: Vec<_> = times.collect();
+        let tables: Vec<&Timed> = sets.iter().filter(|set| set.method() == own[0].method()).collect();
+        let all = (!tables.is_empty()).then(|| range(tables.iter().map(|set| set.median())));
+        for (times, base) in if times.is_empty() { vec![(None, None)] } else { times } {
+            let head = cells![name.as_str(), own.len(), ms.as_str(), times, base];
+            table.row([head, cells![all.as_deref(), passes(&tables)]].concat());
+        }
+    }
+    table.without_empty()
+}
+
+/// "mips 28 to 29, prefilter 265 to 287": by kind. The levels of a prefiltered map, "prefilter mip 2", count together.
+fn passes(tables: &[&Timed]) -> Option<String> {
+    let kind = |pass: &str| pass.split(' ').next().unwrap_or_default().to_owned();
+    let of_set = |set: &&Timed| {
+        let passes = grouped(&set.record.passes, |pass| kind(&pass.pass)).into_iter();
+        let sum = |own: Vec<_>| own.iter().map(|pass: &&crate::run::timing::PassSamples| median(&pass.ms)).sum::<f64>();
+        passes.map(|(kind, own)| (kind, sum(own))).collect::<Vec<_>>()
+    };
+    let kinds = grouped(tables.iter().flat_map(of_set), |(kind, _)| kind.clone());
+    let words = kinds.into_iter().map(|(kind, own)| format!("{kind} {}", range(own.into_iter().map(|(_, ms)| ms))));
+    Some(words.collect::<Vec<_>>().join(", ")).filter(|words| !words.is_empty())
+}
+
+/// The first way beside the last that was timed with it, the costliest, and the tables of the first.
+fn sentence(frame: &Frame, digest: &Table) -> Option<String> {
+    let place = |name: &str| digest.columns.iter().position(|column| column == name);
+    let text = |row: &[Cell], name: &str| place(name).map_or_else(String::new, |column| shown(&row[column]));
+    let base = digest.rows.iter().find(|row| shown(&row[0]) != NONE)?;
+    let (name, ms, on) = (shown(&base[0]), text(base, "ms a frame"), frame.cpu_words());
+    let frames = match digest.rows.iter().rfind(|row| text(row, "as") == name) {
+        None => format!("A frame of `{name}` takes {ms} ms{on}."),
+        Some(last) => {
+            let [other, times, other_ms] = [AXES[METHOD].name, "times as long", "ms a frame"].map(|name| text(last, name));
+            format!("A frame of `{other}` takes {times} times as long as one of `{name}`{on}: {other_ms} ms beside {ms} ms.")
+        }
+    };
+    Some(match text(base, "tables once, ms") {
+        none if none.is_empty() => frames,
+        once => format!("{frames} The tables of `{name}` cost {once} ms once for each map and model."),
+    })
+}
+
+/// One bar a configuration.
+fn figure(frame: &Frame, frames: &[Timed], axes: &[usize]) -> Option<Figure> {
+    let name = |one: &Timed| {
+        let rest = axes.iter().filter(|axis| ![METHOD, SAMPLES].contains(axis)).map(|axis| one.text(*axis).to_owned());
+        let words = std::iter::once(way(&one.key)).chain(rest).filter(|word| !word.is_empty());
+        words.collect::<Vec<_>>().join(" · ")
+    };
+    let bar = |(y, one): (usize, &Timed)| {
+        let shape = Form::HorizontalBar { y: y as f64, base: 0.0, to: one.median() };
+        Mark::new(shape, 0).tip(format!("{}: {} ms", name(one), number(one.median()))).cell(&one.record.cell)
+    };
+    let first = frames.first()?;
+    Chart {
+        title: "Time of a frame",
+        note: format!("median over {} rounds, {}{}", first.sums.len(), first.record.device, frame.cpu_words()),
+        x: Along::Linear("ms"),
+        y: Along::Steps("", frames.iter().map(name).collect()),
+        panels: vec![(String::new(), frames.iter().enumerate().map(bar).collect())],
+        series: vec!["frame".to_owned()],
+    }
+    .figure()
+}
