@@ -153,7 +153,7 @@ need "the build" build
 built=$(date +%s)
 need "Vulkan devices" require_device cargo run --release --locked --quiet --features view --
 need "the list of test binaries" list_binaries
-said=$(target/release/splitsum cost --method split-sum --samples 1 2>&1 >/dev/null) ||
+said=$(target/release/splitsum cost --method split-sum 2>&1 >/dev/null) ||
     note "skipped compiling every pipeline for AMD GPUs ($said)"
 
 # `numeric` takes the processor time that the others leave.

@@ -6,9 +6,6 @@
 //!
 //! Keys in square brackets, such as those of the formulas' sources, stand for:
 //!
-//! - AmdCards22: AMD, specifications of Radeon RX Vega 64, RX 5700 XT, RX 6800 XT and RX 7900 XTX, amd.com, 2017 to 2022.
-//! - AmdRdna19: AMD, "RDNA Architecture", presentation, gpuopen.com, 2019.
-//! - AmdRdnaPaper19: AMD, "Introducing RDNA Architecture", white paper, 2019.
 //! - Andersson20: P. Andersson, J. Nilsson, T. Akenine-Möller, M. Oskarsson, K. Åström and M. D. Fairchild, "FLIP: A Difference
 //!   Evaluator for Alternating Images", Proc. ACM on Computer Graphics and Interactive Techniques 3(2), 2020.
 //! - BT709: Recommendation ITU-R BT.709-6, "Parameter values for the HDTV standards for production and international programme
@@ -67,7 +64,6 @@
 //! - Lagarde14: S. Lagarde and C. de Rousiers, "Moving Frostbite to Physically Based Rendering 3.0", SIGGRAPH 2014 course notes.
 //! - Lam85: K. M. Lam, "Metamerism and Colour Constancy", doctoral thesis, University of Bradford, 1985.
 //! - LlvmAmdgpu20: LLVM, scheduling model of the AMDGPU target (`SISchedule.td`), 2020.
-//! - Lottes16: T. Lottes, "Understanding Memory Coalescing on GCN", gpuopen.com, 2016.
 //! - Malley88: T. J. V. Malley, "A Shading Method for Computer Generated Images", master's thesis, University of Utah, 1988.
 //! - MansonSloan16: J. Manson and P.-P. Sloan, "Fast Filtering of Reflection Probes", Computer Graphics Forum 35(4), 2016.
 //! - Mikkelsen08: M. S. Mikkelsen, "Simulation of Wrinkled Surfaces Revisited", master's thesis, University of Copenhagen, 2008.
@@ -77,7 +73,6 @@
 //! - Preetham99: A. J. Preetham, P. Shirley and B. Smits, "A Practical Analytic Model for Daylight", SIGGRAPH 99.
 //! - Ramamoorthi01: R. Ramamoorthi and P. Hanrahan, "An Efficient Representation for Irradiance Environment Maps", SIGGRAPH 2001.
 //! - Roberts18: M. Roberts, "The Unreasonable Effectiveness of Quasirandom Sequences", extremelearning.com.au, 2018.
-//! - RocmProfiler25: AMD, "ROCm Compute Profiler: Workgroup processor (WGP)", rocm.docs.amd.com, 2025.
 //! - Roughton24: T. Roughton, P.-P. Sloan, A. Silvennoinen, M. Iwanicki and P. Shirley, "ZH3: Quadratic Zonal Harmonics", Proc. ACM on
 //!   Computer Graphics and Interactive Techniques 7(1), 2024.
 //! - Rousselle11: F. Rousselle, C. Knaus and M. Zwicker, "Adaptive Sampling and Reconstruction using Greedy Error Minimization", ACM
@@ -94,7 +89,6 @@
 //! - Steele14: G. L. Steele, D. Lea and C. H. Flood, "Fast Splittable Pseudorandom Number Generators", OOPSLA 2014.
 //! - Turquin19: E. Turquin, "Practical Multiple Scattering Compensation for Microfacet Models", technical report, Industrial Light & Magic,
 //!   2019.
-//! - Valve22: Valve, "Steam Deck: Tech Specs", steamdeck.com, 2022.
 //! - VeachGuibas95: E. Veach and L. J. Guibas, "Optimally Combining Sampling Techniques for Monte Carlo Rendering", SIGGRAPH 95.
 //! - Vegdahl21: N. Vegdahl, "Building a Better LK Hash", psychopath.io, 2021.
 //! - Vulkan13: The Khronos Group, "Vulkan 1.3, A Specification", 2022.

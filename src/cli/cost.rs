@@ -4,34 +4,28 @@ use super::flags::SweptFlags;
 use super::{Failure, print, tell};
 use clap::{ArgMatches, Args, Command, FromArgMatches};
 use splitsum::cost::child::{CompileFault, Compiler, Job, available, serve};
-use splitsum::cost::family::{FAMILIES, Family, Texel, family_by_name};
+use splitsum::cost::family::{FAMILIES, Family, family_by_name};
 use splitsum::cost::isa::Counts;
-use splitsum::cost::model::passes;
-use splitsum::experiment::axis::{AXES, BRDF, METHOD, Point, SAMPLES};
+use splitsum::cost::pass::passes;
+use splitsum::cost::table::{Shaded, csv, markdown};
+use splitsum::experiment::axis::{AXES, BRDF, METHOD, Point};
 use splitsum::experiment::value::{Kind, Value};
-use splitsum::figure::svg::{WIDTHS, svg};
 use splitsum::shade::{FILE_PREFIX, METHODS, own};
 use splitsum::spelling::suggestion;
-use splitsum::study::cost::{Costs, Shaded};
 use std::path::{Path, PathBuf};
 
-/// Samples a pixel, where none are asked for.
-const SAMPLE_COUNTS: [u32; 3] = [1, 8, 64];
 /// Every family.
 const ALL: &str = "all";
 
-/// Bounds what the specular pass would cost on AMD GPUs that are not here, by a model of its compiled code.
+/// Counts instructions, registers and lookups of the specular pass as compiled for AMD GPUs you don't own.
 #[derive(Args, Debug)]
 #[command(after_help = after_help())]
 pub struct Arguments {
-    /// Families of GPUs after commas, or all; the newest that the installed Mesa has when left out. The end of this help lists them.
+    /// Families of GPUs after commas, or all, listed below [default: the newest that the installed Mesa has].
     #[arg(long, value_name = "NAME", value_delimiter = ',', value_parser = family)]
     family: Vec<Asked>,
-    /// How the maps' texels are stored: rgba16f or rgba32f. The code is the same, the texture unit's rate is not.
-    #[arg(long, value_name = "FORMAT", default_value = Texel::ALL[0].0, value_parser = texel)]
-    texel: (&'static str, Texel),
-    /// The folder to write; it is made where it is missing.
-    #[arg(long, value_name = "DIR")]
+    /// Write all counts to FILE as CSV.
+    #[arg(long, value_name = "FILE.csv")]
     out: Option<PathBuf>,
     #[command(flatten)]
     compiled: CompiledFlags,
@@ -48,14 +42,11 @@ struct CompiledFlags(SweptFlags);
 impl Args for CompiledFlags {
     fn augment_args(command: Command) -> Command {
         let methods = leading();
-        let is_told = |axis| [METHOD, SAMPLES].contains(&axis) || changes_code(axis, &[], &methods);
-        let counts = SAMPLE_COUNTS.map(|count| count.to_string()).join(",");
+        let is_told = |axis| axis == METHOD || changes_code(axis, &[], &methods);
         let methods = methods.iter().map(Value::to_string).collect::<Vec<_>>().join(",");
-        SweptFlags::augment(command, is_told)
-            .mut_arg(AXES[METHOD].name, |arg| {
-                arg.help(format!("Methods, or all [`splitsum list methods`; default {methods}]"))
-            })
-            .mut_arg(AXES[SAMPLES].name, |arg| arg.help(format!("Samples a pixel [default {counts}]")))
+        SweptFlags::augment(command, is_told).mut_arg(AXES[METHOD].name, |arg| {
+            arg.help(format!("Methods, or all [`splitsum list methods`; default {methods}]"))
+        })
     }
 
     fn augment_args_for_update(command: Command) -> Command {
@@ -74,27 +65,20 @@ impl FromArgMatches for CompiledFlags {
 }
 
 fn after_help() -> String {
-    let families = FAMILIES.iter().map(|family| {
-        let card = family.card;
-        format!("  {:8} {}, {} ({} GB/s)\n", family.name, family.generation.name, card.name, card.bandwidth)
-    });
+    let families =
+        FAMILIES.iter().map(|Family { name, generation, card, .. }| format!("  {name:8} {generation}, {card}\n"));
     format!(
         "\
 Mesa's RADV compiles the program's own shaders for GPUs that this machine does not have (Debian: apt-get install mesa-vulkan-drivers). The
-command counts their instructions inside and outside the loop over samples and bounds the cycles a pixel with published rates:
-  lower end   all units work at the same time; the busiest one counts; boost clock
-  upper end   one unit works at a time; all of them add up; game clock
-It is a model: nothing is executed and nothing is timed. Maps stay in caches and waves hide all latency; docs/cost.md has the constants
-with their sources.
+command counts their instructions inside and outside the loop over samples. Nothing is executed or timed.
 
-Families, each with the card that stands for it:
+Families, each with one of its cards:
 {}
-Every flag but --out and --texel takes several values after commas, or all; each combination is compiled.
---out DIR writes costs.csv (all numbers), cost.md (the tables that are printed) and cost.svg (both ends over N).
+Every flag but --out takes several values after commas, or all; each combination is compiled.
 
 Examples:
   splitsum cost
-  splitsum cost --method all --samples 1,2,4,8,16,32,64 --family all --out costs
+  splitsum cost --method all --family all --out costs.csv
   splitsum cost --method file:my.glsl,split-sum --masking all --compensation none,turquin --family navi21",
         families.collect::<String>()
     )
@@ -145,28 +129,16 @@ fn named<T>(text: &str, what: &str, found: Option<T>, known: &[&str]) -> Result<
 fn family(text: &str) -> Result<Asked, String> {
     let names: Vec<&str> = FAMILIES.iter().map(|family| family.name).chain([ALL]).collect();
     let found = if text == ALL { Some(None) } else { family_by_name(text).map(Some) };
-    named(text, "family of the model", found.map(Asked), &names)
-}
-
-fn texel(text: &str) -> Result<(&'static str, Texel), String> {
-    let names: Vec<&str> = Texel::ALL.iter().map(|(name, _)| *name).collect();
-    named(text, "texel format", Texel::ALL.iter().find(|(name, _)| *name == text).copied(), &names)
+    named(text, "family", found.map(Asked), &names)
 }
 
 pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
-    let costs = costs(arguments)?;
-    let text = costs.markdown();
+    let passes = compiled(arguments)?;
     if let Some(out) = &arguments.out {
-        let fault = |error| Failure::input(format!("--out: {}: {error}", out.display()));
-        std::fs::create_dir_all(out).map_err(fault)?;
-        let mut files = vec![("costs.csv", costs.csv()), ("cost.md", text.clone().into_bytes())];
-        match costs.figure() {
-            Some(figure) => files.push(("cost.svg", svg(&figure, WIDTHS[0]).into_bytes())),
-            None => tell("no cost.svg: it shows costs over sample counts; expected --samples with two or more"),
-        }
-        files.into_iter().try_for_each(|(name, bytes)| std::fs::write(out.join(name), bytes)).map_err(fault)?;
+        std::fs::write(out, csv(&passes))
+            .map_err(|error| Failure::input(format!("--out: {}: {error}", out.display())))?;
     }
-    print(&text)
+    print(&markdown(&passes))
 }
 
 /// Every combination of the given values, with the leading methods where none is given; the passes of equal code once.
@@ -196,14 +168,14 @@ fn asked(flags: &SweptFlags) -> Result<Vec<(Point, Job)>, Failure> {
         tell(&format!("left out: {}: no shading pass of their own", names(&left_out)));
     }
     points = shaded;
-    for (axis, values) in flags.0.iter().filter(|(axis, _)| ![METHOD, SAMPLES].contains(axis)) {
+    for (axis, values) in flags.0.iter().filter(|(axis, _)| *axis != METHOD) {
         let methods: Vec<Value> = points.iter().map(|point| point[METHOD].clone()).collect();
         if !changes_code(*axis, values, &methods) {
             let (name, methods) = (AXES[*axis].name.replace('_', "-"), names(&points));
             return Err(Failure::input(format!("--{name}: changes no code of {methods}; leave it out")));
         }
     }
-    for (axis, values) in flags.0.iter().filter(|(axis, _)| ![METHOD, SAMPLES].contains(axis)) {
+    for (axis, values) in flags.0.iter().filter(|(axis, _)| *axis != METHOD) {
         let with = |point: &Point, value: &Value| {
             let mut point = point.clone();
             point[*axis] = value.clone();
@@ -221,7 +193,7 @@ fn asked(flags: &SweptFlags) -> Result<Vec<(Point, Job)>, Failure> {
     Ok(asked)
 }
 
-fn costs(arguments: &Arguments) -> Result<Costs, Failure> {
+fn compiled(arguments: &Arguments) -> Result<Vec<Shaded>, Failure> {
     let flags = &arguments.compiled.0;
     let asked = asked(flags)?;
     let program = std::env::current_exe().map_err(Failure::failed)?;
@@ -237,19 +209,18 @@ fn costs(arguments: &Arguments) -> Result<Costs, Failure> {
             }
             if pass.counts.other_loops > 0 {
                 tell(&format!(
-                    "{}: '{}' has {} more loops; the model counts each once",
+                    "{}: '{}' has {} more loops; each counts once",
                     family.name, job.shader, pass.counts.other_loops
                 ));
             }
             let told = |axis: usize, values: &[Value]| hangs_on(point, axis, values);
-            let options =
-                flags.0.iter().filter(|(axis, values)| ![METHOD, SAMPLES, BRDF].contains(axis) && told(*axis, values));
+            let options = flags.0.iter().filter(|(axis, values)| ![METHOD, BRDF].contains(axis) && told(*axis, values));
             let options: Vec<String> =
                 options.map(|(axis, _)| format!("{}={}", AXES[*axis].name, point[*axis])).collect();
             let settings = point.settings();
             shaded.push(Shaded {
                 family,
-                compiler: compiler.clone(),
+                driver: compiler.driver.clone(),
                 method: method.name,
                 brdf: if told(BRDF, &[]) { settings.shading.brdf.name() } else { "" },
                 layout: settings.shading.precompute.layout.name,
@@ -259,11 +230,7 @@ fn costs(arguments: &Arguments) -> Result<Costs, Failure> {
             });
         }
     }
-    let counts = flags.get(SAMPLES).map(|values| values.iter().map(Value::count).collect());
-    let mut sample_counts: Vec<u32> = counts.unwrap_or_else(|| SAMPLE_COUNTS.to_vec());
-    sample_counts.sort_unstable();
-    sample_counts.dedup();
-    Ok(Costs { shaded, sample_counts, texel: arguments.texel })
+    Ok(shaded)
 }
 
 /// Those that are asked for, of those that the driver has; the newest one for none.

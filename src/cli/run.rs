@@ -4,10 +4,8 @@ use super::cache::CacheArguments;
 use super::progress::Terminal;
 use super::stop::{self, STOP};
 use super::subject::Subject;
-use super::{Failure, print, tell};
+use super::{Failure, print};
 use clap::Args;
-use splitsum::cost::child::{CompileFault, Job};
-use splitsum::cost::record::CostRecord;
 use splitsum::experiment::Plan;
 use splitsum::pipeline::{DeviceChoice, Options, Pipeline};
 use splitsum::report::page::{PageOptions, Told, write};
@@ -16,7 +14,7 @@ use splitsum::run::chunk::{PlanFile, run_chunk};
 use splitsum::run::store::{FailureRecord, Store};
 use splitsum::run::{Outcome, Progress, RenderFault, Renderer, RunError, RunOptions, run};
 use splitsum::study::finished::Finished;
-use splitsum::study::questions::{answers, question};
+use splitsum::study::questions::answers;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -137,9 +135,6 @@ fn begin(plan: &Plan) -> Result<Terminal, Failure> {
 
 /// Answers the questions of a run that has ended, prints the summary and writes the report; the result says which of its cells failed.
 pub fn conclude(plan: &Plan, outcome: &Outcome) -> Result<Option<Failure>, Failure> {
-    if plan.config.asks.iter().any(|(name, _)| question(name).is_some_and(|question| question.uses_costs)) {
-        model_costs(plan, &outcome.dir)?;
-    }
     let run = Finished::read(&outcome.dir).map_err(Failure::failed)?;
     let answers = answers(&run, None);
     let written = Written::new(&run, &answers).map_err(Failure::failed)?;
@@ -155,29 +150,6 @@ pub fn conclude(plan: &Plan, outcome: &Outcome) -> Result<Option<Failure>, Failu
         Store::at(&outcome.dir).mark_done(plan, &(told + &line)).map_err(RunError::from)?;
     }
     Ok(cells_failed(&outcome.failures, plan.cells.len()))
-}
-
-/// Compiles what the model of costs counts, where a compiler is there; without one the questions about costs have no answer.
-fn model_costs(plan: &Plan, dir: &Path) -> Result<(), Failure> {
-    let program = std::env::current_exe().map_err(Failure::failed)?;
-    let mut jobs: Vec<Job> = Vec::new();
-    for settings in
-        plan.cells.iter().map(|cell| cell.point.settings()).filter(|settings| settings.shading.method.has_pass())
-    {
-        for job in [settings.specular_job(), settings.prefilter_job()] {
-            if !jobs.contains(&job) {
-                jobs.push(job);
-            }
-        }
-    }
-    match CostRecord::compiled(&program, &jobs) {
-        Ok(record) => record.write(dir).map_err(Failure::failed),
-        Err(fault @ CompileFault::NoRadv { .. }) => {
-            tell(&format!("left out: what asks for modelled costs: {fault}"));
-            Ok(())
-        }
-        Err(fault) => Err(Failure::failed(fault)),
-    }
 }
 
 fn cells_failed(failures: &[FailureRecord], cell_count: usize) -> Option<Failure> {

@@ -23,16 +23,14 @@ pub struct Job {
     /// A permutation: a compute shader, or the fragment shader of a draw.
     pub shader: String,
     pub constants: Vec<u32>,
-    /// Bytes of memory that a dispatch streams a pixel.
-    pub streamed_bytes: f64,
     /// The SPIR-V of a method in a file, which the child does not have.
     pub code: Option<Vec<u32>>,
 }
 
 impl Job {
-    pub fn new(shader: String, constants: &[u32], streamed_bytes: f64) -> Self {
+    pub fn new(shader: String, constants: &[u32]) -> Self {
         let code = added_shader(&shader);
-        Self { shader, constants: constants.to_vec(), streamed_bytes, code }
+        Self { shader, constants: constants.to_vec(), code }
     }
 }
 
@@ -97,7 +95,7 @@ struct Answer {
     said: String,
 }
 
-/// The families of the model that the installed driver compiles for; an error where it has none.
+/// The families that the installed driver compiles for; an error where it has none.
 pub fn available(program: &Path) -> Result<Vec<(&'static Family, Compiler)>, CompileFault> {
     let (mut found, mut said) = (Vec::new(), String::new());
     for family in FAMILIES {

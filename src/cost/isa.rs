@@ -3,12 +3,11 @@
 //! The text is what RADV gives: labels `BBn:`, one instruction a line, `(then repeated k times)` for k more of the line before. A loop is
 //! the natural loop of a back edge; the loop over samples is the outermost one with a lookup in an image.
 
-use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::AddAssign;
 
 /// Instructions by the unit that executes them, for one lane of a wave.
-#[derive(Clone, Copy, Debug, Default, Deserialize, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Counts {
     /// Full-rate vector arithmetic. A dual-issued pair is one.
     pub alu: f64,
@@ -24,12 +23,10 @@ pub struct Counts {
     pub trilinear: f64,
     /// Bytes of buffer and shared memory.
     pub memory_bytes: f64,
-    /// Bytes that do not stay in caches. The assembly does not tell: who asks for a pass knows.
-    pub dram_bytes: f64,
 }
 
 /// A shader's counts.
-#[derive(Clone, Copy, Debug, Default, Deserialize, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ShaderCounts {
     /// Executed once a dispatch.
     pub outside: Counts,
@@ -49,21 +46,6 @@ pub struct IsaFault {
 }
 
 impl Counts {
-    /// The counts of `n` executions.
-    pub fn times(self, n: f64) -> Self {
-        let Self { alu, quarter, scalar, unfiltered, bilinear, trilinear, memory_bytes, dram_bytes } = self;
-        Self {
-            alu: n * alu,
-            quarter: n * quarter,
-            scalar: n * scalar,
-            unfiltered: n * unfiltered,
-            bilinear: n * bilinear,
-            trilinear: n * trilinear,
-            memory_bytes: n * memory_bytes,
-            dram_bytes: n * dram_bytes,
-        }
-    }
-
     /// Lookups in images, with or without a filter.
     fn lookups(&self) -> f64 {
         self.unfiltered + self.bilinear + self.trilinear
@@ -79,7 +61,6 @@ impl AddAssign for Counts {
         self.bilinear += other.bilinear;
         self.trilinear += other.trilinear;
         self.memory_bytes += other.memory_bytes;
-        self.dram_bytes += other.dram_bytes;
     }
 }
 
@@ -196,7 +177,7 @@ fn blocks(assembly: &str) -> Result<Vec<Block>, IsaFault> {
         } else if let Some(rest) = text.strip_prefix("(then repeated ") {
             let times = rest.split(' ').next().and_then(|times| times.parse::<u32>().ok());
             let (times, counts): (u32, Counts) = times.zip(last).ok_or_else(|| fault("expected a number of times"))?;
-            block.counts += counts.times(times.into());
+            (0..times).for_each(|_| block.counts += counts);
         } else {
             let mut words = text.split_whitespace();
             let mnemonic = words.next().unwrap_or_default();

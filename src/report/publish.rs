@@ -3,7 +3,6 @@
 use super::record::{ANSWER_FILE, AnswerRecord, WriteError};
 use super::summary::{SHEETS_FOLDER, bold, sheet_link, sheet_title};
 use super::write::SUMMARY_FILE;
-use crate::cost::record::COSTS_FILE;
 use crate::files::{TEXT_BYTES_MAX, read_text, relative};
 use crate::pixels::{PixelsError, png, write_atomically};
 use crate::run::frozen::EXPERIMENT_FILE;
@@ -16,16 +15,8 @@ use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
 /// Files of a run that are published beside its answers.
-const FILES: [&str; 8] = [
-    EXPERIMENT_FILE,
-    "environments.csv",
-    "errors.csv",
-    "steps.csv",
-    COSTS_FILE,
-    "timings.csv",
-    "timing_ratios.csv",
-    SUMMARY_FILE,
-];
+const FILES: [&str; 7] =
+    [EXPERIMENT_FILE, "environments.csv", "errors.csv", "steps.csv", "timings.csv", "timing_ratios.csv", SUMMARY_FILE];
 /// Larger files stay where they are: the folder is kept in git.
 const FILE_BYTES_MAX: u64 = 1 << 20;
 /// A larger contact sheet is shrunk further, bytes.

@@ -36,8 +36,8 @@ pub fn page() -> String {
         let _ = write!(text, "\n### answers/{}.csv\n\n{}\n\n", question.name, question.asks);
         text += &of_columns(question.columns);
     }
-    text += "\n## costs.csv\n\nOf `splitsum cost --out`, a model: one row a pass, card and sample count.\n\n";
-    text += &table(super::cost::columns().iter().map(|(name, about)| (name.as_str(), about.clone())));
+    text += "\n## Counts of compiled code\n\nOf `splitsum cost --out`: one row a pass and family.\n\n";
+    text += &table(crate::cost::table::columns().iter().map(|(name, about)| (name.as_str(), about.clone())));
     text
 }
 

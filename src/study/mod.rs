@@ -1,7 +1,6 @@
 //! What finished runs say: questions with their answers. Needs no device.
 
 pub mod columns;
-pub mod cost;
 pub mod finished;
 pub mod frame;
 pub mod questions;

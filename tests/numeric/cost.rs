@@ -1,9 +1,6 @@
-//! The counter of instructions on made texts, and the bounds on made counts.
+//! The counter of instructions on made texts.
 
-use splitsum::cost::family::{FAMILIES, STREAMED_BYTES, Texel};
 use splitsum::cost::isa::{Counts, ShaderCounts, count};
-use splitsum::cost::model::Pass;
-use splitsum::glsl::constants::POINTS_PER_DISPATCH;
 
 /// Instructions of every class, before, within and after a loop with a branch inside; the loop's exit lies in its middle.
 const MADE: &str = "\
@@ -78,99 +75,5 @@ fn what_is_no_instruction_is_a_fault_with_its_line() {
         [("BB0:\n hello world\n", 2), ("BB0:\n\n s_branch BB9\n", 3), ("BB0:\n (then repeated 2 times)\n", 2)]
     {
         assert_eq!(count(text).unwrap_err().line, line, "{text}");
-    }
-}
-
-#[test]
-fn the_bound_is_the_busiest_unit_and_their_sum() {
-    let pass = Pass { counts: made(), wave: 64, vector_registers: 24, waves: 16 };
-    let family = |name: &str| FAMILIES.iter().find(|family| family.name == name).unwrap();
-    // By hand, N = 10. GCN: ALU 3 + 20 of 64 lanes and 1 + 20 of 16; texture (1 + 10 (1 + 2) 2)/4; cache 24/64; scalar 51/64.
-    let (alu, scalar, texture, cache) = (23.0 / 64.0 + 21.0 / 16.0, 51.0 / 64.0, 61.0 / 4.0, 24.0 / 64.0);
-    let bound = pass.cycles(family("vega10"), Texel::Rgba16f, 10);
-    assert_eq!(bound.least, texture);
-    assert!((bound.most - (alu + scalar + texture + cache)).abs() < 1e-12);
-    assert_eq!(pass.busiest(family("vega10"), Texel::Rgba16f, 10), "texture");
-    // Wider texels cost twice the filter, and on RDNA between two and four times.
-    let bound = pass.cycles(family("navi21"), Texel::Rgba32f, 10);
-    assert_eq!(bound.least, 61.0 / 4.0);
-    assert!((bound.most - (23.0 / 64.0 + 21.0 / 16.0 + 51.0 / 128.0 + 121.0 / 4.0 + 24.0 / 128.0)).abs() < 1e-12);
-    // Quarter-rate work keeps GCN's ALU busy, runs beside RDNA's, and RDNA 3 may pair the rest.
-    let counts = Counts { alu: 64.0, quarter: 8.0, ..Counts::default() };
-    for (name, least) in [("vega10", 1.5), ("navi21", 1.0), ("gfx1100", 0.5)] {
-        let bound = pass.cycles_of(&counts, family(name), Texel::Rgba16f);
-        assert_eq!((bound.least, bound.most), (least, 1.5), "{name}");
-    }
-    // One sample on 8 compute units at 1600 MHz: the texture unit's (1 + 3) / 4 clocks a pixel.
-    let deck = family("vangogh");
-    let time = pass.cycles(deck, Texel::Rgba16f, 1).milliseconds(&deck.card);
-    assert!((time.least - 2_073_600.0 / (8.0 * 1.6e6)).abs() < 1e-12, "{time:?}");
-}
-
-/// By hand: 1920x1080 pixels of 80 bytes are 165.888 MB.
-#[test]
-fn memory_takes_its_bytes_over_its_bandwidth() {
-    let outside = Counts { dram_bytes: STREAMED_BYTES, ..Counts::default() };
-    let counts = ShaderCounts { outside, ..ShaderCounts::default() };
-    let pass = Pass { counts, wave: 64, vector_registers: 24, waves: 16 };
-    // MB that a cache of 128 or 96 MiB cannot hold, all of them, and GB/s.
-    let hand = [
-        ("vega10", 165.888, 483.8),
-        ("vangogh", 165.888, 88.0),
-        ("navi21", 165.888 - 134.217_728, 512.0),
-        ("gfx1100", 165.888 - 100.663_296, 960.0),
-    ];
-    for (name, least, bandwidth) in hand {
-        let family = FAMILIES.iter().find(|family| family.name == name).unwrap();
-        let bound = pass.cycles(family, Texel::Rgba16f, 1);
-        assert_eq!(pass.busiest(family, Texel::Rgba16f, 1), "memory");
-        let time = bound.milliseconds(&family.card);
-        let off = [time.least - least / bandwidth, time.most - 165.888 / bandwidth].map(f64::abs);
-        assert!(off[0] < 1e-12 && off[1] < 1e-12, "{name}: {time:?}");
-        // A second dispatch streams the pixels again; a sample more does not, and a pass without a loop has one dispatch.
-        let inside = Counts { alu: 1e-12, ..Counts::default() };
-        let looped = Pass { counts: ShaderCounts { inside, ..pass.counts }, ..pass.clone() };
-        let at = |pass: &Pass, n: u32| pass.cycles(family, Texel::Rgba16f, n).milliseconds(&family.card).most;
-        let [one, same, two] = [1, POINTS_PER_DISPATCH, POINTS_PER_DISPATCH + 1].map(|n| at(&looped, n));
-        assert!((same / one - 1.0).abs() < 1e-9 && (two / one - 2.0).abs() < 1e-9, "{name}");
-        assert_eq!(at(&pass, 1), at(&pass, POINTS_PER_DISPATCH + 1), "{name}");
-        // At one clock, memory alone costs the same at both ends, but for what the cache holds.
-        let one_clock = pass.cycles(&family.at_boost(), Texel::Rgba16f, 1);
-        assert!((one_clock.least / one_clock.most - least / 165.888).abs() < 1e-12, "{name}");
-    }
-}
-
-#[test]
-fn twice_the_samples_are_twice_the_loop() {
-    let pass = Pass { counts: made(), wave: 64, vector_registers: 24, waves: 16 };
-    for family in FAMILIES {
-        for n in (1..=POINTS_PER_DISPATCH / 2).filter(|n| n.is_power_of_two()) {
-            for end in [0, 1] {
-                let clocks = |counts: &Counts| family.clocks(counts, Texel::Rgba16f, 64, end);
-                let fixed = clocks(&pass.counts.outside);
-                let [once, twice] = [n, 2 * n].map(|n| clocks(&pass.executed(n)));
-                for ((fixed, once), twice) in fixed.iter().zip(once).zip(twice) {
-                    assert!(((twice - fixed) - 2.0 * (once - fixed)).abs() <= 1e-12 * twice, "{} {n}", family.name);
-                }
-            }
-        }
-        // A second dispatch sets every pixel up again.
-        let [one, two] = [1, 2].map(|dispatches| pass.executed(dispatches * POINTS_PER_DISPATCH));
-        assert_eq!(two, one.times(2.0));
-        let bound = pass.cycles(family, Texel::Rgba32f, 64);
-        assert!(bound.least < bound.most && bound.least > 0.0);
-    }
-}
-
-#[test]
-fn samples_at_equal_cost_are_where_the_ends_meet() {
-    let pass = Pass { counts: made(), wave: 64, vector_registers: 24, waves: 16 };
-    let family = FAMILIES.iter().find(|family| family.name == "vega10").unwrap();
-    let of = |n| pass.cycles(family, Texel::Rgba16f, n);
-    for n in [1, 7, 300] {
-        let [least, most] = pass.afforded(family, Texel::Rgba16f, of(n));
-        assert!(of(least).most <= of(n).least && of(n).least < of(least + 1).most, "{n}: {least}");
-        assert!(of(most).least <= of(n).most && of(n).most < of(most + 1).least, "{n}: {most}");
-        assert!(least < n && n <= most);
     }
 }

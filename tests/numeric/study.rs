@@ -2,7 +2,6 @@
 
 mod asked;
 mod break_even;
-mod equal_cost;
 mod estimate;
 mod figure;
 mod finished;

@@ -13,14 +13,13 @@ use super::value::{Kind, Value};
 use crate::bakes::given::{Given, OWN};
 use crate::brdf::Compensation;
 use crate::cost::child::Job;
-use crate::cost::model;
-use crate::cost::record::TEXEL;
 use crate::environment::Environment;
 use crate::environment::layout::{LAYOUTS, MapLayout, layout_by_name};
 use crate::pipeline::RenderRequest;
 use crate::precompute::PrefilterBy;
 use crate::precompute::dfg::DfgAxes;
 use crate::scene::{Camera, CameraKind, Light, MaterialOverride, Orbit, Scene};
+use crate::shade::pass::specular_shader;
 use crate::shade::{DIFFUSE, Diffuse, METHODS, Method, NONE, Shading, diffuse_by_name, method_by_name};
 use crate::tonemap::ToneCurve;
 use std::ops::{Index, IndexMut};
@@ -69,13 +68,7 @@ impl Settings {
     pub fn specular_job(&self) -> Job {
         let mut shading = self.shading;
         shading.precompute.dfg_axes = self.dfg_axes();
-        model::job(&shading)
-    }
-
-    /// The pass that makes its prefiltered map by samples.
-    pub fn prefilter_job(&self) -> Job {
-        let Shading { brdf, masking_shadowing, precompute, .. } = self.shading;
-        model::prefilter_job(precompute.layout, brdf, masking_shadowing, TEXEL)
+        Job::new(specular_shader(shading.precompute.layout, shading.method, shading.brdf), &shading.constants())
     }
 
     /// The request: `scene` with the settings' material, framed by the view's camera, with the tables that are `given`.

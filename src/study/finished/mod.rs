@@ -8,7 +8,6 @@ mod read;
 pub use notes::notes;
 pub use read::{FinishedError, provenance};
 
-use crate::cost::record::CostRecord;
 use crate::experiment::axis::{AXES, ENVIRONMENT, ENVIRONMENT_CLIP, ENVIRONMENT_SCALE, Point, SCENE};
 use crate::experiment::config::Config;
 use crate::experiment::value::Value;
@@ -120,8 +119,6 @@ pub struct Finished {
     pub lights: Vec<Light>,
     pub timings: Vec<TimingRecord>,
     pub failures: Vec<FailureRecord>,
-    /// What its passes cost by the model, where an experiment asked.
-    pub costs: Option<CostRecord>,
     /// Whether a run is at work in the folder: only the cells that are done are here.
     pub is_under_way: bool,
 }

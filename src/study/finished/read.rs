@@ -1,7 +1,6 @@
 //! A finished run from the files of its folder, published or not. The tables are parsed here and nowhere else.
 
 use super::{Bin, CellImages, Finished, FinishedCell, Light, MetricValues, StepRow, Stop, point_of};
-use crate::cost::record::COSTS_FILE;
 use crate::experiment::config::Config;
 use crate::experiment::fault::Faults;
 use crate::experiment::inputs::load_methods;
@@ -80,7 +79,6 @@ impl Finished {
             lights: table("environments.csv")?.map_or_else(|| Ok(Vec::new()), lights)?,
             timings: of_store(dir, TIMINGS_FOLDER, Store::timing)?,
             failures: of_store(dir, "failed", Store::failure)?,
-            costs: text(&dir.join(COSTS_FILE))?.and_then(|text| serde_json::from_str(&text).ok()),
             provenance,
             experiment,
             is_under_way,

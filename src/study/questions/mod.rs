@@ -40,7 +40,6 @@ macro_rules! questions {
 
 questions! {
     break_even,
-    equal_cost,
     break_even_of_pairs,
     convergence,
     error,
@@ -80,14 +79,7 @@ pub struct Question {
 
 impl Question {
     /// What most questions have in common.
-    const PLAIN: Self = Self {
-        name: "",
-        asks: "",
-        columns: &[],
-        uses_times: false,
-        lacks: |_| None,
-        answer: |_| None,
-    };
+    const PLAIN: Self = Self { name: "", asks: "", columns: &[], uses_times: false, lacks: |_| None, answer: |_| None };
 
     /// Whether the answer rests on times of a driver that computes on the CPU: it says nothing about a GPU.
     pub fn rests_on_cpu_times(&self, frame: &Frame) -> bool {

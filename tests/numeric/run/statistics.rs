@@ -2,7 +2,6 @@
 
 use splitsum::run::statistics::{INTERVAL_SAMPLES_MIN, Random, drift, median_interval, median_order, quantile};
 use splitsum::run::timing::summarize;
-use splitsum::run::timing_ratios::{Verdict, verdict};
 use std::f64::consts::LN_2;
 
 #[test]
@@ -96,15 +95,4 @@ fn an_order_is_a_permutation_and_all_are_equally_likely() {
     // Chi-square with 5 degrees of freedom: above 25.7 once in 10,000.
     let chi2: f64 = counts.values().map(|n| f64::from(n - 1000).powi(2) / 1000.0).sum();
     assert!(chi2 < 25.7, "{counts:?}");
-}
-
-#[test]
-fn a_verdict_needs_a_clear_interval_and_enough_rounds() {
-    assert_eq!(verdict([0.5, 0.9], 15), Verdict::Fast);
-    assert_eq!(verdict([1.1, 1.9], 15), Verdict::Slow);
-    assert_eq!(verdict([0.99, 1.01], 15), Verdict::Same);
-    assert_eq!(verdict([0.9, 1.01], 15), Verdict::Ambiguous);
-    assert_eq!(verdict([0.5, 0.9], INTERVAL_SAMPLES_MIN), Verdict::Fast);
-    assert_eq!(verdict([0.5, 0.9], INTERVAL_SAMPLES_MIN - 1), Verdict::Ambiguous);
-    assert_eq!(verdict([f64::NAN; 2], 15), Verdict::Ambiguous);
 }

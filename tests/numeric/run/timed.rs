@@ -39,10 +39,6 @@ fn timings_are_taken_once_a_configuration_and_kept() {
     for (i, row) in ratios.rows.iter().enumerate() {
         let n = samples[i].unwrap();
         assert!((ratio[i].unwrap() - (3.0 + n) / 4.0).abs() < 1e-12, "{row:?}");
-        let verdict = if n == 1.0 { "SAME" } else { "SLOW" };
-        assert_eq!(row[ratios.column("verdict").unwrap()], verdict, "{row:?}");
-        // The tables of both cost the same here, so they are paid at once; equal frames never pay.
-        assert_eq!(ratios.numbers("payback_frames").unwrap()[i], (n > 1.0).then_some(0.0));
     }
 
     // One event a pass and round, besides the names.
@@ -57,8 +53,6 @@ fn five_rounds_have_no_interval() {
     let plan = plan(&format!("{EXPERIMENT}[timing]\nwarmup = 1\nrounds = 5\n"));
     invoke(&plan, dir.path(), &log, usize::MAX).unwrap();
     let ratios = Table::read(&dir.path().join("timing_ratios.csv")).unwrap();
-    let verdict = ratios.column("verdict").unwrap();
-    assert!(ratios.rows.iter().all(|row| row[verdict] == "AMBIGUOUS"));
     let times = Table::read(&dir.path().join("timings.csv")).unwrap();
     for (table, names) in [(&ratios, ["ratio_lo", "ratio_hi"]), (&times, ["median_lo_ms", "median_hi_ms"])] {
         for name in names {
@@ -66,7 +60,7 @@ fn five_rounds_have_no_interval() {
         }
     }
     let summary = String::from_utf8(read(dir.path().join("summary.md"))).unwrap();
-    assert!(summary.contains("too few rounds for an interval") && !summary.contains("NaN"), "{summary}");
+    assert!(summary.contains("A frame of") && !summary.contains("NaN"), "{summary}");
 }
 
 #[test]

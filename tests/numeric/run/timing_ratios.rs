@@ -1,9 +1,9 @@
-//! Two methods timed together, and when tables have paid for themselves, of times that are known.
+//! Two methods timed together, of times that are known.
 
 use splitsum::run::store::Store;
 use splitsum::run::tables::timing_ratios;
 use splitsum::run::timing::TimingRecord;
-use splitsum::run::timing_ratios::{Payback, Verdict, ratios, verdict};
+use splitsum::run::timing_ratios::ratios;
 use splitsum::study::finished::Finished;
 use splitsum::table::csv::Table;
 use std::path::Path;
@@ -48,41 +48,16 @@ pub fn swept() -> Vec<TimingRecord> {
 }
 
 #[test]
-fn each_configuration_pays_for_its_own_tables() {
-    let records = swept();
-    let found = ratios(&records);
-    let costs = |sampled: &str, masking: &str| -> Vec<(String, f64, Option<f64>)> {
-        let is_it = |pair: &&splitsum::run::timing_ratios::Ratio| {
-            pair.sampled.axes["method"] == sampled
-                && pair.sampled.axes["samples"] == "40"
-                && pair.fixed.axes["method"] == "split-sum"
-                && pair.fixed.axes["masking"] == masking
-        };
-        let [pair] = found.iter().filter(is_it).collect::<Vec<_>>()[..] else { panic!("one pair of {sampled}") };
-        let cost = |t: &splitsum::run::timing_ratios::TableCost| {
-            (t.key["prefilter_sample_count"].clone(), t.ms, t.payback.frames())
-        };
-        pair.tables.iter().map(cost).collect()
-    };
-    // Frames of 6 against 2 ms pay 4 ms each; the mips are common.
-    let expected = |less: f64, more: f64| {
-        vec![("64".to_owned(), less, Some((less / 4.0).ceil())), ("1024".to_owned(), more, Some((more / 4.0).ceil()))]
-    };
-    assert_eq!(costs("sampled", "separable"), expected(38.0, 380.0));
-    assert_eq!(costs("sampled", "height-correlated"), expected(68.0, 752.0));
-    // A method without tables is one whose tables cost nothing; its frames take 2 ms more.
-    let unfiltered = costs("sampled-unfiltered", "separable");
-    assert!(unfiltered[0].1 == 40.0 && unfiltered[0].2 == Some(20.0), "{unfiltered:?}");
-
-    let (columns, rows) = timing_ratios(&records);
+fn a_pair_has_one_row_of_its_own() {
+    let (columns, rows) = timing_ratios(&swept());
     let key = |name: &str| columns.iter().position(|column| column == name).unwrap_or_else(|| panic!("no {name}"));
-    let keys =
-        ["environment_size", "size", "masking", "prefilter_sample_count", "sampled", "samples", "fixed"].map(key);
+    let keys = ["environment_size", "size", "masking", "sampled", "samples", "fixed"].map(key);
     let mut seen: Vec<String> =
         rows.iter().map(|row| format!("{:?}", keys.map(|column| row[column].clone()))).collect();
     seen.sort();
     seen.dedup();
-    assert_eq!((seen.len(), rows.len()), (14, 14), "one row a key");
+    // Per masking: three sampled frames over the split sum's, and two of one count.
+    assert_eq!((seen.len(), rows.len()), (2 * 4, 2 * 4), "one row a key");
     assert!(!columns.contains(&"storage_format".to_owned()), "one format only");
 }
 
@@ -94,8 +69,7 @@ fn two_methods_of_one_kind_are_compared_at_the_same_count() {
     assert_eq!(alike.len(), 2, "one a masking, at 40 samples only");
     for pair in alike {
         assert_eq!((pair.sampled.axes["method"].as_str(), pair.sampled.axes["samples"].as_str()), ("sampled", "40"));
-        assert_eq!((pair.ratio, pair.verdict.to_string().as_str()), (1.5, "SLOW"));
-        assert!(!pair.has_payback() && pair.tables.iter().all(|tables| tables.payback == Payback::NotAsked));
+        assert_eq!(pair.ratio, 1.5);
     }
     // Of two formats each is beside its own.
     let mut formats = Vec::new();
@@ -149,29 +123,4 @@ fn the_published_ratios_are_those_of_their_records() {
     made.rows.sort();
     rows.sort();
     assert_eq!((made.columns, made.rows), (published.columns, rows), "{name}");
-}
-
-#[test]
-fn tables_are_paid_only_where_the_ratio_is_decided() {
-    // A frame of 2 ms, tables of 30 ms.
-    let of = |ratio, interval, rounds| Payback::new(ratio, interval, rounds, 2.0, 30.0);
-    assert_eq!(of(2.0, [1.75, 2.5], 15), Payback::Frames { count: 15.0, interval: [10.0, 20.0] });
-    assert_eq!(of(2.0, [1.75, 2.5], 15).to_string(), "15 (10 to 20)");
-    assert_eq!(of(0.5, [0.4, 0.6], 15), Payback::Never);
-    for (ratio, interval, rounds, said, why) in [
-        (
-            1.2,
-            [0.9, 1.5],
-            15,
-            Verdict::Ambiguous,
-            "not decided: the interval of the ratio leaves open whose frames are faster",
-        ),
-        (2.0, [1.75, 2.5], 5, Verdict::Ambiguous, "not decided: too few rounds for an interval"),
-        (1.005, [1.0, 1.01], 15, Verdict::Same, "not decided: frames within 2 % of each other"),
-    ] {
-        assert_eq!(verdict(interval, rounds), said);
-        let payback = of(ratio, interval, rounds);
-        assert_eq!((payback.frames(), payback.to_string().as_str()), (None, why));
-    }
-    assert_eq!(Payback::new(2.0, [1.75, 2.5], 15, 2.0, f64::NAN), Payback::NotTimed);
 }

@@ -1,11 +1,8 @@
 //! Finished runs that were never rendered: the cells of a plan with scores by a formula, or rows with errors, bins, lights and times of choice.
 
 use crate::run::runs;
-use splitsum::cost::isa::{Counts, ShaderCounts};
-use splitsum::cost::model::Pass;
-use splitsum::cost::record::{CostRecord, RecordedPass};
 use splitsum::experiment::Plan;
-use splitsum::experiment::axis::{AXES, METHOD, Point, index_of};
+use splitsum::experiment::axis::{AXES, Point, index_of};
 use splitsum::experiment::value::Value;
 use splitsum::metrics::METRICS;
 use splitsum::run::tables::HEADLINE;
@@ -29,7 +26,6 @@ fn empty(name: &str) -> Finished {
         lights: Vec::new(),
         timings: Vec::new(),
         failures: Vec::new(),
-        costs: None,
         is_under_way: false,
     }
 }
@@ -49,32 +45,6 @@ fn cell_of(id: String, point: Point) -> FinishedCell {
         steps: Vec::new(),
         images: None,
     }
-}
-
-/// Costs of ggx on RDNA 2 by the model: counts outside and inside the loop of each method, and of the prefilter for no name, in
-/// the settings of a point.
-pub fn costs(base: &Point, passes: &[(&str, Counts, Counts)]) -> CostRecord {
-    let recorded = |(method, outside, inside): &(&str, Counts, Counts)| {
-        let mut point = base.clone();
-        if !method.is_empty() {
-            point[METHOD] = (*method).into();
-        }
-        let settings = point.settings();
-        let job = if method.is_empty() { settings.prefilter_job() } else { settings.specular_job() };
-        let counts = ShaderCounts { outside: *outside, inside: *inside, other_loops: 0 };
-        RecordedPass {
-            family: "navi21".to_owned(),
-            shader: job.shader,
-            constants: job.constants,
-            pass: Pass { counts, wave: 64, vector_registers: 24, waves: 16 },
-        }
-    };
-    CostRecord { driver: "made".to_owned(), passes: passes.iter().map(recorded).collect() }
-}
-
-/// Full-rate arithmetic alone: both ends of the model are alike.
-pub fn alu(alu: f64) -> Counts {
-    Counts { alu, ..Counts::default() }
 }
 
 /// What an experiment file begins with.

@@ -1,6 +1,6 @@
 //! What every question keeps to, asked of made runs. A new question is tested by being listed.
 
-use super::paper::{alu, costs, scaled};
+use super::paper::scaled;
 use super::told::{sentences, unfounded, word_count};
 use crate::run::runs::{finished, plan};
 use splitsum::experiment::axis::{AXES, Point};
@@ -141,9 +141,6 @@ fn runs() -> &'static [Finished] {
             let _ = std::fs::remove_dir_all(&dir);
             let plan = plan(text);
             finished(&plan, &dir);
-            let passes =
-                [("sampled", alu(90.0), alu(80.0)), ("split-sum", alu(640.0), alu(0.0)), ("", alu(9.0), alu(70.0))];
-            costs(&plan.cells[0].point, &passes).write(&dir).unwrap();
             runs.push(Finished::read(&dir).unwrap());
             let mut varied = Finished::read(&dir).unwrap();
             scaled(&mut varied, factor);
