@@ -84,7 +84,7 @@ pub fn attributions(case: &Case, bands: &[[f64; 2]]) -> Vec<Attribution> {
     let steps = case.ladder.steps;
     let (needs, everybody) = (case.ladder.needs(), (1 << steps.len()) - 1);
     let reference = (case.radiance)(0);
-    let weights: Vec<DVec3> = reference.iter().map(|r| (r * r + case.epsilon.beside_square()).recip()).collect();
+    let weights: Vec<DVec3> = reference.iter().map(|r| case.epsilon.weight(*r)).collect();
     let all = [[0.0, 1.0]];
     let bands: Vec<[f64; 2]> = all.iter().chain(bands).copied().collect();
     let pixels: Vec<Vec<usize>> = bands

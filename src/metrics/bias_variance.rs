@@ -92,8 +92,8 @@ impl Repeats {
                 let se = standard_error.map_or(0.0, |image| f64::from(image.data[pixel][c]));
                 let variance = squares / (count - 1.0);
                 let bias2 = (mean - r).powi(2) - variance / count - se * se;
-                let scale = r * r + epsilon.beside_square();
-                for (sum, term) in sums.iter_mut().zip([variance, bias2, variance / scale, bias2 / scale]) {
+                let relative = [variance, bias2].map(|square| epsilon.relative(square, r));
+                for (sum, term) in sums.iter_mut().zip([variance, bias2, relative[0], relative[1]]) {
                     *sum += term;
                 }
             }

@@ -177,16 +177,11 @@ impl<'a> Comparison<'a> {
         self.relative_squares.get_or_init(|| {
             let mut squares = vec![0.0; self.reference.data.len()];
             for &pixel in &self.pixels {
-                squares[pixel] = self.relative_square(pixel, self.epsilon);
+                let [t, r] = self.radiance(pixel);
+                squares[pixel] = rgb_mean(|c| self.epsilon.relative((t[c] - r[c]).powi(2), r[c]));
             }
             squares
         })
-    }
-
-    /// RGB mean of `d² / (r² + ε)` of one pixel.
-    pub(super) fn relative_square(&self, pixel: usize, epsilon: Epsilon) -> f64 {
-        let [t, r] = self.radiance(pixel);
-        rgb_mean(|c| (t[c] - r[c]).powi(2) / (r[c] * r[c] + epsilon.beside_square()))
     }
 
     pub(super) fn epsilon(&self) -> Epsilon {

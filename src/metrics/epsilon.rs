@@ -1,5 +1,7 @@
 //! What keeps dark pixels from deciding a relative metric.
 
+use glam::DVec3;
+
 /// ε of every relative metric, as a share of the light: without it a map of another brightness would have another metric.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Epsilon {
@@ -26,6 +28,16 @@ impl Epsilon {
     /// ε beside `r²`.
     pub fn beside_square(self) -> f64 {
         Self::SHARE * self.mean * self.mean
+    }
+
+    /// The term of `relmse`: `square / (r² + ε)`, of one channel.
+    pub fn relative(self, square: f64, r: f64) -> f64 {
+        square / (r * r + self.beside_square())
+    }
+
+    /// [`Self::relative`] of 1, of each channel: what the square of a difference from `r` counts.
+    pub fn weight(self, r: DVec3) -> DVec3 {
+        DVec3::from_array(r.to_array().map(|r| self.relative(1.0, r)))
     }
 
     /// ε beside `|r|`.

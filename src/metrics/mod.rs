@@ -122,7 +122,6 @@ pub static METRICS: &[&dyn Metric] = &[
     &rmse::Rmse,
     &relmse::RelMse,
     &relmse::TrimmedRelMse,
-    &relmse::AbsoluteRelMse,
     &mae::Mae,
     &smape::Smape,
     &bias::RelativeBias,

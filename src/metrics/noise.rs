@@ -10,6 +10,7 @@
 //! dimensions is uniform (the unbiased estimate of [Kolmogorov50] for three degrees of freedom).
 
 use super::comparison::{check_size, check_values, masked_pixels};
+use super::mean::rgb_mean;
 use super::{Epsilon, METRICS, Metric, MetricsError};
 use crate::glsl::constants::SCRAMBLE_COUNT;
 use crate::pixels::{GrayImage, RgbImage};
@@ -62,10 +63,8 @@ impl ReferenceNoise {
     }
 
     /// RGB mean of `se² / (r² + ε)` of each masked pixel: the expected square of its relative error.
-    pub(super) fn relative_squares(&self, epsilon: Epsilon) -> Vec<f64> {
-        let epsilon = epsilon.beside_square();
-        let pixel =
-            |[r, se]: &[[f64; 3]; 2]| (0..3).map(|c| se[c] * se[c] / (r[c] * r[c] + epsilon)).sum::<f64>() / 3.0;
+    pub(super) fn relative_squares(&self) -> Vec<f64> {
+        let pixel = |[r, se]: &[[f64; 3]; 2]| rgb_mean(|c| self.epsilon.relative(se[c] * se[c], r[c]));
         self.samples.iter().map(pixel).collect()
     }
 }

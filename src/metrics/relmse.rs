@@ -15,9 +15,6 @@ pub struct RelMse;
 /// The same without the 0.1 % of pixels with the largest error.
 pub struct TrimmedRelMse;
 
-/// The plain form with the ε of light of mean luminance 1, as version 1 of `relmse` had it. Its scores of two lights do not compare.
-pub struct AbsoluteRelMse;
-
 impl Metric for RelMse {
     fn description(&self) -> &'static Description {
         const DESCRIPTION: Description = Description {
@@ -39,7 +36,7 @@ impl Metric for RelMse {
 
     /// `mean se² / (r² + ε)`.
     fn noise_floor(&self, noise: &ReferenceNoise) -> Option<f64> {
-        Some(mean(&noise.relative_squares(noise.epsilon())))
+        Some(mean(&noise.relative_squares()))
     }
 }
 
@@ -65,29 +62,7 @@ impl Metric for TrimmedRelMse {
     /// The trimmed mean of the expected square of each pixel. The pixels that are dropped in truth are those where the noise
     /// came out largest, so this is slightly too high (by 1 to 2 %).
     fn noise_floor(&self, noise: &ReferenceNoise) -> Option<f64> {
-        Some(trimmed_mean(noise.relative_squares(noise.epsilon())))
-    }
-}
-
-impl Metric for AbsoluteRelMse {
-    fn description(&self) -> &'static Description {
-        const DESCRIPTION: Description = Description {
-            parameters: &[("epsilon", Epsilon::SHARE)],
-            power: 2.0,
-            ..Description::linear(
-                "relmse_absolute",
-                "mean d^2 / (r^2 + 0.01), whatever the light: relmse of older tables",
-            )
-        };
-        &DESCRIPTION
-    }
-
-    fn evaluate(&self, comparison: &Comparison, pixels: &[usize]) -> f64 {
-        pixel_mean(pixels, |pixel| comparison.relative_square(pixel, Epsilon::ABSOLUTE))
-    }
-
-    fn noise_floor(&self, noise: &ReferenceNoise) -> Option<f64> {
-        Some(mean(&noise.relative_squares(Epsilon::ABSOLUTE)))
+        Some(trimmed_mean(noise.relative_squares()))
     }
 }
 

@@ -66,7 +66,7 @@ impl Metric for Percentile {
     /// pixel's root of the RGB mean of `se² / (r² + ε)`. The floor of a percentile is that percentile of the mixture over the pixels; the
     /// floor of the maximum is the median of the distribution of the maximum.
     fn noise_floor(&self, noise: &ReferenceNoise) -> Option<f64> {
-        let scales: Vec<f64> = noise.relative_squares(noise.epsilon()).iter().map(|square| square.sqrt()).collect();
+        let scales: Vec<f64> = noise.relative_squares().iter().map(|square| square.sqrt()).collect();
         let largest = scales.iter().copied().fold(0.0, f64::max);
         if largest == 0.0 {
             return Some(0.0);

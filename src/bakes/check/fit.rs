@@ -2,6 +2,7 @@
 
 use super::directions::Directions;
 use super::{Truth, errors};
+use crate::metrics::Epsilon;
 use glam::DVec3;
 
 /// How much narrower or wider than a level's own the lobes are that are tried.
@@ -62,10 +63,10 @@ pub fn fit(truth: &Truth, directions: &Directions, found: &[DVec3], alpha: f64) 
 }
 
 /// The gain g of least mean `(found/g - exact)²/(exact² + ε)`.
-pub fn gain(directions: &Directions, found: &[DVec3], exact: &[DVec3], epsilon: f64) -> f64 {
+pub fn gain(directions: &Directions, found: &[DVec3], exact: &[DVec3], epsilon: Epsilon) -> f64 {
     let (mut product, mut square) = (0.0, 0.0);
     for ((weight, found), exact) in directions.weights.iter().zip(found).zip(exact) {
-        let scale = *weight / (*exact * *exact + epsilon);
+        let scale = DVec3::from_array(exact.to_array().map(|exact| epsilon.relative(*weight, exact)));
         product += (scale * *found * *exact).element_sum();
         square += (scale * *found * *found).element_sum();
     }

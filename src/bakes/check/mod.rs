@@ -82,8 +82,8 @@ impl<'a> Truth<'a> {
     }
 
     /// ε of relMSE.
-    pub fn epsilon(&self) -> f64 {
-        Epsilon::of_light(self.environment.luminance.mean).beside_square()
+    pub fn epsilon(&self) -> Epsilon {
+        Epsilon::of_light(self.environment.luminance.mean)
     }
 
     /// Largest relative difference of the convolution from adaptive cubature at directions, for a width: what the scores rest on.
@@ -94,7 +94,9 @@ impl<'a> Truth<'a> {
         let map = self.prefiltered(alpha);
         let off = |direction: &DVec3| {
             let exact = reference::prefilter(&quadrature, self.kernel, alpha, *direction, tolerance).value;
-            ((map.value(*direction) - exact) / (exact.abs() + self.epsilon().sqrt())).abs().max_element()
+            ((map.value(*direction) - exact) / (exact.abs() + self.epsilon().beside_square().sqrt()))
+                .abs()
+                .max_element()
         };
         directions.iter().map(off).fold(0.0, f64::max)
     }
@@ -115,7 +117,7 @@ pub struct Errors {
 }
 
 /// The errors of `gain` times a map.
-pub fn errors(directions: &Directions, found: &[DVec3], exact: &[DVec3], epsilon: f64, gain: f64) -> Errors {
+pub fn errors(directions: &Directions, found: &[DVec3], exact: &[DVec3], epsilon: Epsilon, gain: f64) -> Errors {
     let (mut relmse, mut whole, mut sums) = (0.0, 0.0, [0.0; 2]);
     for ((weight, found), exact) in directions.weights.iter().zip(found).zip(exact) {
         let found = *found * gain;
@@ -128,7 +130,7 @@ pub fn errors(directions: &Directions, found: &[DVec3], exact: &[DVec3], epsilon
 }
 
 /// `d²/(r² + ε)`, the mean of the channels.
-fn relative_square(found: DVec3, exact: DVec3, epsilon: f64) -> f64 {
+fn relative_square(found: DVec3, exact: DVec3, epsilon: Epsilon) -> f64 {
     let d = found - exact;
-    (d * d / (exact * exact + epsilon)).element_sum() / 3.0
+    (0..3).map(|c| epsilon.relative(d[c] * d[c], exact[c])).sum::<f64>() / 3.0
 }

@@ -8,6 +8,7 @@ use crate::color::luminance;
 use crate::experiment::axis::METHOD;
 use crate::ladder::SPLIT_SUM;
 use crate::ladder::attribution::covariance_share;
+use crate::metrics::Epsilon;
 use crate::pixels::{GrayImage, RgbImage};
 use crate::run::sheets::signed_step;
 use crate::shade::REFERENCE;
@@ -36,7 +37,7 @@ pub fn strip(told: &Told, frame: &Frame, axes: &[PageAxis]) -> Option<Json> {
     let (mask, curve) = (mask_of(&reference), last.cell.point.settings().curve);
     let stops = stops_to_grey(&reference.rgb, &mask, curve);
     let curve = ToneCurve { exposure: curve.exposure * stops.exp2(), ..curve };
-    let epsilon = told.finished.epsilon(&last.cell.point).beside_square();
+    let epsilon = told.finished.epsilon(&last.cell.point);
     let mut frames = vec![json!({ "name": REFERENCE, "image": shot(REFERENCE, &curve.apply_image(&reference.rgb))? })];
     let radiance = |row: &&Row| Some(image(&row.cell.images.as_ref()?.radiance)?.rgb);
     let images: Vec<RgbImage> = rows.iter().map(radiance).collect::<Option<_>>()?;
@@ -45,7 +46,7 @@ pub fn strip(told: &Told, frame: &Frame, axes: &[PageAxis]) -> Option<Json> {
     let (mut before, mut largest) = (reference.rgb.clone(), (0.0, 0));
     for (row, own) in rows.into_iter().zip(images) {
         let share = share_of_image([&own, &before, &end, &reference.rgb], &mask, epsilon);
-        let step = signed_step([&own, &before, &reference.rgb], epsilon);
+        let step = signed_step([&own, &before, &reference.rgb], epsilon.beside_square());
         let size: f32 = step.data.iter().map(|x| x * x).sum();
         if size > largest.0 {
             largest = (size, frames.len());
@@ -69,12 +70,12 @@ pub fn strip(told: &Told, frame: &Frame, axes: &[PageAxis]) -> Option<Json> {
 }
 
 /// The covariance share of a step, from the image before it to its own, in the error of the last image.
-fn share_of_image([own, before, end, reference]: [&RgbImage; 4], mask: &GrayImage, epsilon: f64) -> f64 {
+fn share_of_image([own, before, end, reference]: [&RgbImage; 4], mask: &GrayImage, epsilon: Epsilon) -> f64 {
     let seen = mask.data.iter().enumerate().filter(|(_, mask)| **mask > 0.0);
     covariance_share(seen.map(|(i, _)| {
         let [own, before, end, r] =
             [own, before, end, reference].map(|image| DVec3::from_array(image.data[i].map(f64::from)));
-        [(r * r + epsilon).recip(), own - before, end - r]
+        [epsilon.weight(r), own - before, end - r]
     }))
 }
 
