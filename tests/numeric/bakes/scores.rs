@@ -193,7 +193,7 @@ fn lookups_between_texels_are_judged() {
             let [own, left, right] = axes.map(|axis| exact(score.alpha, axis));
             let found = 0.5625 * own + 0.1875 * (left + right) + 0.0625 * (own + left + right) / 3.0;
             let right = exact(score.alpha, (axes[0] + 0.5 * (axes[1] + axes[2])).normalize());
-            let relative = (found - right).powf(2.0) / (right.powf(2.0) + truth.epsilon());
+            let relative = (found - right).powf(2.0) / (right.powf(2.0) + truth.epsilon().beside_square());
             squares.push(relative.element_sum() / 3.0);
         }
         let expected = squares.iter().sum::<f64>() / squares.len() as f64;
