@@ -1,4 +1,4 @@
-// A lobe's one lookup of a prefiltered map; docs/better-split-sums.md prints this file.
+// A lobe's one lookup of a prefiltered map; docs/paste.md prints this file.
 #ifndef LOBE_LOOKUP_GLSL
 #define LOBE_LOOKUP_GLSL
 

@@ -122,7 +122,7 @@ impl Pipeline {
             mapping: settings.layout.mapping,
             radiance: "linear Rec.709",
             dfg: "channel R (A of the text) scales f0, channel G (B) is added; x = n_dot_v, y = perceptual_roughness, both at texel centres (i + 0.5) / size, row 0 is the smoothest; a lookup within half a texel of an edge is clamped: at roughness 1 ggx errs by up to 0.5 / size",
-            lobes: "two square parts below each other, nodes at both ends of x = sqrt(n_dot_v) and y = perceptual_roughness: first moments as shares of r and n (of the parts of weight 1 - Fc, then of Fc), and ratios of perceptual roughness for shares 0, 1/2 and 1 of the second; docs/better-split-sums.md",
+            lobes: "two square parts below each other, nodes at both ends of x = sqrt(n_dot_v) and y = perceptual_roughness: first moments as shares of r and n (of the parts of weight 1 - Fc, then of Fc), and ratios of perceptual roughness for shares 0, 1/2 and 1 of the second; docs/paste.md",
             irradiance: "irradiance / pi: what a Lambert surface of albedo 1 reflects",
             prefilter_alphas: (0..settings.prefilter_level_count)
                 .map(|mip| settings.level_mapping.alpha_from_mip(f64::from(mip), settings.prefilter_level_count))
@@ -221,7 +221,7 @@ fn lobe_header(model: &str, lobes: &Pixels<[f32; 4]>) -> String {
         .map(|(x, y)| format!("SPLITSUM_LOBE({})", lobes.get(x, y).map(|number| format!("{number:?}")).join(", ")))
         .collect();
     format!(
-        "/* {} x {} texels, rows of y first; docs/better-split-sums.md says what they hold. */\n\
+        "/* {} x {} texels, rows of y first; docs/paste.md says what they hold. */\n\
          #undef SPLITSUM_LOBE\n\
          #if defined(GL_core_profile) || defined(GL_ES)\n\
          #define SPLITSUM_LOBE(x, y, z, w) vec4(x, y, z, w)\n\

@@ -238,7 +238,7 @@ fn the_page_prints_the_lookup_that_the_methods_include() {
     let (_, body) = shader.split_once("#define LOBE_LOOKUP_GLSL\n\n").unwrap();
     let body = body.strip_suffix("\n#endif\n").unwrap();
     assert!(body.contains("vec4 lobe_lookup("));
-    let page = std::fs::read_to_string("docs/better-split-sums.md").unwrap();
+    let page = std::fs::read_to_string("docs/paste.md").unwrap();
     assert!(page.contains(&format!("```glsl\n{body}```\n")));
     let uses: Vec<&str> = page.split("```glsl\n").skip(2).filter_map(|rest| rest.split("```").next()).collect();
     assert_eq!(uses.len(), 2);
