@@ -5,14 +5,15 @@
 //! runs all but the last, and adds a row with a figure of each to benches/record.md.
 
 use splitsum::brdf::{Brdf, MODELS};
-use splitsum::environment::layout::layout_by_name;
+use splitsum::environment::layout::MapLayout;
 use splitsum::environment::{Environment, LoadOptions};
-use splitsum::metrics::{Comparison, HEADLINE, metric};
+use splitsum::metrics::{Comparison, HEADLINE, Metric};
 use splitsum::pipeline::{Frame, Options, Pipeline, RenderRequest};
 use splitsum::precompute::PrefilterBy;
 use splitsum::run::provenance::now_utc;
 use splitsum::scene::{CameraKind, MaterialOverride, Scene};
-use splitsum::shade::{Shading, method_by_name};
+use splitsum::shade::{Method, Shading};
+use splitsum::spelling::Listed;
 use splitsum::tonemap::ToneCurve;
 use std::io::Write as _;
 use std::path::Path;
@@ -53,12 +54,7 @@ fn request(
     let sphere = Scene::load("sphere", Path::new(".")).expect("a builtin scene");
     let lobe = MaterialOverride { alpha: Some(alpha), f0: Some([1.0; 3]), albedo: Some([0.0; 3]), metallic: None };
     RenderRequest {
-        shading: Shading {
-            method: method_by_name(method).expect("a listed method"),
-            brdf,
-            samples: 40,
-            ..Shading::default()
-        },
+        shading: Shading { method: Method::listed(method), brdf, samples: 40, ..Shading::default() },
         reference_samples: 4096,
         ..RenderRequest::plain(Arc::new(environment), sphere.apply(&lobe), CameraKind::Ortho, [size; 2])
     }
@@ -67,7 +63,7 @@ fn request(
 /// CPU-seconds of the specular pass of one frame. What is not shading (g-buffer, tone curve, their submissions) costs the same without
 /// a specular term and is taken off. Compiling pipelines, making tables and reading images back are not counted.
 fn shading_seconds(pipeline: &mut Pipeline, request: &RenderRequest) -> f64 {
-    let nothing = request.shaded(|s| s.method = method_by_name("none").expect("a listed method"));
+    let nothing = request.shaded(|s| s.method = Method::listed("none"));
     let mut seconds = |request: &RenderRequest| {
         let mut rounds = 1;
         pipeline.time(request, 0, 1).expect("compiled pipelines");
@@ -91,7 +87,7 @@ fn first(figures: impl Iterator<Item = f64>) -> Option<f64> {
 fn relmse(test: &Frame, truth: &Frame, request: &RenderRequest) -> f64 {
     let curve = ToneCurve::default();
     let comparison = Comparison::new(&test.radiance, &truth.radiance, &truth.mask, curve, request.epsilon());
-    comparison.expect("images of one size").evaluate(&[metric(HEADLINE).expect("a listed metric")])[0].1
+    comparison.expect("images of one size").evaluate(&[<dyn Metric>::listed(HEADLINE)])[0].1
 }
 
 /// Million samples a CPU-second, GGX.
@@ -108,10 +104,10 @@ fn sampled(pipeline: &mut Pipeline) -> Option<f64> {
 
 /// CPU-seconds of the tables of GGX by the first way to prefilter.
 fn tables(pipeline: &mut Pipeline) -> Option<f64> {
-    let ways = MODELS.iter().flat_map(|brdf| PrefilterBy::ALL.iter().map(move |by| (brdf, by)));
-    first(ways.map(|(&brdf, (by, prefilter))| {
+    let ways = MODELS.iter().flat_map(|brdf| PrefilterBy::all().map(move |by| (brdf, by)));
+    first(ways.map(|(&brdf, prefilter)| {
         let mut request = request(brdf, "split-sum", 0.2, 16, "builtin:studio", [1024, 512]);
-        request.shading.precompute.layout = layout_by_name("equirect").expect("a listed layout");
+        request.shading.precompute.layout = MapLayout::listed("equirect");
         request.shading.precompute.prefilter_size = [1024, 512];
         request.shading.precompute.prefilter = *prefilter;
         request.shading.precompute.dfg_size = 256;
@@ -124,7 +120,7 @@ fn tables(pipeline: &mut Pipeline) -> Option<f64> {
             of(name).iter().map(|(_, ms)| ms[1]).sum::<f64>()
         };
         println!(
-            "tables, {}, {by}: {:.3} CPU-seconds (pass times: prefilter of 1024x512, 5 levels {:.0} ms; DFG 256x256 {:.0} ms)",
+            "tables, {}, {prefilter:?}: {:.3} CPU-seconds (pass times: prefilter of 1024x512, 5 levels {:.0} ms; DFG 256x256 {:.0} ms)",
             brdf.name(),
             seconds / 2.0,
             ms("prefilter"),

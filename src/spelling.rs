@@ -24,6 +24,82 @@ pub fn nearest<'n>(wrong: &str, names: &[&'n str]) -> Option<&'n str> {
         .map(|(_, name)| name)
 }
 
+/// Something that users choose by name from a list.
+pub trait Listed: 'static {
+    /// Word for one entry: "sequence".
+    const WHAT: &'static str;
+
+    /// Returns every entry, the default first.
+    fn all() -> impl Iterator<Item = &'static Self> + Clone;
+
+    /// Name in files, on the command line and in tables.
+    fn name(&self) -> &'static str;
+
+    fn names() -> Vec<&'static str> {
+        Self::all().map(Self::name).collect()
+    }
+
+    fn by_name(name: &str) -> Option<&'static Self> {
+        Self::all().find(|entry| entry.name() == name)
+    }
+
+    /// Finds the entry of that name; the error suggests the nearest one.
+    fn parse(name: &str) -> Result<&'static Self, String> {
+        Self::by_name(name).ok_or_else(|| not_one_of(Self::WHAT, name, &Self::names(), ""))
+    }
+
+    /// Finds an entry whose name was checked before. Panics on other names.
+    fn listed(name: &str) -> &'static Self {
+        Self::by_name(name).unwrap_or_else(|| panic!("{name:?} is not a listed {}", Self::WHAT))
+    }
+}
+
+/// Implements [`Listed`] for the entries of a slice with a field `name`, perhaps with a `by_name` of their own, or for the variants of an enum.
+macro_rules! listed {
+    ($entry:ty, $what:literal, $list:path $(, $($by_name:tt)+)?) => {
+        impl crate::spelling::Listed for $entry {
+            const WHAT: &'static str = $what;
+
+            fn all() -> impl Iterator<Item = &'static Self> + Clone {
+                $list.iter()
+            }
+
+            fn name(&self) -> &'static str {
+                self.name
+            }
+
+            $($($by_name)+)?
+        }
+    };
+    ($choice:ident, $what:literal, { $($name:literal: $variant:ident $(($part:path))?),+ $(,)? }) => {
+        impl crate::spelling::Listed for $choice {
+            const WHAT: &'static str = $what;
+
+            fn all() -> impl Iterator<Item = &'static Self> + Clone {
+                const ALL: &[$choice] = &[$($choice::$variant $(($part))?),+];
+                ALL.iter()
+            }
+
+            fn name(&self) -> &'static str {
+                match self {
+                    $($choice::$variant $(($part))? => $name),+
+                }
+            }
+        }
+    };
+}
+pub(crate) use listed;
+
+/// "a camera", "an axis".
+pub fn with_article(what: &str) -> String {
+    format!("{} {what}", if what.starts_with(['a', 'e', 'i', 'o', 'u']) { "an" } else { "a" })
+}
+
+/// Says that `text` names none of `names`; `or` lists what else is accepted.
+pub fn not_one_of(what: &str, text: &str, names: &[&str], or: &str) -> String {
+    format!("{text:?} is not {}{}; expected {or}{}", with_article(what), suggestion(text, names), names.join(", "))
+}
+
 /// `; did you mean "x"?` for the [`nearest`] of `names`, or nothing.
 pub fn suggestion(wrong: &str, names: &[&str]) -> String {
     nearest(wrong, names).map_or_else(String::new, |name| format!("; did you mean {name:?}?"))

@@ -2,7 +2,9 @@
 
 use super::product::{Chain, LAST_SIDE, Product};
 use crate::brdf::MaskingShadowing;
-use crate::precompute::prefilter::{LevelMapping, level_mapping_by_name};
+use crate::precompute::prefilter::LevelMapping;
+use crate::spelling::Listed;
+use crate::spelling::listed;
 use glam::{DVec2, DVec3};
 use std::fmt;
 
@@ -276,17 +278,24 @@ pub static PRESETS: &[Preset] = &[
     },
 ];
 
-/// The preset of that name, or of the engine of that name.
-pub fn preset_by_name(name: &str) -> Option<&'static Preset> {
-    PRESETS.iter().find(|preset| preset.name == name || preset.product.engine == name)
-}
+listed!(TableAxes, "table axes", TABLE_AXES);
+listed!(TableChannels, "table channels", TABLE_CHANNELS);
+listed!(
+    Preset,
+    "preset",
+    PRESETS,
+    /// Finds the preset of that name, or of the engine of that name.
+    fn by_name(name: &str) -> Option<&'static Self> {
+        Self::all().find(|preset| preset.name == name || preset.product.engine == name)
+    }
+);
 
 impl Preset {
     /// Its conventions.
     pub fn convention(&self) -> Convention {
         Convention {
             axes: Axes::parse(self.axes).expect("a preset's axes"),
-            mapping: level_mapping_by_name(self.mapping).expect("a preset's mapping"),
+            mapping: LevelMapping::listed(self.mapping),
             alphas: None,
             scale: 1.0,
             irradiance_scale: 1.0,

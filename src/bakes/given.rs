@@ -1,13 +1,13 @@
 //! Tables of other tools in the place of ours: what `prefiltered` and `dfg` of an experiment name, turned to our axes texel by texel.
 
-use super::convention::{Convention, PRESETS, preset_by_name};
+use super::convention::{Convention, PRESETS, Preset};
 use super::source::{Reading, read};
 use crate::brdf::MODELS;
 use crate::environment::layout::{LAYOUTS, MapLayout};
 use crate::glsl::constants::FILE_PREFIX;
 use crate::pixels::RgbImage;
 use crate::precompute::prefilter::{LEVEL_MAPPINGS, LevelMapping};
-use crate::spelling::suggestion;
+use crate::spelling::Listed;
 use glam::DVec2;
 use std::path::Path;
 use std::sync::Arc;
@@ -152,11 +152,7 @@ fn opened(value: &str, dir: &Path) -> Result<Option<(super::Bake, Convention)>, 
     let reading = Reading { layout: None, brdf: MODELS[0].name() };
     let bake = read(&[dir.join(path).display().to_string()], reading).map_err(|fault| fault.to_string())?;
     let name = preset.or(bake.told.preset.as_deref()).unwrap_or(PRESETS[0].name);
-    let Some(found) = preset_by_name(name) else {
-        let known: Vec<&str> = PRESETS.iter().map(|preset| preset.name).collect();
-        let near = suggestion(name, &known);
-        return Err(format!("{value}: the preset {name:?} is unknown{near}; expected one of {}", known.join(", ")));
-    };
+    let found = Preset::parse(name).map_err(|fault| format!("{value}: {fault}"))?;
     let convention = Convention { alphas: bake.told.alphas.clone(), ..found.convention() };
     Ok(Some((bake, convention)))
 }

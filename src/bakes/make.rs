@@ -4,7 +4,7 @@
 //!
 //! ```
 //! use splitsum::bakes::container::TEXELS;
-//! use splitsum::bakes::convention::preset_by_name;
+//! use splitsum::bakes::convention::Preset;
 //! use splitsum::bakes::make::{Making, make};
 //! use splitsum::brdf::Ggx;
 //! use splitsum::environment::{Environment, LoadOptions};
@@ -13,7 +13,7 @@
 //!
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
 //! let environment = Environment::load("builtin:sky", Path::new("."), &LoadOptions::default())?;
-//! let preset = preset_by_name("bevy").expect("a listed preset");
+//! let preset = Preset::listed("bevy");
 //! let texel = TEXELS.iter().find(|texel| texel.name == preset.product.texel).expect("a listed format");
 //! let [side, irradiance_side, table_side] = [16, 8, 8];
 //! let making = Making {
@@ -51,6 +51,7 @@ use crate::math::equirect_quadrature::EquirectQuadrature;
 use crate::pixels::{Fault, GrayImage, Pixels, PixelsError, Rgb8Image, RgbImage, exr, png, write_atomically};
 use crate::precompute::prefilter::{Kernel, Weight};
 use crate::precompute::sh9::reference::project_bilinear;
+use crate::spelling::Listed;
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 use std::io::Write;
@@ -301,8 +302,6 @@ fn write_bytes(path: &Path, bytes: &[u8]) -> Result<(), PixelsError> {
 
 fn manifest(making: &Making, convention: &Convention, alphas: &[f64]) -> Manifest {
     let product = &making.preset.product;
-    let masking =
-        MaskingShadowing::ALL.iter().find(|(_, known)| *known == making.masking).map_or("?", |(name, _)| name);
     let owned = |name: &str| name.to_owned();
     Manifest {
         version: format!("splitsum {}", env!("CARGO_PKG_VERSION")),
@@ -311,7 +310,7 @@ fn manifest(making: &Making, convention: &Convention, alphas: &[f64]) -> Manifes
         environment: making.environment.name.clone(),
         environment_hash: making.environment.hash.clone(),
         brdf: owned(making.brdf.name()),
-        masking_shadowing: owned(masking),
+        masking_shadowing: owned(making.masking.name()),
         prefilter_weight: owned(making.weight.name),
         prefilter_alphas: alphas.to_vec(),
         level_mapping: owned(convention.mapping.name),

@@ -6,9 +6,10 @@
 use super::container::{FACE_COUNT, Texture, read_texture};
 use super::parts::{Bake, Manifest, Map, Told};
 use super::sh;
-use crate::environment::layout::{LAYOUTS, MapLayout, layout_by_name};
+use crate::environment::layout::{LAYOUTS, MapLayout};
 use crate::files::{RECORD_BYTES_MAX, names_in, read_text};
 use crate::pixels::{Fault, Pixels, PixelsError, RgbImage};
+use crate::spelling::Listed;
 use std::path::{Path, PathBuf};
 
 /// A part of a bake.
@@ -89,7 +90,7 @@ fn add_texture(
     let layout = match (faces, reading.layout) {
         (FACE_COUNT, _) => cube(),
         (_, Some(layout)) => layout,
-        _ if width == 2 * height => layout_by_name("equirect").expect("a listed layout"),
+        _ if width == 2 * height => MapLayout::listed("equirect"),
         _ if height == FACE_COUNT as u32 * width => cube(),
         _ => {
             return Err(Fault::new(
@@ -241,7 +242,7 @@ fn read_ours(path: &Path, names: &[String], reading: Reading, bake: &mut Bake) -
     }
     let file: File = serde_json::from_str(&text).map_err(|error| refuse(format!("is not read ({error})")))?;
     let layout =
-        layout_by_name(&file.layout).ok_or_else(|| refuse(format!("it names the layout {:?}", file.layout)))?;
+        MapLayout::by_name(&file.layout).ok_or_else(|| refuse(format!("it names the layout {:?}", file.layout)))?;
     let image = |name: &str| -> Result<RgbImage, PixelsError> {
         Ok(read_texture(&path.join(name))?.levels.swap_remove(0).swap_remove(0))
     };

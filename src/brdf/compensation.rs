@@ -11,6 +11,7 @@
 //!
 //! At f0 = 1 each gives back all that is lost. What the diffuse term gets is what the sum leaves.
 
+use crate::spelling::listed;
 use glam::{DVec2, DVec3};
 
 /// The ways. The discriminants are `glsl::constants::COMPENSATION_*`.
@@ -23,15 +24,14 @@ pub enum Compensation {
     KullaConty = 3,
 }
 
-impl Compensation {
-    /// Every variant with its name, the default first.
-    pub const ALL: &[(&str, Self)] = &[
-        ("none", Self::None),
-        ("turquin", Self::Turquin),
-        ("fdez-aguera", Self::FdezAguera),
-        ("kulla-conty", Self::KullaConty),
-    ];
+listed!(Compensation, "compensation", {
+    "none": None,
+    "turquin": Turquin,
+    "fdez-aguera": FdezAguera,
+    "kulla-conty": KullaConty,
+});
 
+impl Compensation {
     /// Whether a part of it is taken from irradiance.
     pub fn is_diffuse(self) -> bool {
         matches!(self, Self::FdezAguera | Self::KullaConty)

@@ -7,6 +7,7 @@
 //! [Walter07, eq. 14]. So `f n_dot_l / pdf_l` is `F G2 (v·h) / (n_dot_v n_dot_h)` for `pdf_h = D n_dot_h`, and `F G2 / G1(v)` for the
 //! visible normals `pdf_h = G1(v) max(v·h, 0) D / n_dot_v` [HeitzDeon14]. A sample whose `l` lies below the horizon has weight 0 and counts.
 
+use crate::spelling::{Listed, listed};
 use glam::{DVec2, DVec3};
 
 mod beckmann;
@@ -61,9 +62,16 @@ pub trait Brdf: Sync + std::fmt::Debug {
 /// Every model. Adding one: its file here, `shaders/brdf/<stem>.glsl`, one line here. A stem is the name with `_` for `-`.
 pub static MODELS: &[&dyn Brdf] = &[&Ggx, &Beckmann, &Phong];
 
-/// The model of that name.
-pub fn by_name(name: &str) -> Option<&'static dyn Brdf> {
-    MODELS.iter().copied().find(|model| model.name() == name)
+impl Listed for dyn Brdf {
+    const WHAT: &'static str = "BRDF model";
+
+    fn all() -> impl Iterator<Item = &'static Self> + Clone {
+        MODELS.iter().copied()
+    }
+
+    fn name(&self) -> &'static str {
+        Brdf::name(self)
+    }
 }
 
 /// How masking and shadowing combine. The discriminants are `glsl::constants::MASKING_*`.
@@ -80,15 +88,12 @@ pub enum MaskingShadowing {
     SmithExact = 3,
 }
 
-impl MaskingShadowing {
-    /// Every variant with its name.
-    pub const ALL: &[(&str, Self)] = &[
-        ("separable", Self::Separable),
-        ("correlated", Self::Correlated),
-        ("schlick", Self::Schlick),
-        ("smith-exact", Self::SmithExact),
-    ];
-}
+listed!(MaskingShadowing, "masking-shadowing", {
+    "separable": Separable,
+    "correlated": Correlated,
+    "schlick": Schlick,
+    "smith-exact": SmithExact,
+});
 
 /// Masking G1 in [0, 1] of one direction; 0 if its cosine is not positive.
 ///

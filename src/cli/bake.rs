@@ -4,8 +4,7 @@ use super::check_bake::named;
 use super::run::open_device;
 use super::{Failure, print};
 use clap::Args;
-use splitsum::bakes::container::TEXELS;
-use splitsum::bakes::convention::{PRESETS, Preset, preset_by_name};
+use splitsum::bakes::convention::{PRESETS, Preset};
 use splitsum::bakes::make::{self, Making};
 use splitsum::brdf::MODELS;
 use splitsum::environment::{Environment, LoadOptions};
@@ -99,8 +98,7 @@ fn execute_for(
     environment: &Environment,
     settings: &Settings,
 ) -> Result<(), Failure> {
-    let engines = PRESETS.iter().map(|preset| preset.product.engine).collect();
-    let preset = named("--for", engine, preset_by_name(engine), engines)?;
+    let preset: &Preset = named("--for", engine)?;
     let product = &preset.product;
     let known = [BRDF, MASKING, PREFILTER_WEIGHT, PREFILTER_SIZE, PREFILTER_LEVEL_COUNT, IRRADIANCE_SIZE, DFG_SIZE];
     if let Some((axis, _)) = arguments.settings.iter().find(|(axis, _)| !known.contains(axis)) {
@@ -117,7 +115,6 @@ fn execute_for(
         }
     };
     let texel = arguments.format.as_deref().unwrap_or(product.texel);
-    let found = TEXELS.iter().find(|known| known.name == texel);
     let side = square(PREFILTER_SIZE, make::SIDE)?;
     let making = Making {
         preset,
@@ -125,7 +122,7 @@ fn execute_for(
         brdf: settings.shading.brdf,
         masking: value(MASKING).map_or(preset.masking, |_| settings.shading.masking_shadowing),
         weight: settings.shading.precompute.prefilter_weight,
-        texel: named("--format", texel, found, TEXELS.iter().map(|texel| texel.name).collect())?,
+        texel: named("--format", texel)?,
         side,
         irradiance_side: square(IRRADIANCE_SIZE, make::IRRADIANCE_SIDE)?,
         table_side: value(DFG_SIZE).map_or(make::TABLE_SIDE, Value::count),

@@ -10,15 +10,14 @@ use splitsum::bakes::check::level::{self, LevelScore};
 use splitsum::bakes::check::sh::ShScore;
 use splitsum::bakes::check::table;
 use splitsum::bakes::check::{self, Truth};
-use splitsum::bakes::convention::{Axes, Convention, PRESETS, Preset, TABLE_AXES, TABLE_CHANNELS, preset_by_name};
+use splitsum::bakes::convention::{Axes, Convention, PRESETS, Preset};
 use splitsum::bakes::page;
 use splitsum::bakes::source::{Reading, read};
 use splitsum::bakes::{Bake, Told};
-use splitsum::brdf::{self, Brdf, MaskingShadowing};
-use splitsum::environment::layout::{LAYOUTS, layout_by_name};
+use splitsum::brdf::Brdf;
 use splitsum::environment::{Environment, LoadOptions};
-use splitsum::precompute::prefilter::{Kernel, LEVEL_MAPPINGS, WEIGHTS, level_mapping_by_name, weight_by_name};
-use splitsum::spelling::suggestion;
+use splitsum::precompute::prefilter::{Kernel, WEIGHTS};
+use splitsum::spelling::Listed;
 use std::fs::File;
 use std::io::Read;
 use std::path::{Path, PathBuf};
@@ -112,33 +111,23 @@ fn presets_help() -> String {
     )
 }
 
-/// The entry of that name, or a message that knows the nearest.
-pub fn named<T>(flag: &str, name: &str, found: Option<T>, known: Vec<&str>) -> Result<T, Failure> {
-    found.ok_or_else(|| {
-        Failure::input(format!(
-            "{flag} {name:?} is unknown{}; expected one of {}",
-            suggestion(name, &known),
-            known.join(", ")
-        ))
-    })
+/// The entry that a flag names.
+pub fn named<T: Listed + ?Sized>(flag: &str, name: &str) -> Result<&'static T, Failure> {
+    T::parse(name).map_err(|fault| Failure::input(format!("{flag}: {fault}")))
 }
 
 pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     if let Some(path) = &arguments.html {
         writable(path).map_err(|fault| Failure::input(format!("--html {}: {fault}", path.display())))?;
     }
-    let model =
-        named("--brdf", &arguments.brdf, brdf::by_name(&arguments.brdf), names(brdf::MODELS, |model| model.name()))?;
-    let layout = arguments
-        .layout
-        .as_deref()
-        .map(|name| named("--layout", name, layout_by_name(name), names(LAYOUTS, |layout| layout.name)));
+    let model = named::<dyn Brdf>("--brdf", &arguments.brdf)?;
+    let layout = arguments.layout.as_deref().map(|name| named("--layout", name));
     let bake =
         read(&arguments.files, Reading { layout: layout.transpose()?, brdf: model.name() }).map_err(Failure::input)?;
     thresholds(arguments, &bake)?;
     let (preset, convention) = (preset(arguments, &bake.told)?, convention(arguments, &bake.told)?);
     let weight = arguments.weight.as_deref().or(bake.told.weight.as_deref()).unwrap_or(WEIGHTS[0].name);
-    let weight = named("--weight", weight, weight_by_name(weight), names(WEIGHTS, |weight| weight.name))?;
+    let weight = named("--weight", weight)?;
     let options = LoadOptions { clamp_invalid: arguments.clamp_invalid, ..LoadOptions::default() };
     let environment = Environment::load(&arguments.environment, Path::new(""), &options).map_err(Failure::input)?;
     environment.warnings.iter().for_each(|warning| super::warn(&environment.name, warning));
@@ -198,14 +187,10 @@ fn thresholds(arguments: &Arguments, bake: &Bake) -> Result<(), Failure> {
     Ok(())
 }
 
-fn names<T>(list: &[T], name: fn(&T) -> &'static str) -> Vec<&'static str> {
-    list.iter().map(name).collect()
-}
-
 /// The preset that is named, or that the files name.
 fn preset(arguments: &Arguments, told: &Told) -> Result<&'static Preset, Failure> {
     let name = arguments.preset.as_deref().or(told.preset.as_deref()).unwrap_or(PRESETS[0].name);
-    named("--preset", name, preset_by_name(name), names(PRESETS, |preset| preset.name))
+    named("--preset", name)
 }
 
 /// The preset's conventions, what the files say, and the flags, in this order.
@@ -213,21 +198,17 @@ fn convention(arguments: &Arguments, told: &Told) -> Result<Convention, Failure>
     let mut convention = preset(arguments, told)?.convention();
     convention.alphas = arguments.alphas.clone().or_else(|| told.alphas.clone());
     if let Some(name) = arguments.masking.as_ref().or(told.masking.as_ref()) {
-        let found = MaskingShadowing::ALL.iter().find(|(known, _)| known == name);
-        convention.masking = named("--masking", name, found, names(MaskingShadowing::ALL, |(name, _)| name))?.1;
+        convention.masking = *named("--masking", name)?;
     }
     if let Some(name) = &arguments.level_mapping {
-        let known = names(LEVEL_MAPPINGS, |mapping| mapping.name);
-        convention.mapping = named("--level-mapping", name, level_mapping_by_name(name), known)?;
+        convention.mapping = named("--level-mapping", name)?;
         convention.alphas = arguments.alphas.clone();
     }
     if let Some(name) = &arguments.table_axes {
-        let found = TABLE_AXES.iter().find(|axes| axes.name == *name);
-        convention.table_axes = named("--table-axes", name, found, names(TABLE_AXES, |axes| axes.name))?;
+        convention.table_axes = named("--table-axes", name)?;
     }
     if let Some(name) = &arguments.table_channels {
-        let found = TABLE_CHANNELS.iter().find(|channels| channels.name == *name);
-        convention.table_channels = named("--table-channels", name, found, names(TABLE_CHANNELS, |way| way.name))?;
+        convention.table_channels = named("--table-channels", name)?;
     }
     convention.axes = arguments.axes.unwrap_or(convention.axes);
     for (flag, value, place) in [
@@ -269,11 +250,14 @@ fn check(
             let found = table::search(image, model);
             let best = &found[0];
             (convention.table_axes, convention.table_channels) = (best.axes, best.channels);
-            convention.masking = best.masking.1;
+            convention.masking = best.masking;
             let way = |way: &table::Fitting| {
                 format!(
                     "axes {}, channels {}, masking {}: rms {:.1e}",
-                    way.axes.name, way.channels.name, way.masking.0, way.rms
+                    way.axes.name,
+                    way.channels.name,
+                    way.masking.name(),
+                    way.rms
                 )
             };
             table_way = Some(format!("{}; next {}", way(best), way(&found[1])));

@@ -4,14 +4,14 @@ use super::flags::SweptFlags;
 use super::{Failure, print, tell};
 use clap::{ArgMatches, Args, Command, FromArgMatches};
 use splitsum::cost::child::{CompileFault, Compiler, Job, available, serve};
-use splitsum::cost::family::{FAMILIES, Family, family_by_name};
+use splitsum::cost::family::{FAMILIES, Family};
 use splitsum::cost::isa::Counts;
 use splitsum::cost::pass::passes;
 use splitsum::cost::table::{Shaded, csv, markdown};
 use splitsum::experiment::axis::{AXES, BRDF, METHOD, Point};
 use splitsum::experiment::value::{Kind, Value};
 use splitsum::shade::{FILE_PREFIX, METHODS, own};
-use splitsum::spelling::suggestion;
+use splitsum::spelling::Listed;
 use std::path::{Path, PathBuf};
 
 /// Every family.
@@ -121,15 +121,11 @@ fn changes_code(axis: usize, given: &[Value], methods: &[Value]) -> bool {
     })
 }
 
-/// What is found by name in a list, or a message with the list.
-fn named<T>(text: &str, what: &str, found: Option<T>, known: &[&str]) -> Result<T, String> {
-    found.ok_or_else(|| format!("{text:?} is no {what}{}; expected {}", suggestion(text, known), known.join(", ")))
-}
-
 fn family(text: &str) -> Result<Asked, String> {
-    let names: Vec<&str> = FAMILIES.iter().map(|family| family.name).chain([ALL]).collect();
-    let found = if text == ALL { Some(None) } else { family_by_name(text).map(Some) };
-    named(text, "family", found.map(Asked), &names)
+    match Family::parse(text) {
+        Err(_) if text == ALL => Ok(Asked(None)),
+        family => family.map(|family| Asked(Some(family))),
+    }
 }
 
 pub fn execute(arguments: &Arguments) -> Result<(), Failure> {

@@ -6,17 +6,18 @@ use clap::error::ErrorKind;
 use clap::{Arg, ArgAction, ArgMatches, Args, Command, Error, FromArgMatches};
 use splitsum::experiment::axis::named::{ambiguous, hint};
 use splitsum::experiment::axis::{AXES, Named, Point, Reference, View};
-use splitsum::experiment::config::{CAMERA, SEED};
+use splitsum::experiment::config::SEED;
 use splitsum::experiment::lights::{coordinates, parse_light};
 use splitsum::experiment::value::{Kind, Value};
 use splitsum::scene::{CameraKind, Light, Orbit, Scene};
+use splitsum::spelling::Listed;
 
 /// What is seen, beside the axes.
 #[derive(Args, Clone, Debug)]
 pub struct SeenFlags {
     /// ortho or perspective.
-    #[arg(long, value_name = "NAME", default_value = "ortho", value_parser = |text: &str| CAMERA.parse_text(text))]
-    camera: Value,
+    #[arg(long, value_name = "NAME", default_value = CameraKind::names()[0], value_parser = |name: &str| CameraKind::parse(name).copied())]
+    camera: CameraKind,
     /// Turns the camera about the middle of the scene: yaw and pitch in degrees, and a factor of its distance in [0.1, 4].
     #[arg(long, value_name = "YAW,PITCH,DISTANCE", allow_hyphen_values = true, value_parser = parse_orbit)]
     orbit: Option<Orbit>,
@@ -41,7 +42,7 @@ impl SeenFlags {
     /// The flags as a view whose reference draws as many samples as it does by default.
     pub fn view(&self) -> View {
         View {
-            camera: CameraKind::by_name(self.camera.text()).expect("the flag's parser checked the name"),
+            camera: self.camera,
             orbit: self.orbit.unwrap_or_default(),
             background: self.background,
             antialias: false,

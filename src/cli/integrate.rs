@@ -3,13 +3,14 @@
 use super::{Failure, print_data, tell};
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
-use splitsum::brdf::{MODELS, MaskingShadowing};
+use splitsum::brdf::Brdf;
+use splitsum::brdf::MaskingShadowing;
 use splitsum::environment::LoadOptions;
 use splitsum::math::quadrature::Tolerance;
 use splitsum::oracle::{ALPHA_MIN, Kind, Queries};
-use splitsum::precompute::prefilter::WEIGHTS;
+use splitsum::precompute::prefilter::Weight;
 use splitsum::shade::reference::TOLERANCE;
-use splitsum::spelling::suggestion;
+use splitsum::spelling::Listed;
 use std::path::{Path, PathBuf};
 
 /// Exact answers for a table of queries, in f64 on the CPU (no Vulkan).
@@ -19,7 +20,7 @@ pub struct Arguments {
     /// The queries; see below for the columns.
     queries: PathBuf,
     /// What is asked: shading, ladder, dfg, prefilter, irradiance or sh9.
-    #[arg(long, value_name = "NAME", default_value = "shading", value_parser = kind)]
+    #[arg(long, value_name = "NAME", default_value = "shading", value_parser = |name: &str| Kind::parse(name).copied())]
     kind: Kind,
     /// The table to write; standard output when left out.
     #[arg(long, value_name = "FILE.csv")]
@@ -35,10 +36,7 @@ pub struct Arguments {
 
 /// The columns of each kind, with the names that its cells may hold.
 fn after_help() -> String {
-    let models = MODELS.iter().map(|model| model.name());
-    let maskings = MaskingShadowing::ALL.iter().map(|(name, _)| *name);
-    let weights = WEIGHTS.iter().map(|weight| weight.name);
-    let [models, maskings, weights] = [either(models), either(maskings), either(weights)];
+    let [models, maskings, weights] = [<dyn Brdf>::names(), MaskingShadowing::names(), Weight::names()].map(either);
     format!("\
 QUERIES.csv has a header and one query a line. The answer is the same table with columns added: each number with a bound of its
 absolute error. All rows are checked first; a fault is told as file:line:column and nothing is written.
@@ -70,8 +68,7 @@ Examples:
 }
 
 /// "a, b or c".
-fn either<'n>(names: impl Iterator<Item = &'n str>) -> String {
-    let names: Vec<&str> = names.collect();
+fn either(names: Vec<&str>) -> String {
     match &names[..] {
         [first @ .., last] if !first.is_empty() => format!("{} or {last}", first.join(", ")),
         _ => names.concat(),
@@ -116,13 +113,6 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         ));
     }
     Ok(())
-}
-
-fn kind(name: &str) -> Result<Kind, String> {
-    Kind::by_name(name).ok_or_else(|| {
-        let names: Vec<&str> = Kind::ALL.iter().map(|kind| kind.columns().name).collect();
-        format!("{name:?} is not a kind of query; expected {}{}", names.join(", "), suggestion(name, &names))
-    })
 }
 
 fn tolerance(text: &str) -> Result<f64, String> {

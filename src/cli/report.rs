@@ -2,10 +2,10 @@
 
 use super::{Failure, print, tell};
 use clap::Args;
-use splitsum::metrics::{METRICS, metric};
+use splitsum::metrics::Metric;
 use splitsum::report::page::images::{BUDGET_BYTES, Choice, Window};
 use splitsum::report::page::{PAGE_FILE, PageError, PageOptions, Told, Written, check_out, write};
-use splitsum::spelling::suggestion;
+use splitsum::spelling::Listed;
 use splitsum::study::finished::{Finished, notes};
 use splitsum::study::questions::{Answer, answers};
 use std::path::{Path, PathBuf};
@@ -44,11 +44,7 @@ fn window(text: &str) -> Result<Window, String> {
 
 /// The value of `--metric`.
 pub fn known_metric(name: &str) -> Result<String, String> {
-    let names: Vec<&str> = METRICS.iter().map(|metric| metric.description().name).collect();
-    match metric(name) {
-        Some(_) => Ok(name.to_owned()),
-        None => Err(format!("{name:?} is not a metric{}", suggestion(name, &names))),
-    }
+    <dyn Metric>::parse(name).map(|metric| metric.name().to_owned())
 }
 
 pub fn execute(arguments: &Arguments) -> Result<(), Failure> {

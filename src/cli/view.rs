@@ -10,6 +10,7 @@ use splitsum::files::{TEXT_BYTES_MAX, read_text};
 use splitsum::pipeline::{DeviceChoice, Options};
 use splitsum::scene::{Scene, scene_extensions};
 use splitsum::shade::{FILE_PREFIX, METHODS, own};
+use splitsum::spelling::Listed;
 use splitsum::view::{Opened, Picture, State, Windowed, open};
 use std::path::{Path, PathBuf};
 
@@ -41,7 +42,7 @@ pub struct Arguments {
 fn after_help() -> String {
     let point = first_point();
     let ([width, height], method) = (point[SIZE].pair(), &point[METHOD]);
-    let pictures: Vec<&str> = Picture::ALL.iter().map(|(name, _)| *name).collect();
+    let pictures = Picture::names();
     format!(
         "Here --method is {method}, --right {REFERENCE} and --size {width}x{height} by default. The tables are our own: `render` takes file:PATH \
         for --prefiltered and --dfg, too.\n\n\

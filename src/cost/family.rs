@@ -1,5 +1,7 @@
 //! Families of GPUs that the driver may compile for.
 
+use crate::spelling::listed;
+
 /// A family of GPUs with the same code.
 #[derive(Debug)]
 pub struct Family {
@@ -29,7 +31,12 @@ pub static FAMILIES: &[Family] = &[
     family("gfx1100", &["gfx1100", "navi31"], "RDNA 3", "Radeon RX 7900 XTX"),
 ];
 
-/// The family of that name, or of that name of the driver's.
-pub fn family_by_name(name: &str) -> Option<&'static Family> {
-    FAMILIES.iter().find(|family| family.name == name || family.driver_names.contains(&name))
-}
+listed!(
+    Family,
+    "family",
+    FAMILIES,
+    /// Finds the family of that name, or of that name of the driver's.
+    fn by_name(name: &str) -> Option<&'static Self> {
+        Self::all().find(|family| family.name == name || family.driver_names.contains(&name))
+    }
+);

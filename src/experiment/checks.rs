@@ -15,6 +15,7 @@ use crate::precompute::prefilter::harmonic;
 use crate::scene::is_design;
 use crate::shade::DIFFUSE;
 use crate::shade::reference_pass::pair_count;
+use crate::spelling::Listed;
 use crate::spelling::suggestion;
 
 /// Values that are right one by one but not together.

@@ -6,9 +6,10 @@ use super::axis::{AXES, METHOD, Named, Point, Reference, SAMPLES, Terms, index_o
 use super::fault::{Faults, Place};
 use super::toml_tree::{at, checked, entries, parsed, raw, section, texts, unknown_key};
 use super::value::{COORDINATE, Kind, Range, Raw, Value};
-use crate::metrics::{HEADLINE, METRICS, metric};
+use crate::metrics::{HEADLINE, Metric};
 use crate::scene::{CameraKind, Light, Orbit};
-use crate::shade::{METHODS, NONE, method_by_name};
+use crate::shade::{METHODS, Method, NONE};
+use crate::spelling::Listed;
 use std::path::{Path, PathBuf};
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
@@ -75,7 +76,7 @@ pub struct Config {
     pub question: String,
     /// Names of the questions to answer, each with its place; the first one leads. Nothing here knows which names there are.
     pub asks: Vec<(String, Place)>,
-    /// Name of the metric that the answers rest on; one of [`METRICS`].
+    /// Name of the metric that the answers rest on; one of [`crate::metrics::METRICS`].
     pub metric: &'static str,
     /// Where the metric was written.
     pub metric_place: Place,
@@ -117,14 +118,6 @@ pub struct Config {
     /// The folder that files named by `--set` are relative to; the current one when empty.
     pub set_dir: PathBuf,
 }
-
-/// The camera names.
-pub const CAMERA: Kind =
-    Kind::Name { what: "camera", names: || CameraKind::ALL.iter().map(|(name, _)| *name).collect() };
-
-/// The metric names.
-pub const METRIC: Kind =
-    Kind::Name { what: "metric", names: || METRICS.iter().map(|metric| metric.description().name).collect() };
 
 /// The key of the metric.
 pub(super) const METRIC_KEY: &str = "metric";
@@ -255,13 +248,14 @@ impl Config {
             },
             "asks" => self.asks = texts(value, key, faults),
             METRIC_KEY => {
-                if let Some(found) = check(METRIC).and_then(|v| metric(v.text())) {
-                    (self.metric, self.metric_place) = (found.description().name, at(value));
+                if let Some(found) = check(Kind::one_of::<dyn Metric>()) {
+                    let found = <dyn Metric>::listed(found.text());
+                    (self.metric, self.metric_place) = (found.name(), at(value));
                 }
             }
             "seed" => self.seed = check(SEED).map_or(self.seed, |v| v.count()),
             "camera" => {
-                let camera = check(CAMERA).and_then(|v| CameraKind::by_name(v.text()));
+                let camera = check(Kind::one_of::<CameraKind>()).map(|v| *CameraKind::listed(v.text()));
                 self.camera = camera.unwrap_or(self.camera);
             }
             "orbit" => match check(Kind::Color(COORDINATE)).map(|v| Orbit::new(v.color())) {
@@ -299,20 +293,19 @@ impl Config {
     }
 
     fn read_reference(&mut self, value: &Spanned<DeValue>, faults: &mut Faults) {
-        let terms = Kind::Name { what: "choice", names: || Terms::ALL.iter().map(|(name, _)| *name).collect() };
         for (key, value, _) in section(value, "reference", &["method", "samples", "relative_error", "terms"], faults) {
             let kind = match key {
                 "method" => AXES[METHOD].kind,
                 "samples" => AXES[SAMPLES].kind,
                 "relative_error" => Kind::Number(Range::above(0.0, 1.0)),
-                _ => terms,
+                _ => Kind::one_of::<Terms>(),
             };
             let Some(found) = checked(kind, &format!("reference.{key}"), value, faults) else { continue };
             match key {
                 "method" => {
                     self.reference.method = found.text().to_owned();
                     let is_exact =
-                        method_by_name(found.text()).is_some_and(|method| method.is_integrated() || method.is_none());
+                        Method::by_name(found.text()).is_some_and(|method| method.is_integrated() || method.is_none());
                     if !is_exact {
                         let exact = METHODS.iter().filter(|method| method.is_integrated()).map(|method| method.name);
                         let text = format!(
@@ -328,10 +321,7 @@ impl Config {
                     self.reference_samples_place = at(value);
                 }
                 "relative_error" => self.reference.relative_error = Some(found.number()),
-                _ => {
-                    let named = Terms::ALL.iter().find(|(name, _)| *name == found.text());
-                    self.reference.terms = named.map_or(self.reference.terms, |(_, terms)| *terms);
-                }
+                _ => self.reference.terms = *Terms::listed(found.text()),
             }
         }
     }

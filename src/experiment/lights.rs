@@ -5,6 +5,7 @@ use super::fault::Faults;
 use super::toml_tree::{at, checked, list, section};
 use super::value::{COORDINATE, Kind, Range};
 use crate::scene::{Light, LightKind};
+use crate::spelling::Listed;
 use glam::DVec3;
 use toml::Spanned;
 use toml::de::DeValue;
@@ -16,7 +17,7 @@ impl Config {
     pub(super) fn read_lights(&mut self, value: &Spanned<DeValue>, faults: &mut Faults) {
         for item in list(value, "lights", faults) {
             let (mut kind, mut vector, mut color) = (None, None, None);
-            let names = Kind::Name { what: "kind of light", names: || vec!["directional", "point"] };
+            let names = Kind::one_of::<LightKind>();
             for (key, value, _) in section(item, "lights", &["kind", "direction", "position", "color"], faults) {
                 let range = if key == "color" { LIGHT_COLOR } else { COORDINATE };
                 let of = if key == "kind" { names } else { Kind::Color(range) };
@@ -65,8 +66,7 @@ pub fn parse_light(text: &str) -> Result<Light, String> {
     let [kind, vector, color] = parts[..] else {
         return Err(format!("{text:?} is not directional:X,Y,Z:R,G,B or point:X,Y,Z:R,G,B"));
     };
-    let kind = LightKind::ALL.iter().find(|(name, _)| *name == kind).map(|(_, kind)| *kind);
-    let kind = kind.ok_or_else(|| format!("{:?} is not a kind of light; expected directional or point", parts[0]))?;
+    let kind = *LightKind::parse(kind)?;
     let color = Kind::Color(LIGHT_COLOR).parse_text(color)?.color();
     light(kind, coordinates(vector)?, Some(color))
 }

@@ -10,6 +10,7 @@ use super::value::Value;
 use crate::environment::LoadOptions;
 use crate::ladder;
 use crate::pipeline::{BUFFER_BYTES_EVERYWHERE, RenderRequest, image_buffer_bytes};
+use crate::spelling::Listed;
 use crate::spelling::short_number;
 use std::collections::{BTreeMap, BTreeSet, HashSet};
 use std::path::{Path, PathBuf};

@@ -2,7 +2,7 @@
 
 use crate::glsl::constants;
 use crate::shade::FILE_PREFIX;
-use crate::spelling::suggestion;
+use crate::spelling::{Listed, not_one_of, with_article};
 use std::fmt;
 use std::hash::{Hash, Hasher};
 use std::sync::Arc;
@@ -215,6 +215,11 @@ pub fn decimal(number: f64) -> f64 {
 }
 
 impl Kind {
+    /// The names of a list.
+    pub const fn one_of<T: Listed + ?Sized>() -> Self {
+        Self::Name { what: T::WHAT, names: T::names }
+    }
+
     /// The name that stands for a number of this kind, as it is written in tables.
     pub fn name_of(self, number: &str) -> Option<&'static str> {
         let Self::NumberOrName { named, .. } = self else { return None };
@@ -367,15 +372,6 @@ impl Kind {
             Self::Input => "NAME|FILE",
         }
     }
-}
-
-/// "a camera", "an axis".
-fn with_article(what: &str) -> String {
-    format!("{} {what}", if what.starts_with(['a', 'e', 'i', 'o', 'u']) { "an" } else { "a" })
-}
-
-fn not_one_of(what: &str, text: &str, names: &[&str], or: &str) -> String {
-    format!("{text:?} is not {}{}; expected {or}{}", with_article(what), suggestion(text, names), names.join(", "))
 }
 
 /// The values of all items, or everything that is wrong with any of them.

@@ -25,8 +25,9 @@ use crate::math::harmonics::{Harmonics, SmoothMap};
 use crate::math::sequence::SEQUENCES;
 use crate::pixels::half;
 use crate::precompute::dfg::Albedos;
-use crate::precompute::prefilter::{Kernel, harmonic, weight_by_name};
+use crate::precompute::prefilter::{Kernel, Weight, harmonic};
 use crate::precompute::{HALF_MAX, PrecomputeSettings, PrefilterBy, StorageFormat};
+use crate::spelling::Listed;
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 use std::collections::HashMap;
@@ -190,7 +191,7 @@ struct Tables<'a> {
 impl<'a> Tables<'a> {
     fn new(setting: &'a Setting<'a>) -> Self {
         let tables = setting.tables;
-        let masked = weight_by_name("masking").expect("a listed weight");
+        let masked = Weight::listed("masking");
         let kernels =
             [masked, tables.prefilter_weight].map(|weight| Kernel::new(setting.model, weight, setting.masking));
         let r: Vec<DVec3> = setting.frames.iter().map(|[n, v]| reflect(*v, *n)).collect();

@@ -4,6 +4,7 @@
 //! from variance. No point has a coordinate 0 or 1, where lobes and level formulas are singular.
 
 use super::sampling::hammersley;
+use crate::spelling::listed;
 use glam::{DVec2, DVec3};
 
 /// A way to place points; adding one is one entry of [`SEQUENCES`].
@@ -49,10 +50,7 @@ pub static SEQUENCES: &[Sequence] = &[
     },
 ];
 
-/// The sequence of that name.
-pub fn sequence_by_name(name: &str) -> Option<&'static Sequence> {
-    SEQUENCES.iter().find(|sequence| sequence.name == name)
-}
+listed!(Sequence, "sequence", SEQUENCES);
 
 /// How a pixel comes by the points of a set. The discriminants are `glsl::constants::PIXEL_POINTS_*`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -64,10 +62,7 @@ pub enum PixelPoints {
     Owen = 1,
 }
 
-impl PixelPoints {
-    /// Every variant with its name, the default first.
-    pub const ALL: &[(&str, Self)] = &[("shared", Self::Shared), ("owen", Self::Owen)];
-}
+listed!(PixelPoints, "kind of pixel points", { "shared": Shared, "owen": Owen });
 
 /// The point of a set by which the pixel at column x and row y samples: nested uniform scrambles of both coordinates [Owen97] by hash
 /// [Burley20], each under a key of its own. The mean over pixels or sets is uniform, whatever the point was.

@@ -25,6 +25,7 @@ mod smape;
 mod ssim;
 mod tail;
 
+use crate::spelling::Listed;
 pub use bias_variance::{BiasVariance, Repeats};
 pub use bins::{ALL_VIEWS, BinRow, N_DOT_V_BIN_EDGES, VIEWS};
 pub use comparison::{Comparison, Displayed, MetricsError};
@@ -139,9 +140,16 @@ pub const HEADLINE: &str = "relmse";
 /// Name of the metric that stands for it after the tone curve.
 pub const DISPLAY_HEADLINE: &str = "flip";
 
-/// The metric of that name.
-pub fn metric(name: &str) -> Option<&'static dyn Metric> {
-    METRICS.iter().copied().find(|metric| metric.description().name == name)
+impl Listed for dyn Metric {
+    const WHAT: &'static str = "metric";
+
+    fn all() -> impl Iterator<Item = &'static Self> + Clone {
+        METRICS.iter().copied()
+    }
+
+    fn name(&self) -> &'static str {
+        self.description().name
+    }
 }
 
 /// The metrics that need no tone curve.

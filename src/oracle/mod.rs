@@ -16,6 +16,7 @@ use crate::brdf::{Brdf, MaskingShadowing};
 use crate::precompute::prefilter::Kernel;
 use crate::shade::reference::Surface;
 use crate::shade::{METHODS, Method};
+use crate::spelling::listed;
 use glam::DVec3;
 
 /// Narrowest lobe that is integrated: a tenth of what the device shades. Lobes near 1e-5 are narrower than the rounding of their
@@ -42,8 +43,6 @@ pub enum Kind {
 /// The columns of a [`Kind`], in the order of help texts and results.
 #[derive(Clone, Copy, Debug)]
 pub struct KindColumns {
-    /// Name on the command line.
-    pub name: &'static str,
     /// Columns that every table of the kind has, in any order.
     pub required: &'static [&'static str],
     /// Columns that a table may have: `masking` is `separable` and `weight` `cosine` without one, `levels` those of the default tables;
@@ -54,50 +53,50 @@ pub struct KindColumns {
     pub numbers: &'static [&'static str],
 }
 
-impl Kind {
-    /// Every kind.
-    pub const ALL: &[Self] = &[Self::Shading, Self::Ladder, Self::Dfg, Self::Prefilter, Self::Irradiance, Self::Sh9];
+listed!(Kind, "kind of query", {
+    "shading": Shading,
+    "ladder": Ladder,
+    "dfg": Dfg,
+    "prefilter": Prefilter,
+    "irradiance": Irradiance,
+    "sh9": Sh9,
+});
 
+impl Kind {
     /// What a table of this kind holds.
     pub fn columns(self) -> &'static KindColumns {
         match self {
             Self::Shading => &KindColumns {
-                name: "shading",
                 required: &["environment", "brdf", "alpha", "f0", "nx", "ny", "nz", "vx", "vy", "vz"],
                 optional: &["masking", "id"],
                 colors: &["specular", "specular_white", "diffuse", "lambert"],
                 numbers: &[],
             },
             Self::Ladder => &KindColumns {
-                name: "ladder",
                 required: &["environment", "brdf", "alpha", "f0", "nx", "ny", "nz", "vx", "vy", "vz"],
                 optional: &["masking", "levels", "id"],
                 colors: &[],
                 numbers: &[],
             },
             Self::Dfg => &KindColumns {
-                name: "dfg",
                 required: &["brdf", "alpha", "n_dot_v"],
                 optional: &["masking", "id"],
                 colors: &[],
                 numbers: &["f0_scale", "f90_scale", "albedo", "error"],
             },
             Self::Prefilter => &KindColumns {
-                name: "prefilter",
                 required: &["environment", "brdf", "alpha", "rx", "ry", "rz"],
                 optional: &["weight", "masking", "id"],
                 colors: &["prefiltered"],
                 numbers: &[],
             },
             Self::Irradiance => &KindColumns {
-                name: "irradiance",
                 required: &["environment", "nx", "ny", "nz"],
                 optional: &["id"],
                 colors: &["irradiance"],
                 numbers: &[],
             },
             Self::Sh9 => &KindColumns {
-                name: "sh9",
                 required: &["environment"],
                 optional: &["id"],
                 colors: &["l00", "l1m1", "l10", "l11", "l2m2", "l2m1", "l20", "l21", "l22"],
@@ -115,11 +114,6 @@ impl Kind {
             }
             _ => self.columns().colors.iter().map(|name| name.to_string()).collect(),
         }
-    }
-
-    /// The kind of that name.
-    pub fn by_name(name: &str) -> Option<Self> {
-        Self::ALL.iter().copied().find(|kind| kind.columns().name == name)
     }
 }
 

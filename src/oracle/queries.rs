@@ -6,6 +6,7 @@ use crate::environment::{Environment, LoadOptions};
 use crate::files::{TEXT_BYTES_MAX, read_given};
 use crate::precompute::prefilter::Kernel;
 use crate::shade::reference::Surface;
+use crate::spelling::Listed;
 use crate::spelling::suggestion;
 use crate::table::csv::{Cell, unguarded};
 use std::fmt;
@@ -162,16 +163,17 @@ impl<'a> Reader<'a> {
     }
 
     fn header(&mut self, line: u64, record: &::csv::StringRecord) {
-        let KindColumns { name: kind, required, optional, .. } = *self.kind.columns();
+        let KindColumns { required, optional, .. } = *self.kind.columns();
+        let kind = self.kind.name();
         let known = [required, optional].concat();
         self.columns = record.iter().map(str::to_owned).collect();
         for (i, column) in record.iter().enumerate() {
             if !known.contains(&column) {
-                let elsewhere = Kind::ALL.iter().map(|kind| kind.columns()).find(|k| k.required.contains(&column));
+                let elsewhere = Kind::all().find(|kind| kind.columns().required.contains(&column));
                 let near = suggestion(column, &known);
                 let hint = match elsewhere {
                     _ if !near.is_empty() => near,
-                    Some(other) => format!("; --kind {} has it", other.name),
+                    Some(other) => format!("; --kind {} has it", other.name()),
                     None => format!("; expected {}", list(&known)),
                 };
                 self.fault(line, column, format!("unknown column for --kind {kind}{hint}"));

@@ -1,10 +1,10 @@
 //! The cells of one row of queries, each checked on its own.
 
 use super::ALPHA_MIN;
-use crate::brdf::{Brdf, MODELS, MaskingShadowing};
+use crate::brdf::{Brdf, MaskingShadowing};
 use crate::precompute::PrecomputeSettings;
-use crate::precompute::prefilter::{WEIGHTS, Weight};
-use crate::spelling::suggestion;
+use crate::precompute::prefilter::Weight;
+use crate::spelling::Listed;
 use glam::DVec3;
 
 /// Largest departure of a direction's length from 1; within it the direction is normalised. Five digits a coordinate suffice.
@@ -92,9 +92,8 @@ impl Row<'_> {
     }
 
     pub(super) fn model(&mut self) -> Option<&'static dyn Brdf> {
-        let known: Vec<_> = MODELS.iter().map(|model| (model.name(), *model)).collect();
         let name = self.cell("brdf").to_owned();
-        self.named("brdf", "BRDF model", &name, &known)
+        self.listed("brdf", &name)
     }
 
     /// Levels of a prefiltered map; those of the default tables where none are given.
@@ -111,28 +110,21 @@ impl Row<'_> {
     }
 
     pub(super) fn masking(&mut self) -> Option<MaskingShadowing> {
-        self.optional_name("masking", "masking-shadowing", MaskingShadowing::ALL)
+        self.optional("masking").copied()
     }
 
     pub(super) fn weight(&mut self) -> Option<&'static Weight> {
-        let known: Vec<_> = WEIGHTS.iter().map(|weight| (weight.name, weight)).collect();
-        self.optional_name("weight", "prefilter weight", &known)
+        self.optional("weight")
     }
 
-    /// What the cell names, or the first of `known`, the default, where the cell or its column is not there.
-    pub(super) fn optional_name<T: Copy>(&mut self, column: &str, what: &str, known: &[(&str, T)]) -> Option<T> {
-        let name = self.optional_cell(column).filter(|name| !name.is_empty()).unwrap_or(known[0].0).to_owned();
-        self.named(column, what, &name, known)
+    /// The entry that the cell names, or the default if the cell is empty or its column missing.
+    fn optional<T: Listed>(&mut self, column: &str) -> Option<&'static T> {
+        let name = self.optional_cell(column).filter(|name| !name.is_empty()).unwrap_or(T::names()[0]).to_owned();
+        self.listed(column, &name)
     }
 
-    pub(super) fn named<T: Copy>(&mut self, column: &str, what: &str, name: &str, known: &[(&str, T)]) -> Option<T> {
-        let found = known.iter().find(|(known, _)| *known == name).map(|(_, value)| *value);
-        if found.is_none() {
-            let names: Vec<&str> = known.iter().map(|(name, _)| *name).collect();
-            let near = suggestion(name, &names);
-            self.fault(column, format!("{name:?} is not a {what}; expected {}{near}", names.join(", ")));
-        }
-        found
+    fn listed<T: Listed + ?Sized>(&mut self, column: &str, name: &str) -> Option<&'static T> {
+        T::parse(name).map_err(|fault| self.fault(column, fault)).ok()
     }
 
     /// A unit vector out of three columns, normalised in f64.

@@ -10,7 +10,8 @@ use crate::pixels::{GrayImage, Pixels, exr, write_atomically};
 use crate::precompute::dfg::DfgAxes;
 use crate::precompute::{PrecomputeSettings, PrefilterBy};
 use crate::scene::{CameraKind, Scene};
-use crate::shade::{Shading, diffuse_by_name, method_by_name};
+use crate::shade::{Diffuse, Method, Shading};
+use crate::spelling::Listed;
 use serde::Serialize;
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -77,7 +78,7 @@ impl Pipeline {
         // The smallest request that makes the tables: nothing of it is ever shaded.
         let mut view = RenderRequest::plain(environment.clone(), Scene::sphere(), CameraKind::Ortho, [8, 8]);
         view.shading = Shading {
-            method: method_by_name("none").expect("a listed method"),
+            method: Method::listed("none"),
             masking_shadowing: request.masking_shadowing,
             // Other programs look the table up as they do their own.
             precompute: PrecomputeSettings { dfg_axes: DfgAxes::Centres, ..*settings },
@@ -85,15 +86,15 @@ impl Pipeline {
         };
 
         let mut files = ["sh9.json", "irradiance_over_pi.exr"].map(|name| out.join(name)).to_vec();
-        view.shading.diffuse = diffuse_by_name("sh9").expect("a listed diffuse method");
+        view.shading.diffuse = Diffuse::listed("sh9");
         let prepared = self.prepare(&view)?;
         let texels: Vec<[f32; 4]> = self.gpu.read_buffer(&prepared.tables.sh9)?;
         write_json(&files[0], &sh9_file(environment, &texels))?;
-        view.shading.diffuse = diffuse_by_name("irradiance-map").expect("a listed diffuse method");
+        view.shading.diffuse = Diffuse::listed("irradiance-map");
         let prepared = self.prepare(&view)?;
         write_image(&self.gpu, &prepared.tables.irradiance_map, 0, &files[1])?;
-        view.shading.diffuse = diffuse_by_name("none").expect("a listed diffuse method");
-        view.shading.method = method_by_name(LOBES_OF).expect("a listed method");
+        view.shading.diffuse = Diffuse::listed("none");
+        view.shading.method = Method::listed(LOBES_OF);
         for brdf in &request.brdfs {
             view.shading.brdf = *brdf;
             let tables = self.prepare(&view)?.tables;
@@ -112,12 +113,11 @@ impl Pipeline {
             files.extend([image, header]);
         }
         let names = files.iter().filter_map(|path| Some(path.file_name()?.to_string_lossy().into_owned()));
-        let masking = MaskingShadowing::ALL.iter().find(|(_, known)| *known == request.masking_shadowing);
         let is_sampled = settings.prefilter == PrefilterBy::Sampled;
         let manifest = BakeFile {
             environment: &environment.name,
             environment_hash: &environment.hash,
-            masking_shadowing: masking.map_or("?", |(name, _)| name),
+            masking_shadowing: request.masking_shadowing.name(),
             layout: settings.layout.name,
             mapping: settings.layout.mapping,
             radiance: "linear Rec.709",

@@ -15,6 +15,7 @@ use crate::precompute::prefilter::{self, Kernel};
 use crate::precompute::sh9::Projection;
 use crate::precompute::{dfg, filtered, irradiance, mips, sh9};
 use crate::shade::Shading;
+use crate::spelling::Listed;
 use std::collections::BTreeSet;
 
 /// What names a shared result.

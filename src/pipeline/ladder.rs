@@ -20,7 +20,8 @@ use crate::precompute::{StorageFormat, exact_quadrature};
 use crate::scene::MaterialOverride;
 use crate::shade::method::ladder::MASKING_ALONE;
 use crate::shade::reference_pass::{ReferenceRun, pair_count};
-use crate::shade::{Method, NONE, REFERENCE, Shading, diffuse_by_name, method_by_name};
+use crate::shade::{Diffuse, Method, NONE, REFERENCE, Shading};
+use crate::spelling::Listed;
 use glam::{DVec2, DVec3};
 use std::sync::Arc;
 
@@ -58,7 +59,7 @@ impl Pipeline {
         }
         let request = RenderRequest {
             shading: Shading {
-                diffuse: diffuse_by_name(NONE).expect("a listed diffuse method"),
+                diffuse: Diffuse::listed(NONE),
                 // The steps part one scattering.
                 compensation: Compensation::None,
                 ..request.shading
@@ -180,7 +181,7 @@ impl Pipeline {
             self.with_memory(|own| own.scrambles(&request))
         };
         let mut of_method = |method| Ok::<_, PipelineError>([drawn(method, 0.0)?, drawn(method, 1.0)?]);
-        let reference = method_by_name(REFERENCE).expect("a listed method");
+        let reference = Method::listed(REFERENCE);
         let by_kernel = [of_method(reference)?, of_method(&MASKING_ALONE)?];
         let of_scramble = |k: usize| by_kernel.each_ref().map(|by_f0| by_f0.each_ref().map(|drawn| drawn[k].clone()));
         let drawn = (0..by_kernel[0][0].len()).map(of_scramble).collect();

@@ -7,7 +7,8 @@ use crate::pixels::{Pixels, RgbImage};
 use crate::precompute::PrecomputeSettings;
 use crate::precompute::dfg::DfgAxes;
 use crate::precompute::prefilter::LevelMapping;
-use crate::shade::{Shading, diffuse_by_name, method_by_name};
+use crate::shade::{Diffuse, Method, Shading};
+use crate::spelling::Listed;
 
 /// Texels of the finest prefiltered level: what a page can hold for a few models and environments.
 const PREFILTERED_TEXELS_MAX: u32 = 1 << 15;
@@ -45,11 +46,7 @@ impl Pipeline {
 
     fn read_light_tables(&mut self, request: &RenderRequest, texels_max: u32) -> Result<LightTables, PipelineError> {
         let mut request = RenderRequest {
-            shading: Shading {
-                method: method_by_name(LOBES_OF).expect("a listed method"),
-                diffuse: diffuse_by_name("sh9").expect("a listed diffuse method"),
-                ..request.shading
-            },
+            shading: Shading { method: Method::listed(LOBES_OF), diffuse: Diffuse::listed("sh9"), ..request.shading },
             lights: Vec::new(),
             ..request.clone()
         };

@@ -44,7 +44,7 @@ impl RenderRequest {
     /// use splitsum::environment::{Environment, LoadOptions};
     /// use splitsum::pipeline::{Options, Pipeline, RenderRequest};
     /// use splitsum::scene::{CameraKind, Scene};
-    /// use splitsum::shade::method_by_name;
+    /// use splitsum::shade::Method;
     /// use std::{path::Path, sync::Arc};
     ///
     /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -53,7 +53,7 @@ impl RenderRequest {
     /// // Without a Vulkan device there is nothing to show.
     /// let Ok(mut pipeline) = Pipeline::new(Options::default()) else { return Ok(()) };
     /// let image = pipeline.render(&request)?;
-    /// let method = method_by_name("reference").expect("a listed method");
+    /// let method = Method::listed("reference");
     /// let reference = pipeline.render(&request.shaded(|s| s.method = method))?;
     /// let [own, exact] = [&image, &reference].map(|frame| frame.radiance.get(16, 16)[1]);
     /// assert!(own > 0.0 && own != exact, "{own} for {exact}");

@@ -3,6 +3,7 @@
 use super::dfg::DfgAxes;
 use super::prefilter::{LEVEL_MAPPINGS, LevelMapping, WEIGHTS, Weight, harmonic};
 use crate::environment::layout::{LAYOUTS, MapLayout};
+use crate::spelling::listed;
 
 /// In which numbers the prefiltered map, the DFG table and the irradiance map are kept on the device.
 ///
@@ -15,18 +16,7 @@ pub enum StorageFormat {
     F16,
 }
 
-impl StorageFormat {
-    /// Every format with its name.
-    pub const ALL: &[(&str, Self)] = &[(Self::F32.name(), Self::F32), (Self::F16.name(), Self::F16)];
-
-    /// Name in files and tables.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::F32 => "f32",
-            Self::F16 => "f16",
-        }
-    }
-}
+listed!(StorageFormat, "storage format", { "f32": F32, "f16": F16 });
 
 /// How the texels of the prefiltered map and of the irradiance map are made.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -38,18 +28,7 @@ pub enum PrefilterBy {
     Sampled,
 }
 
-impl PrefilterBy {
-    /// Every way with its name.
-    pub const ALL: &[(&str, Self)] = &[(Self::Harmonic.name(), Self::Harmonic), (Self::Sampled.name(), Self::Sampled)];
-
-    /// Name in files and tables.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Sampled => "sampled",
-            Self::Harmonic => "harmonic",
-        }
-    }
-}
+listed!(PrefilterBy, "way to prefilter", { "harmonic": Harmonic, "sampled": Sampled });
 
 /// The largest half. Brighter texels (a sun) are cut off here, as engines do: an infinite one would spoil every texel filtered with it.
 pub const HALF_MAX: f32 = 65504.0;

@@ -3,7 +3,6 @@
 use super::images::short_text;
 use super::live_model::{LiveModel, models};
 use super::renderer::{RenderFault, Renderer};
-use crate::brdf::MaskingShadowing;
 use crate::experiment::axis::{BRDF, ENVIRONMENT, ENVIRONMENT_CLIP, Point};
 use crate::experiment::plan::Plan;
 use crate::experiment::value::Value;
@@ -12,6 +11,7 @@ use crate::pixels::packed::{self, HALF_MAX};
 use crate::pixels::{Pixels, RgbImage};
 use crate::precompute::dfg::DfgAxes;
 use crate::shade::Shading;
+use crate::spelling::Listed;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
@@ -105,8 +105,7 @@ pub fn record(plan: &Plan, renderer: &mut dyn Renderer) -> Result<LiveRecord, Re
     for (point, request) in environments.iter().take(ENVIRONMENT_COUNT) {
         let mut environment: Option<LiveEnvironment> = None;
         for (_, of_lobe) in &lobes {
-            let (brdf, masking) =
-                (of_lobe.shading.brdf.name().to_owned(), masking_name(of_lobe.shading.masking_shadowing));
+            let (brdf, masking) = (of_lobe.shading.brdf.name().to_owned(), of_lobe.shading.masking_shadowing.name());
             let has_lobe = record.lobes.iter().any(|lobe| lobe.brdf == brdf && lobe.masking == masking);
             let is_kept = environment.as_ref().is_some_and(|e| e.prefiltered.iter().any(|map| map.brdf == brdf));
             if has_lobe && is_kept {
@@ -149,11 +148,6 @@ fn distinct<K: PartialEq>(
         }
     }
     found.into_iter().map(|(_, entry)| entry).collect()
-}
-
-fn masking_name(masking: MaskingShadowing) -> &'static str {
-    let found = MaskingShadowing::ALL.iter().find(|(_, known)| *known == masking);
-    found.map(|(name, _)| *name).expect("a listed masking")
 }
 
 fn of_environment(point: &Point, request: &RenderRequest, tables: &LightTables) -> LiveEnvironment {

@@ -8,10 +8,11 @@ use crate::experiment::plan::{Cell, Plan};
 use crate::files::content_hash;
 use crate::metrics::{
     BiasVariance, BinRow, Comparison, Displayed, Epsilon, METRICS, Metric, MetricsError, N_DOT_V_BIN_EDGES, Space,
-    linear_metrics, metric, noise_floor, verdict,
+    linear_metrics, noise_floor, verdict,
 };
 use crate::pipeline::{DeviceInfo, Frame, RenderRequest};
 use crate::pixels::{GrayImage, PixelsError, Rgb8Image, RgbImage, exr, png};
+use crate::spelling::Listed;
 use crate::table::colormap::{FLIP_ERROR, RELATIVE_ERROR};
 use crate::tonemap::ToneCurve;
 use std::collections::BTreeMap;
@@ -266,7 +267,7 @@ fn by_name(values: Vec<(&'static str, f64)>) -> Scores {
 
 /// The verdict of the headline metric; `no-noise-floor` when the reference does not know its own error.
 fn verdict_name(scores: &Scores, floors: &Scores) -> String {
-    let metric = metric(HEADLINE).expect("the headline is one of the metrics");
+    let metric = <dyn Metric>::listed(HEADLINE);
     match (scores.get(HEADLINE), floors.get(HEADLINE)) {
         (Some(score), Some(floor)) => verdict(metric, score.0, floor.0).name().to_owned(),
         _ => "no-noise-floor".to_owned(),

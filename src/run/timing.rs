@@ -7,7 +7,8 @@ use super::host::{HostState, UNKNOWN};
 use super::statistics::{drift, median, median_interval, quantile};
 use crate::experiment::axis::{AXES, Axis, ENVIRONMENT, METHOD, SAMPLES, SIZE};
 use crate::experiment::plan::{Cell, Plan};
-use crate::shade::{Method, method_by_name};
+use crate::shade::Method;
+use crate::spelling::Listed;
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::time::Duration;
@@ -215,7 +216,7 @@ impl TimingRecord {
 
     /// The specular method, where this program knows it.
     pub fn method(&self) -> Option<&'static Method> {
-        method_by_name(self.value(METHOD))
+        Method::by_name(self.value(METHOD))
     }
 
     /// Minutes from the first round to the last.

@@ -11,6 +11,7 @@
 //! fall on a pixel's centre lies on that pixel's ray. `shaders/gbuffer` uses the same numbers (see `gbuffer::params`).
 
 use crate::scene::{Mesh, Scene, Sphere};
+use crate::spelling::listed;
 use glam::{DMat4, DVec3, DVec4};
 
 /// Vertical field of view of the perspective camera in degrees.
@@ -28,23 +29,7 @@ pub enum CameraKind {
     Perspective,
 }
 
-impl CameraKind {
-    /// Every kind with its name.
-    pub const ALL: &[(&str, Self)] = &[("ortho", Self::Ortho), ("perspective", Self::Perspective)];
-
-    /// Name in configs and tables.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Ortho => "ortho",
-            Self::Perspective => "perspective",
-        }
-    }
-
-    /// The kind of that name.
-    pub fn by_name(name: &str) -> Option<Self> {
-        Self::ALL.iter().find(|(known, _)| *known == name).map(|&(_, kind)| kind)
-    }
-}
+listed!(CameraKind, "camera", { "ortho": Ortho, "perspective": Perspective });
 
 /// How a camera maps the view volume to the image.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,6 +1,7 @@
 //! Analytic lights.
 
 use super::{Scene, Sphere};
+use crate::spelling::listed;
 use glam::DVec3;
 
 /// Kind of an analytic light; the discriminants are `glsl::constants::LIGHT_*`.
@@ -10,15 +11,7 @@ pub enum LightKind {
     Point = 1,
 }
 
-impl LightKind {
-    /// Every kind with its name.
-    pub const ALL: &[(&str, Self)] = &[("directional", Self::Directional), ("point", Self::Point)];
-
-    /// Its name.
-    pub fn name(self) -> &'static str {
-        Self::ALL[self as usize].0
-    }
-}
+listed!(LightKind, "kind of light", { "directional": Directional, "point": Point });
 
 /// A directional light (`color` = irradiance on a surface facing it) or a point light (`color` = radiant intensity, divided by distance²).
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -19,6 +19,6 @@ pub const NONE: &str = "none";
 pub const EXACT_SPLIT: &str = "ladder-view";
 
 pub use crate::glsl::constants::FILE_PREFIX;
-pub use diffuse::{DIFFUSE, Diffuse, diffuse_by_name};
-pub use method::{METHODS, Method, method_by_name, own};
+pub use diffuse::{DIFFUSE, Diffuse};
+pub use method::{METHODS, Method, own};
 pub use shading::Shading;

@@ -1,10 +1,11 @@
 //! The parameters of one image: method, model, light's placement, points and tables.
 
-use super::{Diffuse, Method, NONE, diffuse_by_name, method_by_name};
+use super::{Diffuse, Method, NONE};
 use crate::brdf::{Brdf, Compensation, Ggx, MaskingShadowing};
 use crate::environment::Placement;
 use crate::math::sequence::{PixelPoints, SEQUENCES, Sequence};
 use crate::precompute::PrecomputeSettings;
+use crate::spelling::Listed;
 
 /// How an image is shaded, whatever scene, camera and environment it shows.
 #[derive(Clone, Copy, Debug)]
@@ -38,8 +39,8 @@ impl Default for Shading {
             brdf: &Ggx,
             masking_shadowing: MaskingShadowing::default(),
             compensation: Compensation::default(),
-            method: method_by_name("split-sum").expect("a listed method"),
-            diffuse: diffuse_by_name(NONE).expect("a listed diffuse method"),
+            method: Method::listed("split-sum"),
+            diffuse: Diffuse::listed(NONE),
             samples: 64,
             sequence: &SEQUENCES[0],
             point_set: 0,

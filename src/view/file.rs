@@ -6,6 +6,7 @@ use crate::experiment::axis::{AXES, METHOD, Named, Point, SAMPLES, View};
 use crate::experiment::lights::{light_text, parse_light};
 use crate::experiment::value::Value;
 use crate::scene::{CameraKind, LightKind, Orbit};
+use crate::spelling::Listed;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -59,8 +60,7 @@ impl State {
             point[named.axis] = named.parse_text(value).map_err(|fault| format!("axes.{name}: {fault}"))?;
         }
         let lights: Result<Vec<_>, String> = written.lights.iter().map(|text| parse_light(text)).collect();
-        let camera =
-            CameraKind::by_name(&written.camera).ok_or_else(|| format!("camera: {:?} is none", written.camera))?;
+        let camera = *CameraKind::parse(&written.camera).map_err(|fault| format!("camera: {fault}"))?;
         let view = View {
             camera,
             orbit: Orbit::new(written.orbit).map_err(|fault| format!("orbit: {fault}"))?,
@@ -71,21 +71,13 @@ impl State {
             reference_error: None,
             reference_samples: written.reference_samples,
         };
-        let tone = Tone::ALL.iter().find(|(name, _)| *name == written.tone);
-        let picture =
-            Picture::by_name(&written.picture).ok_or_else(|| format!("picture: {:?} is none", written.picture))?;
+        let tone = *Tone::parse(&written.tone).map_err(|fault| format!("tone: {fault}"))?;
+        let picture = *Picture::parse(&written.picture).map_err(|fault| format!("picture: {fault}"))?;
         let right = AXES[METHOD].kind.parse_text(&written.right).map_err(|fault| format!("right: {fault}"))?;
         if !(0.0..=1.0).contains(&written.wipe) {
             return Err(format!("wipe: {} is outside [0, 1]", written.wipe));
         }
-        let state = Self {
-            right,
-            picture,
-            tone: tone.ok_or_else(|| format!("tone: {:?} is none", written.tone))?.1,
-            wipe: written.wipe,
-            level: written.level,
-            ..Self::new(point, view)
-        };
+        let state = Self { right, picture, tone, wipe: written.wipe, level: written.level, ..Self::new(point, view) };
         state.checked()
     }
 

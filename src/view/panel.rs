@@ -11,6 +11,7 @@ use crate::experiment::axis::{AXES, ENVIRONMENT, ENVIRONMENT_ROTATION, EXPOSURE,
 use crate::experiment::value::{Value, decimal};
 use crate::pipeline::Frame;
 use crate::scene::{CameraKind, Light, LightKind, Orbit, scene_extensions, scene_format};
+use crate::spelling::Listed;
 use egui::{
     Align2, Color32, ColorImage, ComboBox, CursorIcon, DragValue, FontId, Key, Pos2, Rect, Sense, Stroke, TextureHandle,
 };
@@ -163,9 +164,9 @@ impl Panel {
             |controls, ui| {
                 let response = ComboBox::from_id_salt("picture").width(180.0).selected_text(state.picture.name());
                 let response = response.height(520.0).show_ui(ui, |ui| {
-                    for (name, picture) in Picture::ALL {
-                        let response = ui.selectable_value(&mut state.picture, *picture, *name);
-                        controls.place(format!("choice {name}"), &response);
+                    for picture in Picture::all() {
+                        let response = ui.selectable_value(&mut state.picture, *picture, picture.name());
+                        controls.place(format!("choice {}", picture.name()), &response);
                     }
                 });
                 controls.place("picture", &response.response);
@@ -178,14 +179,14 @@ impl Panel {
             });
         }
         self.controls.row(ui, "camera", "drag turns, the wheel zooms, 0 resets", |controls, ui| {
-            for (name, kind) in CameraKind::ALL {
-                controls.place(*name, &ui.radio_value(&mut state.view.camera, *kind, *name));
+            for kind in CameraKind::all() {
+                controls.place(kind.name(), &ui.radio_value(&mut state.view.camera, *kind, kind.name()));
             }
             controls.place("background", &ui.checkbox(&mut state.view.background, "background"));
         });
         self.controls.row(ui, "tone", "t changes it", |controls, ui| {
-            for (name, tone) in Tone::ALL {
-                controls.place(*name, &ui.radio_value(&mut state.tone, *tone, *name));
+            for tone in Tone::all() {
+                controls.place(tone.name(), &ui.radio_value(&mut state.tone, *tone, tone.name()));
             }
         });
         self.controls.row(ui, "reference samples", "where the reference stops refining", |controls, ui| {
@@ -213,9 +214,10 @@ impl Panel {
 
     fn lights(&mut self, ui: &mut Ui, lights: &mut Vec<Light>) {
         ui.horizontal(|ui| {
-            for (name, kind) in LightKind::ALL {
-                let response = ui.button(format!("add {name}"));
-                self.controls.place(format!("add {name}"), &response);
+            for kind in LightKind::all() {
+                let label = format!("add {}", kind.name());
+                let response = ui.button(&label);
+                self.controls.place(label, &response);
                 if response.clicked() {
                     let place = DVec3::from(LIGHT);
                     let place = if *kind == LightKind::Directional { place.normalize() } else { place };

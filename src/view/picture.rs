@@ -6,6 +6,7 @@ use crate::metrics::{Comparison, Epsilon};
 use crate::pipeline::{Frame, LightTables, Pipeline, PipelineError};
 use crate::pixels::{Pixels, Rgb8Image, RgbImage};
 use crate::scene::Camera;
+use crate::spelling::listed;
 use crate::table::colormap::{ColorScale, OFF_MASK_COLOR, RELATIVE_ERROR, SIGNED_ERROR};
 use crate::tonemap::ToneCurve;
 use glam::DVec3;
@@ -35,32 +36,23 @@ pub enum Part {
     F0,
 }
 
+listed!(Picture, "picture", {
+    "image": Image,
+    "error": Error,
+    "signed error": Signed,
+    "difference": Difference,
+    "position": Part(Part::Position),
+    "normal": Part(Part::Normal),
+    "n·v": Part(Part::NDotV),
+    "albedo": Part(Part::Albedo),
+    "metallic": Part(Part::Metallic),
+    "alpha": Part(Part::Alpha),
+    "F0": Part(Part::F0),
+    "prefiltered map": Prefiltered,
+    "DFG table": Dfg,
+});
+
 impl Picture {
-    /// Every picture with its name.
-    pub const ALL: &[(&str, Self)] = &[
-        ("image", Self::Image),
-        ("error", Self::Error),
-        ("signed error", Self::Signed),
-        ("difference", Self::Difference),
-        ("position", Self::Part(Part::Position)),
-        ("normal", Self::Part(Part::Normal)),
-        ("n·v", Self::Part(Part::NDotV)),
-        ("albedo", Self::Part(Part::Albedo)),
-        ("metallic", Self::Part(Part::Metallic)),
-        ("alpha", Self::Part(Part::Alpha)),
-        ("F0", Self::Part(Part::F0)),
-        ("prefiltered map", Self::Prefiltered),
-        ("DFG table", Self::Dfg),
-    ];
-
-    pub fn name(self) -> &'static str {
-        Self::ALL.iter().find(|(_, known)| *known == self).expect("a listed picture").0
-    }
-
-    pub fn by_name(name: &str) -> Option<Self> {
-        Self::ALL.iter().find(|(known, _)| *known == name).map(|(_, picture)| *picture)
-    }
-
     /// The colours of an error, where it is one.
     pub fn scale(self) -> Option<ColorScale> {
         match self {
@@ -111,14 +103,7 @@ pub enum Tone {
     Srgb,
 }
 
-impl Tone {
-    /// Every tone with its name.
-    pub const ALL: &[(&str, Self)] = &[("curve", Self::Curve), ("sRGB", Self::Srgb)];
-
-    pub fn name(self) -> &'static str {
-        Self::ALL[self as usize].0
-    }
-}
+listed!(Tone, "tone", { "curve": Curve, "sRGB": Srgb });
 
 /// How a picture is made of a frame.
 #[derive(Clone, Copy, Debug)]

@@ -8,10 +8,11 @@ use super::state::{Image, Side, State};
 use crate::environment::{Environment, LoadOptions};
 use crate::experiment::axis::{AXES, Part, Point};
 use crate::experiment::value::Value;
-use crate::metrics::{Comparison, HEADLINE, metric};
+use crate::metrics::{Comparison, HEADLINE, Metric};
 use crate::pipeline::{DeviceInfo, Frame, Options, Pipeline, PipelineError, Recent};
 use crate::pixels::Rgb8Image;
 use crate::scene::Scene;
+use crate::spelling::Listed;
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
@@ -356,7 +357,7 @@ impl<'a> Renderer<'a> {
         let image = state.truth(count);
         let truth = self.frame(&image, inputs)?;
         let request = image.request(inputs.0, inputs.1);
-        let headline = metric(HEADLINE).expect("a listed metric");
+        let headline = <dyn Metric>::listed(HEADLINE);
         for shot in [&mut self.shown.left, &mut self.shown.right].into_iter().flatten() {
             let curve = state.point.settings().curve;
             let (test, mask) = (&shot.frame.radiance, &truth.mask);

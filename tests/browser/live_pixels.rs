@@ -9,12 +9,13 @@ use splitsum::brdf::MODELS;
 use splitsum::environment::{Environment, LoadOptions, Placement};
 use splitsum::experiment::Plan;
 use splitsum::gpu::GpuError;
-use splitsum::metrics::{Comparison, metric};
+use splitsum::metrics::{Comparison, Metric};
 use splitsum::pipeline::{Frame, Options, Pipeline, PipelineError, RenderRequest};
 use splitsum::report::page::images::Choice;
 use splitsum::run::{RenderFault, Renderer, RunOptions, run};
 use splitsum::scene::{Camera, CameraKind, MaterialOverride, Projection, Scene};
-use splitsum::shade::{diffuse_by_name, method_by_name};
+use splitsum::shade::{Diffuse, Method};
+use splitsum::spelling::Listed;
 use splitsum::tonemap::ToneCurve;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -200,8 +201,8 @@ impl Setting {
             background: true,
             ..of_run.shaded(|s| {
                 s.placement = Placement { orientation: ORIENTATIONS[self.orientation], rotation_deg: self.turn };
-                s.method = method_by_name(method).unwrap();
-                s.diffuse = diffuse_by_name(if self.diffuse { "sh9" } else { "none" }).unwrap();
+                s.method = Method::listed(method);
+                s.diffuse = Diffuse::listed(if self.diffuse { "sh9" } else { "none" });
                 s.brdf = *MODELS.iter().find(|model| model.name() == ["ggx", "phong"][self.lobe]).unwrap();
                 s.samples = samples;
             })
@@ -213,7 +214,7 @@ impl Setting {
 /// the sampled methods, the prefiltered map and the DFG table for the split sum.
 fn is_storage_error(method: &str, error: f64) -> bool {
     const HALF: f64 = 1.0 / 2048.0;
-    error <= if method_by_name(method).unwrap().uses_prefiltered() { 2.0 * HALF } else { 1.2 * HALF }
+    error <= if Method::listed(method).uses_prefiltered() { 2.0 * HALF } else { 1.2 * HALF }
 }
 
 #[test]
@@ -280,7 +281,7 @@ fn pixels_and_errors_are_those_of_the_renderer() {
             let epsilon = setting.request(&plan, "split-sum", 1, size).epsilon();
             let (test, curve) = (&test.radiance, ToneCurve::default());
             let comparison = Comparison::new(test, &truth.radiance, &truth.mask, curve, epsilon).unwrap();
-            comparison.evaluate(&[metric(METRIC).unwrap()])[0].1
+            comparison.evaluate(&[<dyn Metric>::listed(METRIC)])[0].1
         };
         let frame_of = |name: &str| &frames[methods.iter().position(|method| *method == name).unwrap()];
         let split = frame_of("split-sum");

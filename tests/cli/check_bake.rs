@@ -5,10 +5,12 @@ use super::{assert_ends, ok, splitsum};
 use glam::DVec2;
 use serde_json::Value;
 use splitsum::bakes::convention::PRESETS;
+use splitsum::brdf::Brdf;
 use splitsum::brdf::MaskingShadowing;
 use splitsum::pixels::{GrayImage, RgbImage, exr};
 use splitsum::precompute::lobe_shape::{LobeShapes, parameters_from_node};
 use splitsum::precompute::prefilter::Kernel;
+use splitsum::spelling::Listed;
 
 #[test]
 fn our_own_bakes_score_near_zero_in_every_layout() {
@@ -151,7 +153,7 @@ fn baked_lobes_are_their_shapes() {
         .collect();
     let side = splitsum::glsl::constants::LOBE_SHAPE_SIDE;
     assert_eq!(rows.len(), (2 * side * side) as usize);
-    let (phong, masking) = (splitsum::brdf::by_name("phong").unwrap(), MaskingShadowing::Correlated);
+    let (phong, masking) = (<dyn Brdf>::listed("phong"), MaskingShadowing::Correlated);
     let shapes = LobeShapes::new(Kernel::cosine(phong), masking);
     for node in [[3, 9], [20, 9], [31, 16], [12, 30]] {
         let DVec2 { x: n_dot_v, y: alpha } = parameters_from_node(node);

@@ -11,6 +11,7 @@ use splitsum::experiment::axis::{LAYOUT, METHOD, Point};
 use splitsum::gbuffer::pass::PIPELINES;
 use splitsum::gpu::shader_names;
 use splitsum::shade::{METHODS, Method};
+use splitsum::spelling::Listed;
 use std::path::Path;
 
 fn program() -> &'static Path {
@@ -87,7 +88,7 @@ fn a_shader_of_known_size_is_counted_right() {
 fn every_pipeline_compiles_for_every_family_and_twice_to_the_same_bytes() {
     for (turn, family) in families().into_iter().enumerate() {
         // A masking a shader and family; over the families each shader has every one.
-        let masking = |index: usize| MaskingShadowing::ALL[(index + turn) % MaskingShadowing::ALL.len()].1 as u32;
+        let masking = |index: usize| ((index + turn) % MaskingShadowing::all().count()) as u32;
         let compute = shader_names().filter(|name| name.contains(".comp")).enumerate();
         let compute = compute.map(|(index, shader)| Job::new(shader.to_owned(), &[masking(index)]));
         let draws = PIPELINES.map(|draw| Job::new(draw.shaders[1].to_owned(), &[]));
@@ -201,7 +202,7 @@ fn options_compile_what_they_name() {
     let maskings = rows(&["--method", "sampled", "--brdf", "beckmann", "--masking", "all"]);
     let counts: std::collections::BTreeSet<Vec<String>> =
         maskings.iter().map(|row| row.iter().skip(8).map(str::to_owned).collect()).collect();
-    assert_eq!([maskings.len(), counts.len()], [MaskingShadowing::ALL.len(); 2], "{maskings:?}");
+    assert_eq!([maskings.len(), counts.len()], [MaskingShadowing::all().count(); 2], "{maskings:?}");
     let refused = |arguments: &[&str], parts: &[&str]| assert_ends(&splitsum(dir.path(), arguments), 2, parts);
     refused(&["cost", "--alpha", "0.3"], &["--alpha: changes no code of sampled, split-sum, split-sum-parted"]);
     refused(

@@ -3,7 +3,8 @@
 use crate::harness::{constant_environment, request, scene, with_pipeline};
 use splitsum::pipeline::RenderRequest;
 use splitsum::scene::{CameraKind, MaterialOverride};
-use splitsum::shade::{diffuse_by_name, method_by_name};
+use splitsum::shade::{Diffuse, Method};
+use splitsum::spelling::Listed;
 use std::f64::consts::PI;
 
 /// Under constant light a surface that reflects all of it and the background are one colour, edge or not; against black the image has the
@@ -14,8 +15,8 @@ fn edges_have_the_radiance_of_what_they_cover() {
         let white = constant_environment([1.0; 3]);
         let size = [24, 24];
         let grey = MaterialOverride { albedo: Some([0.5; 3]), f0: Some([0.0; 3]), ..MaterialOverride::default() };
-        let (method, half_side) = (method_by_name("none").unwrap(), 1.05);
-        let diffuse = diffuse_by_name("irradiance-map").unwrap();
+        let (method, half_side) = (Method::listed("none"), 1.05);
+        let diffuse = Diffuse::listed("irradiance-map");
         let own = RenderRequest {
             antialias: true,
             background: true,

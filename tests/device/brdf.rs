@@ -7,6 +7,7 @@ use glam::{DVec2, DVec3};
 use splitsum::brdf::{Brdf, MODELS, MaskingShadowing, f_schlick, g1, g2, reflect};
 use splitsum::gpu::Gpu;
 use splitsum::math::sampling::{direction_from_polar, hammersley};
+use splitsum::spelling::Listed;
 use std::f64::consts::TAU;
 
 const ALPHAS: [f64; 8] = [0.001, 0.003, 0.01, 0.05, 0.2, 0.5, 0.85, 1.0];
@@ -87,23 +88,24 @@ fn distributions_masking_and_fresnel() {
     with_gpu(|gpu| {
         for model in MODELS {
             let items = items(*model);
-            for (name, masking) in MaskingShadowing::ALL {
-                let worst = |what: &str, tolerance| Worst::new(format!("{} {name} {what}", model.name()), tolerance);
+            for &masking in MaskingShadowing::all() {
+                let worst =
+                    |what: &str, tolerance| Worst::new(format!("{} {masking:?} {what}", model.name()), tolerance);
                 let mut d = worst("d", F32_LOBE);
                 let mut g = worst("g1", F32);
                 let mut g_pair = worst("g2", F32);
                 let mut fresnel = worst("f", F32);
                 let mut eval = worst("eval", Tolerance { relative: 8e-6, floor: 1e-30 });
-                for (item, out) in items.iter().zip(run(gpu, *model, *masking, &items)) {
-                    let g1 = |cosine: f64| g1(*model, cosine, item.alpha, *masking);
+                for (item, out) in items.iter().zip(run(gpu, *model, masking, &items)) {
+                    let g1 = |cosine: f64| g1(*model, cosine, item.alpha, masking);
                     d.add(out[0][0], model.d(item.h, item.alpha), || item.case());
                     g.add(out[0][1], g1(item.v.z), || item.case());
                     g.add(out[0][2], g1(item.n_dot_l), || format!("n_dot_l {} {}", item.n_dot_l, item.case()));
-                    g_pair.add(out[0][3], g2(*model, item.v.z, item.n_dot_l, item.alpha, *masking), || item.case());
+                    g_pair.add(out[0][3], g2(*model, item.v.z, item.n_dot_l, item.alpha, masking), || item.case());
                     let f = f_schlick(F0, item.v.dot(item.h));
                     fresnel.add_rgb(xyz(out[5]), f, || item.case());
                     // `eval` with the given h, not that of the rounded v and l: at alpha 0.001 that rounding is worth 1e-4.
-                    let dg = model.d(item.h, item.alpha) * g2(*model, item.v.z, item.l.z, item.alpha, *masking);
+                    let dg = model.d(item.h, item.alpha) * g2(*model, item.v.z, item.l.z, item.alpha, masking);
                     let expected = if item.l.z > 0.0 { f * dg / (4.0 * item.v.z * item.l.z) } else { DVec3::ZERO };
                     eval.add_rgb(xyz(out[6]), expected, || item.case());
                 }

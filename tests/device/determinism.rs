@@ -22,7 +22,8 @@ use splitsum::precompute::{PrecomputeSettings, PrefilterBy};
 use splitsum::scene::{CameraKind, MaterialOverride};
 use splitsum::shade::pass::{Passes, Tables};
 use splitsum::shade::reference_pass::{DistributionBuffers, Lobe, ReferenceRun, Stop, Sums};
-use splitsum::shade::{DIFFUSE, METHODS, method_by_name};
+use splitsum::shade::{DIFFUSE, METHODS, Method};
+use splitsum::spelling::Listed;
 
 /// Every method and diffuse method on the grid of spheres.
 fn requests() -> Vec<RenderRequest> {
@@ -226,7 +227,7 @@ fn what_is_drawn_in_bands_is_whole() {
     with_pipeline(|pipeline| {
         // A sphere in the middle of a wide image, whose other pixels cost nothing: 8 rows a band.
         let request = request(&constant_environment([1.0; 3]), lobe_sphere(0.3), CameraKind::Ortho, [2048, 16])
-            .shaded(|s| (s.method, s.samples) = (method_by_name("sampled").unwrap(), 1024));
+            .shaded(|s| (s.method, s.samples) = (Method::listed("sampled"), 1024));
         let frame = pipeline.render(&request).unwrap();
         let row = |y: u32| -> f64 { (0..2048).map(|x| f64::from(frame.radiance.get(x, y)[0])).sum() };
         for y in 0..8 {

@@ -10,7 +10,8 @@ use splitsum::pipeline::RenderRequest;
 use splitsum::precompute::PrecomputeSettings;
 use splitsum::precompute::dfg::reference::{Dfg, dfg};
 use splitsum::scene::{CameraKind, MaterialOverride};
-use splitsum::shade::{diffuse_by_name, method_by_name};
+use splitsum::shade::{Diffuse, Method};
+use splitsum::spelling::Listed;
 
 /// What each integrator may miss of the albedo. The reference is held to its own standard error.
 fn tolerance(method: &str, n_dot_v: f64, alpha: f64) -> Tolerance {
@@ -61,7 +62,7 @@ fn every_integrator_returns_the_directional_albedo() {
                     })
                     .collect();
                 for name in ["sampled", "sampled-vndf", "sampled-unfiltered", "split-sum", "reference"] {
-                    let request = base.shaded(|s| s.method = method_by_name(name).unwrap());
+                    let request = base.shaded(|s| s.method = Method::listed(name));
                     let frame = render_by_seeds(pipeline, &request);
                     for (sight, exact) in sights.iter().zip(&exact) {
                         let n_dot_v = sight.surface.n.dot(sight.surface.v);
@@ -92,12 +93,12 @@ fn split_sum_is_the_reference_under_constant_radiance() {
     // Exact for every view, alpha and F0: only the tables' errors are left.
     with_pipeline(|pipeline| {
         let environment = constant_environment([0.5, 2.0, 300.0]);
-        for (_, masking_shadowing) in MaskingShadowing::ALL {
+        for &masking_shadowing in MaskingShadowing::all() {
             let material =
                 MaterialOverride { f0: Some([0.04, 0.5, 1.0]), alpha: Some(0.35), ..MaterialOverride::default() };
             let base = request(&environment, scene("sphere", material), CameraKind::Perspective, [16, 16])
-                .shaded(|s| s.masking_shadowing = *masking_shadowing);
-            let with = |name| base.shaded(|s| s.method = method_by_name(name).unwrap());
+                .shaded(|s| s.masking_shadowing = masking_shadowing);
+            let with = |name| base.shaded(|s| s.method = Method::listed(name));
             let split = pipeline.render(&with("split-sum")).unwrap();
             let reference = render_by_seeds(pipeline, &with("reference"));
             let sigma = reference.standard_error.as_ref().unwrap();
@@ -122,12 +123,13 @@ fn compensated_white_surfaces_show_all_that_arrives() {
     with_pipeline(|pipeline| {
         let white = constant_environment([1.0; 3]);
         for model in MODELS {
-            let cases = [0.3, 0.8].into_iter().flat_map(|alpha| Compensation::ALL.iter().map(move |of| (alpha, *of)));
-            for (alpha, (name, compensation)) in cases {
+            let cases = [0.3, 0.8].into_iter().flat_map(|alpha| Compensation::all().map(move |of| (alpha, *of)));
+            for (alpha, compensation) in cases {
                 let base = RenderRequest {
                     reference_samples: REFERENCE_SAMPLES,
                     ..request(&white, lobe_sphere(alpha), CameraKind::Ortho, [11, 11]).shaded(|s| {
-                        s.brdf = *model; // No albedo above 1, which only the scaling could take back.
+                        s.brdf = *model;
+                        // No albedo above 1, which only the scaling could take back.
                         s.masking_shadowing = MaskingShadowing::SmithExact;
                         s.compensation = compensation;
                         s.samples = 4096;
@@ -137,11 +139,11 @@ fn compensated_white_surfaces_show_all_that_arrives() {
                     [("split-sum", "sh9"), ("sampled-vndf", "irradiance-map"), ("reference", "reference")]
                 {
                     let request = base.shaded(|s| {
-                        s.method = method_by_name(method).unwrap();
-                        s.diffuse = diffuse_by_name(diffuse).unwrap();
+                        s.method = Method::listed(method);
+                        s.diffuse = Diffuse::listed(diffuse);
                     });
                     let frame = render_by_seeds(pipeline, &request);
-                    let case = format!("{} {name} {method} alpha {alpha}", model.name());
+                    let case = format!("{} {compensation:?} {method} alpha {alpha}", model.name());
                     let (mut worst, mut lost) = (0.0f64, 0.0f64);
                     for sight in sights(&base, 1) {
                         let [x, y] = sight.pixel;

@@ -4,11 +4,12 @@
 //! full set (`mitsuba/*.exr`, 128 x 128): then all eight are compared, and with `GOLDEN=update` the three are made from it.
 
 use crate::harness::{golden_environment, lobe_sphere, request, scene, with_pipeline};
-use splitsum::brdf;
+use splitsum::brdf::Brdf;
 use splitsum::pipeline::RenderRequest;
 use splitsum::pixels::{Pixels, exr};
 use splitsum::scene::{CameraKind, MaterialOverride};
-use splitsum::shade::{diffuse_by_name, method_by_name};
+use splitsum::shade::{Diffuse, Method};
+use splitsum::spelling::Listed;
 use std::path::{Path, PathBuf};
 
 /// Side of the images, pixels.
@@ -52,16 +53,16 @@ fn golden_request(golden: &Golden) -> RenderRequest {
         return RenderRequest {
             reference_samples: SAMPLES,
             ..request(&golden_environment(), scene("sphere", white), kind, size).shaded(|s| {
-                s.method = method_by_name("none").unwrap();
-                s.diffuse = diffuse_by_name("reference").unwrap();
+                s.method = Method::listed("none");
+                s.diffuse = Diffuse::listed("reference");
             })
         };
     }
     RenderRequest {
         reference_samples: SAMPLES,
         ..request(&golden_environment(), lobe_sphere(golden.alpha), kind, size).shaded(|s| {
-            s.method = method_by_name("reference").unwrap();
-            s.brdf = brdf::by_name(golden.model).unwrap();
+            s.method = Method::listed("reference");
+            s.brdf = <dyn Brdf>::listed(golden.model);
         })
     }
 }
@@ -131,7 +132,7 @@ fn the_mask_is_that_of_another_renderer() {
             let expected = exr::read(Path::new(&format!("tests/golden/{file}.exr"))).unwrap().rgb;
             let size = [expected.width, expected.height];
             let request = request(&golden_environment(), lobe_sphere(0.5), kind, size)
-                .shaded(|s| s.method = method_by_name("none").unwrap());
+                .shaded(|s| s.method = Method::listed("none"));
             let frame = pipeline.render(&request).unwrap();
             for (i, (mask, expected)) in frame.mask.data.iter().zip(&expected.data).enumerate() {
                 // Exact but for rim pixels, whose rays pass within f32 rounding of the sphere.

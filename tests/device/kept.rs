@@ -14,7 +14,8 @@ use splitsum::precompute::dfg::DfgAxes;
 use splitsum::precompute::prefilter::{LEVEL_MAPPINGS, WEIGHTS};
 use splitsum::precompute::{HALF_MAX, PrecomputeSettings, PrefilterBy, StorageFormat};
 use splitsum::scene::{Camera, CameraKind, Light, LightKind, MaterialOverride};
-use splitsum::shade::{Shading, diffuse_by_name, method_by_name};
+use splitsum::shade::{Diffuse, Method, Shading};
+use splitsum::spelling::Listed;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -46,8 +47,8 @@ fn requests() -> Vec<RenderRequest> {
     };
     let of = |method: &str, diffuse: &str| {
         base.shaded(|s| {
-            s.method = method_by_name(method).unwrap();
-            s.diffuse = diffuse_by_name(diffuse).unwrap();
+            s.method = Method::listed(method);
+            s.diffuse = Diffuse::listed(diffuse);
         })
     };
     let stopped = RenderRequest { reference_error: Some(0.5), ..of("reference", "reference") };
@@ -198,7 +199,7 @@ fn neighbours(base: &RenderRequest) -> Vec<RenderRequest> {
     let by_mapping =
         LEVEL_MAPPINGS[1..].iter().map(|mapping| set(&|s| (s.level_mapping, s.prefilter_level_count) = (mapping, 3)));
     let by_weight =
-        WEIGHTS[1..].iter().flat_map(|weight| MaskingShadowing::ALL.iter().map(move |(_, masking)| (weight, *masking)));
+        WEIGHTS[1..].iter().flat_map(|weight| MaskingShadowing::all().map(move |masking| (weight, *masking)));
     let by_weight = by_weight
         .map(|(weight, masking)| shaded(&|s| (s.precompute.prefilter_weight, s.masking_shadowing) = (weight, masking)));
     by_field.into_iter().chain(by_layout).chain(by_mapping).chain(by_weight).collect()
@@ -229,8 +230,8 @@ fn what_a_frame_shows_does_not_hang_on_earlier_requests() {
                     ..small()
                 };
                 s.samples = 8 + pair;
-                s.method = method_by_name(method).unwrap();
-                s.diffuse = diffuse_by_name(diffuse).unwrap();
+                s.method = Method::listed(method);
+                s.diffuse = Diffuse::listed(diffuse);
             })
         }
     };

@@ -9,7 +9,8 @@ use splitsum::metrics::{Comparison, HEADLINE};
 use splitsum::pipeline::{Frame, Pipeline, RenderRequest};
 use splitsum::precompute::{PrecomputeSettings, PrefilterBy, StorageFormat};
 use splitsum::scene::{CameraKind, MaterialOverride};
-use splitsum::shade::{diffuse_by_name, method_by_name};
+use splitsum::shade::{Diffuse, Method};
+use splitsum::spelling::Listed;
 use splitsum::tonemap::ToneCurve;
 
 const DRAWN: u32 = 4096;
@@ -61,7 +62,7 @@ fn rungs_have_the_error_of_the_methods_frames() {
             let steps = &found[0].steps;
             // The drawn rungs share their points; the others differ from the frames by f32 and by the noise of both.
             let mut frame = |name: &str| {
-                let method = method_by_name(name).unwrap();
+                let method = Method::listed(name);
                 pipeline.render(&request.shaded(|s| (s.method, s.samples) = (method, DRAWN))).unwrap()
             };
             let reference = frame("reference");
@@ -92,7 +93,7 @@ fn rungs_of_the_map_are_told_from_each_other() {
                 prefilter_sample_count: 32,
                 ..PrecomputeSettings::default()
             };
-            let request = base.shaded(|s| (s.method, s.precompute) = (method_by_name(name).unwrap(), precompute));
+            let request = base.shaded(|s| (s.method, s.precompute) = (Method::listed(name), precompute));
             pipeline.render(&request).unwrap().radiance.data
         };
         let (sampled, harmonic) = (PrefilterBy::Sampled, PrefilterBy::Harmonic);
@@ -112,12 +113,12 @@ fn the_last_diffuse_rung_has_the_error_of_the_frame() {
         let material = MaterialOverride { albedo: Some([0.8, 0.5, 0.2]), ..MaterialOverride::default() };
         let mut base = request(&golden_environment(), scene("design", material), CameraKind::Perspective, [24, 24]);
         // Beside no specular term, so that the reference has no Fresnel either.
-        (base.shading.method, base.reference_samples) = (method_by_name("none").unwrap(), DRAWN);
+        (base.shading.method, base.reference_samples) = (Method::listed("none"), DRAWN);
         base.shading.placement = Placement { orientation: 3, rotation_deg: 20.0 };
         base.shading.precompute.irradiance_size = [4; 2];
         base.shading.environment_scale = 3.0;
         let frame = |diffuse: &str, pipeline: &mut Pipeline| {
-            let diffuse = diffuse_by_name(diffuse).unwrap();
+            let diffuse = Diffuse::listed(diffuse);
             pipeline.render(&base.shaded(|s| s.diffuse = diffuse)).unwrap()
         };
         let reference = frame("reference", pipeline);
@@ -126,7 +127,7 @@ fn the_last_diffuse_rung_has_the_error_of_the_frame() {
                 continue;
             }
             let right = between(&frame(name, pipeline), &reference, &base);
-            let diffuse = diffuse_by_name(name).unwrap();
+            let diffuse = Diffuse::listed(name);
             let found = pipeline.attributions(&base.shaded(|s| s.diffuse = diffuse), DRAWN, &[]).unwrap();
             let mut worst = Worst::new(name.to_owned(), relative(2e-2));
             worst.add(found[0].error, right, || name.to_owned());
@@ -146,11 +147,11 @@ fn diffuse_rungs_have_the_error_of_the_methods_frames() {
             ..Default::default()
         };
         let mut base = request(&golden_environment(), scene("design", material), CameraKind::Perspective, [24, 24]);
-        (base.shading.method, base.reference_samples) = (method_by_name("split-sum").unwrap(), DRAWN);
+        (base.shading.method, base.reference_samples) = (Method::listed("split-sum"), DRAWN);
         base.shading.placement = Placement { orientation: 3, rotation_deg: 20.0 };
         base.shading.precompute.storage = StorageFormat::F32;
         let mut frame = |diffuse: &str| {
-            let diffuse = diffuse_by_name(diffuse).unwrap();
+            let diffuse = Diffuse::listed(diffuse);
             pipeline.render(&base.shaded(|s| s.diffuse = diffuse)).unwrap()
         };
         // The weight 1 - (f0 A + B) needs the specular term, which leaves again.
@@ -166,7 +167,7 @@ fn diffuse_rungs_have_the_error_of_the_methods_frames() {
         let rungs = [("reference", 0), ("ladder-clamp", 2), ("sh9", 4)];
         let reference = term("fresnel-inside");
         let right = rungs.map(|(name, _)| between(&term(name), &reference, &base));
-        let request = base.shaded(|s| s.diffuse = diffuse_by_name("sh9").unwrap());
+        let request = base.shaded(|s| s.diffuse = Diffuse::listed("sh9"));
         let found = pipeline.attributions(&request, DRAWN, &[]).unwrap();
         let mut worst = Worst::new("diffuse rungs".to_owned(), relative(1e-2));
         for ((name, step), right) in rungs.into_iter().zip(right) {
@@ -183,7 +184,7 @@ fn scrambles_are_those_of_the_reference() {
         let base = request(&golden_environment(), scene("design", material), CameraKind::Perspective, [16, 16]);
         let request = RenderRequest {
             reference_samples: 512,
-            ..base.shaded(|s| (s.method, s.samples) = (method_by_name("reference").unwrap(), 512))
+            ..base.shaded(|s| (s.method, s.samples) = (Method::listed("reference"), 512))
         };
         let frame = pipeline.render(&request).unwrap();
         let scrambles = pipeline.scrambles(&request).unwrap();

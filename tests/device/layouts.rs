@@ -15,7 +15,8 @@ use splitsum::pixels::{Pixels, RgbImage};
 use splitsum::precompute::filtered::pass as filtered;
 use splitsum::precompute::{PrefilterBy, exact_quadrature};
 use splitsum::scene::{Camera, CameraKind, MaterialOverride};
-use splitsum::shade::{diffuse_by_name, method_by_name};
+use splitsum::shade::{Diffuse, Method};
+use splitsum::spelling::Listed;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -179,8 +180,8 @@ fn a_lamp_keeps_its_light_wherever_it_stands() {
     // Tables of samples are filtered lookups, too; by convolution a lat-long map loses nothing at its poles.
     let is_table = |name: &str| ["split-sum", "irradiance-map"].contains(&name);
     let ways = ways.iter().flat_map(|way| {
-        let kinds = PrefilterBy::ALL.iter().filter(|(_, by)| is_table(way.0) || *by == PrefilterBy::Sampled);
-        kinds.map(|(_, by)| (*way, *by))
+        let kinds = PrefilterBy::all().filter(|by| is_table(way.0) || **by == PrefilterBy::Sampled);
+        kinds.map(|by| (*way, *by))
     });
     let ways: Vec<_> = ways.collect();
     with_pipeline(|pipeline| {
@@ -188,9 +189,9 @@ fn a_lamp_keeps_its_light_wherever_it_stands() {
             pipeline.render(request).unwrap().radiance.data.iter().map(|rgb| f64::from(rgb[1])).sum()
         };
         let way = |request: &RenderRequest, name: &str| {
-            let is_diffuse = diffuse_by_name(name).is_some_and(|diffuse| !diffuse.is_integrated());
-            let method = method_by_name(if is_diffuse { "none" } else { name }).unwrap();
-            let diffuse = diffuse_by_name(if is_diffuse { name } else { "none" }).unwrap();
+            let is_diffuse = Diffuse::by_name(name).is_some_and(|diffuse| !diffuse.is_integrated());
+            let method = Method::listed(if is_diffuse { "none" } else { name });
+            let diffuse = Diffuse::listed(if is_diffuse { name } else { "none" });
             request.shaded(|s| (s.method, s.diffuse) = (method, diffuse))
         };
         // Of each layout and way, the share of the light that is there, by direction.
@@ -198,8 +199,8 @@ fn a_lamp_keeps_its_light_wherever_it_stands() {
         for d in lamp_directions() {
             let request = beside_lamp(d, SIZE);
             let truth = light(&way(&request, "reference"));
-            let none = request.shaded(|s| s.method = method_by_name("none").unwrap());
-            let diffuse_truth = light(&none.shaded(|s| s.diffuse = diffuse_by_name("reference").unwrap()));
+            let none = request.shaded(|s| s.method = Method::listed("none"));
+            let diffuse_truth = light(&none.shaded(|s| s.diffuse = Diffuse::listed("reference")));
             for (layout, shares) in LAYOUTS.iter().zip(&mut shares) {
                 for (((name, samples, sets, _), by), shares) in ways.iter().zip(shares) {
                     let mut request = way(&request, name).shaded(|s| s.samples = *samples);

@@ -8,7 +8,8 @@ use splitsum::brdf::{MODELS, MaskingShadowing, eval};
 use splitsum::math::frame::Frame;
 use splitsum::pipeline::RenderRequest;
 use splitsum::scene::{CameraKind, Light, LightKind, MaterialOverride};
-use splitsum::shade::{diffuse_by_name, method_by_name};
+use splitsum::shade::{Diffuse, Method};
+use splitsum::spelling::Listed;
 use std::f64::consts::PI;
 
 fn lights() -> Vec<Light> {
@@ -23,7 +24,7 @@ fn lights() -> Vec<Light> {
 fn lights_meet_the_f64_brdf() {
     with_pipeline(|pipeline| {
         for model in MODELS {
-            for (name, masking_shadowing) in MaskingShadowing::ALL {
+            for &masking_shadowing in MaskingShadowing::all() {
                 for alpha in [0.05, 0.6] {
                     // Metallic 1 has no diffuse term: what is left is the lobe alone. The environment is black.
                     let material = MaterialOverride {
@@ -40,11 +41,12 @@ fn lights_meet_the_f64_brdf() {
                             CameraKind::Perspective,
                             [20, 20],
                         )
-                        .shaded(|s| (s.brdf, s.masking_shadowing) = (*model, *masking_shadowing))
+                        .shaded(|s| (s.brdf, s.masking_shadowing) = (*model, masking_shadowing))
                     };
                     let frame = pipeline.render(&request).unwrap();
                     // A normal known to 1e-7 and a lobe of alpha 0.05, whose D changes by 4 tan / alpha^2 a radian.
-                    let mut worst = Worst::new(format!("{} {name} {alpha} lights", model.name()), relative(1e-4));
+                    let mut worst =
+                        Worst::new(format!("{} {masking_shadowing:?} {alpha} lights", model.name()), relative(1e-4));
                     let texels = splitsum::gbuffer::reference::gbuffer(&request.scene, &request.camera, request.size);
                     let mut lit = 0;
                     for sight in sights(&request, 1) {
@@ -83,8 +85,8 @@ fn lights_without_a_specular_term_are_lambert() {
             lights: lights()[..1].to_vec(),
             ..request(&constant_environment([0.0; 3]), scene("sphere", material), CameraKind::Ortho, [20, 20]).shaded(
                 |s| {
-                    s.method = method_by_name("none").unwrap();
-                    s.diffuse = diffuse_by_name("none").unwrap();
+                    s.method = Method::listed("none");
+                    s.diffuse = Diffuse::listed("none");
                 },
             )
         };

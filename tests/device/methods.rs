@@ -7,7 +7,7 @@ use crate::tables::dfg_table;
 use glam::DVec3;
 use splitsum::brdf::{Compensation, MODELS};
 use splitsum::environment::Placement;
-use splitsum::environment::layout::layout_by_name;
+use splitsum::environment::layout::MapLayout;
 use splitsum::gbuffer::{Gbuffer, reference::gbuffer};
 use splitsum::math::sequence::PixelPoints;
 use splitsum::pipeline::{Frame, Pipeline, RenderRequest};
@@ -15,7 +15,8 @@ use splitsum::pixels::Pixels;
 use splitsum::precompute::{PrecomputeSettings, exact_quadrature};
 use splitsum::scene::{CameraKind, MaterialOverride};
 use splitsum::shade::reference::{Surface, integrate_all};
-use splitsum::shade::{diffuse_by_name, method_by_name};
+use splitsum::shade::{Diffuse, Method};
+use splitsum::spelling::Listed;
 
 use splitsum::math::quadrature;
 use std::f64::consts::PI;
@@ -66,7 +67,7 @@ pub fn radiance(frame: &Frame, [x, y]: [u32; 2]) -> DVec3 {
 }
 
 fn method(name: &str) -> &'static splitsum::shade::Method {
-    method_by_name(name).unwrap()
+    Method::listed(name)
 }
 
 fn coloured_sphere(alpha: f32) -> splitsum::scene::Scene {
@@ -135,7 +136,7 @@ fn the_standard_error_is_the_spread_over_seeds() {
         let both = RenderRequest {
             reference_samples: 64,
             ..request(&smooth_environment(), scene("sphere", material), CameraKind::Ortho, [24; 2])
-                .shaded(|s| (s.method, s.diffuse) = (method("reference"), diffuse_by_name("reference").unwrap()))
+                .shaded(|s| (s.method, s.diffuse) = (method("reference"), Diffuse::listed("reference")))
         };
         // Of each pixel: sum and sum of squares over seeds, and sum of the stated squared errors.
         let mut sums = vec![[0.0; 3]; 24 * 24];
@@ -155,7 +156,7 @@ fn the_standard_error_is_the_spread_over_seeds() {
         println!("spread over stated error, squared: {mean} over {} pixels", ratios.len());
         assert!((mean - 1.0).abs() < 0.03, "{mean}");
         // What is printed of a term is what its image says.
-        let frame = pipeline.render(&both.shaded(|s| s.diffuse = diffuse_by_name("none").unwrap())).unwrap();
+        let frame = pipeline.render(&both.shaded(|s| s.diffuse = Diffuse::listed("none"))).unwrap();
         let errors = frame.standard_error.as_ref().unwrap().data.iter().flatten();
         let squares = errors.zip(frame.radiance.data.iter().flatten()).zip(frame.mask.data.iter().flat_map(|m| [m; 3]));
         let own: Vec<f64> = squares
@@ -173,7 +174,7 @@ fn the_diffuse_reference_meets_the_oracle() {
     with_pipeline(|pipeline| {
         let environment = golden_environment();
         let request = small_request(&environment, 0.3)
-            .shaded(|s| (s.method, s.diffuse) = (method("none"), diffuse_by_name("reference").unwrap()));
+            .shaded(|s| (s.method, s.diffuse) = (method("none"), Diffuse::listed("reference")));
         let frame = render_by_seeds(pipeline, &request);
         let sights = sights(&request, 9);
         let surfaces: Vec<Surface> = sights.iter().map(|sight| sight.surface).collect();
@@ -243,7 +244,7 @@ fn the_lobe_of_several_scatterings_is_integrated() {
                 ..request(&environment, scene("sphere", metal), CameraKind::Ortho, [12, 12])
                     .shaded(|s| s.compensation = Compensation::KullaConty)
             };
-            let with = |diffuse| base.shaded(|s| s.diffuse = diffuse_by_name(diffuse).unwrap());
+            let with = |diffuse| base.shaded(|s| s.diffuse = Diffuse::listed(diffuse));
             let [both, single] = ["reference", "none"].map(|name| render_by_seeds(pipeline, &with(name)));
             let tables = &base.shading.precompute;
             let table = dfg_table(gpu, base.shading.brdf, base.shading.masking_shadowing, tables);
@@ -281,9 +282,10 @@ fn the_mean_over_scrambles_is_the_integral() {
             let base = small_request(&environment, 0.5).shaded(|s| {
                 s.brdf = *model;
                 s.samples = 128;
-                s.pixel_points = PixelPoints::Owen; // The finest level of a lat-long map is the map itself.
+                s.pixel_points = PixelPoints::Owen;
+                // The finest level of a lat-long map is the map itself.
                 s.lod_bias = -16.0;
-                s.precompute = PrecomputeSettings { layout: layout_by_name("equirect").unwrap(), ..usual_tables() };
+                s.precompute = PrecomputeSettings { layout: MapLayout::listed("equirect"), ..usual_tables() };
             });
             let sights = sights(&base, 29);
             let surfaces: Vec<Surface> = sights.iter().map(|sight| sight.surface).collect();
@@ -320,7 +322,7 @@ fn diffuse_methods_meet_the_oracle() {
             let white = MaterialOverride { albedo: Some([1.0; 3]), ..MaterialOverride::default() };
             let request = request(&environment, scene("sphere", white), CameraKind::Ortho, [12, 12]).shaded(|s| {
                 s.method = method("none");
-                s.diffuse = diffuse_by_name(name).unwrap();
+                s.diffuse = Diffuse::listed(name);
                 s.placement = Placement { orientation: 6, rotation_deg: -110.0 };
             });
             let sights = sights(&request, 9);
@@ -352,9 +354,7 @@ fn the_diffuse_term_takes_what_the_lobe_leaves() {
             let mut worst = Worst::new("diffuse beside specular", relative(1e-5));
             let albedo = DVec3::new(0.9f32.into(), 0.5f32.into(), 0.1f32.into());
             for name in ["none", "split-sum"] {
-                let with = |diffuse| {
-                    base.shaded(|s| (s.method, s.diffuse) = (method(name), diffuse_by_name(diffuse).unwrap()))
-                };
+                let with = |diffuse| base.shaded(|s| (s.method, s.diffuse) = (method(name), Diffuse::listed(diffuse)));
                 let both = pipeline.render(&with("irradiance-map")).unwrap();
                 let specular = pipeline.render(&with("none")).unwrap();
                 for Sight { pixel, surface, .. } in sights(&base, 4) {

@@ -5,7 +5,8 @@ use splitsum::environment::layout::LAYOUTS;
 use splitsum::gpu::names_read;
 use splitsum::scene::CameraKind;
 use splitsum::shade::pass::specular_shader;
-use splitsum::shade::{METHODS, method_by_name, own};
+use splitsum::shade::{METHODS, Method, own};
+use splitsum::spelling::Listed;
 use std::path::Path;
 
 /// The facts of a listed method about what it depends on are those that its compiled shader tells.
@@ -29,7 +30,7 @@ fn a_copied_method_makes_the_same_image() {
         let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("shaders/shade/method");
         for name in ["split-sum", "sampled"] {
             let copy = own::load(&format!("file:{}.glsl", name.replace('-', "_")), &folder).unwrap();
-            let listed = method_by_name(name).unwrap();
+            let listed = Method::listed(name);
             let base = request(&golden_environment(), lobe_sphere(0.3), CameraKind::Ortho, [24, 24]);
             let mut frames = [listed, copy].map(|method| {
                 pipeline.render(&base.shaded(|s| (s.method, s.samples) = (method, 16))).unwrap().radiance

@@ -6,6 +6,7 @@ use crate::compare::{Worst, relative};
 use crate::harness::{golden_environment, lobe_sphere, render_by_seeds, request, scene, with_pipeline};
 use crate::methods::{EXACT, Sight, radiance, sights};
 use glam::{DMat3, DVec2, DVec3};
+use splitsum::brdf::Brdf;
 use splitsum::brdf::reflect;
 use splitsum::environment::{Environment, Placement, orientation};
 use splitsum::math::equirect::direction_from_uv;
@@ -17,7 +18,8 @@ use splitsum::precompute::lobe_shape::LobeShapes;
 use splitsum::precompute::prefilter::{Kernel, harmonic::factors};
 use splitsum::scene::{CameraKind, MaterialOverride};
 use splitsum::shade::reference::{Surface, integrate_all};
-use splitsum::shade::{METHODS, diffuse_by_name, method_by_name};
+use splitsum::shade::{Diffuse, METHODS, Method};
+use splitsum::spelling::Listed;
 use std::sync::Arc;
 
 const PLACEMENTS: [Placement; 4] = [
@@ -76,7 +78,7 @@ fn a_linear_map_lights_by_its_turned_gradient() {
             }
             // Irradiance over pi of a linear map: two thirds of the gradient. 5e-3: the texels of the map, the noise of the reference.
             for diffuse in ["sh9", "irradiance-map", "reference"] {
-                let (method, diffuse) = (method_by_name("none").unwrap(), diffuse_by_name(diffuse).unwrap());
+                let (method, diffuse) = (Method::listed("none"), Diffuse::listed(diffuse));
                 let request = of(white()).shaded(|s| (s.method, s.diffuse) = (method, diffuse));
                 let frame = pipeline.render(&request).unwrap();
                 let mut worst = Worst::new(format!("{} of a linear map, {placement:?}", diffuse.name), relative(5e-3));
@@ -98,8 +100,8 @@ fn the_moment_of_a_lobe_lights_as_linear_light_does() {
         // Widths of levels: no blend of two.
         for (alpha, model) in [(0.0625, "ggx"), (0.25, "ggx"), (0.25, "beckmann")] {
             let request = request(&environment, lobe_sphere(alpha), CameraKind::Perspective, [24, 24]).shaded(|s| {
-                s.method = method_by_name("split-sum-moment").unwrap();
-                s.brdf = splitsum::brdf::by_name(model).unwrap();
+                s.method = Method::listed("split-sum-moment");
+                s.brdf = <dyn Brdf>::listed(model);
             });
             let frame = pipeline.render(&request).unwrap();
             let kernel = Kernel::cosine(request.shading.brdf);
@@ -125,10 +127,8 @@ fn the_moment_of_a_lobe_lights_as_linear_light_does() {
 #[test]
 fn the_background_shows_the_turned_map() {
     with_pipeline(|pipeline| {
-        let (environment, method) = (golden_environment(), method_by_name("none").unwrap());
-        for (placement, kind) in
-            PLACEMENTS.into_iter().flat_map(|p| CameraKind::ALL.iter().map(move |(_, kind)| (p, *kind)))
-        {
+        let (environment, method) = (golden_environment(), Method::listed("none"));
+        for (placement, kind) in PLACEMENTS.into_iter().flat_map(|p| CameraKind::all().map(move |kind| (p, *kind))) {
             let own = RenderRequest {
                 background: true,
                 ..request(&environment, lobe_sphere(0.5), kind, [40, 24]).shaded(|s| {
@@ -163,7 +163,7 @@ fn the_reference_of_turned_lamps_meets_the_oracle_at_turned_surfaces() {
             let own = RenderRequest {
                 reference_samples: 16384,
                 ..request(&environment, lobe_sphere(0.3), CameraKind::Perspective, [12, 12])
-                    .shaded(|s| (s.method, s.placement) = (method_by_name("reference").unwrap(), placement))
+                    .shaded(|s| (s.method, s.placement) = (Method::listed("reference"), placement))
             };
             let frame = render_by_seeds(pipeline, &own);
             let map_from_world = world_from_map(placement).transpose();

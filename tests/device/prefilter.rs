@@ -6,7 +6,8 @@ use crate::layouts::{filtered_environment, read_map};
 use crate::tables::{EXACT, environment_image, equirect, sunny, texel_direction};
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
-use splitsum::brdf::{self, MODELS, MaskingShadowing};
+use splitsum::brdf::Brdf;
+use splitsum::brdf::{MODELS, MaskingShadowing};
 use splitsum::environment::layout::LAYOUTS;
 use splitsum::gpu::{Gpu, Image};
 use splitsum::math::equirect::uv_from_direction;
@@ -19,6 +20,7 @@ use splitsum::precompute::prefilter::{
     self, Kernel, LEVEL_MAPPINGS, WEIGHTS, harmonic, pass::Recipe, reference::prefilter,
 };
 use splitsum::precompute::{exact_quadrature, points::Points};
+use splitsum::spelling::Listed;
 use std::f64::consts::PI;
 
 /// The levels of a prefiltered map.
@@ -117,8 +119,8 @@ fn prefiltered_levels_converge_to_the_exact_integral() {
         let image = environment_image(gpu, &environment.image);
         let exact = exact_quadrature(&environment.image);
         let weights = WEIGHTS.iter().flat_map(|weight| {
-            let maskings = MaskingShadowing::ALL.iter().take(if weight.uses_masking { usize::MAX } else { 1 });
-            maskings.map(move |(_, masking)| (weight, *masking))
+            let maskings = MaskingShadowing::all().take(if weight.uses_masking { usize::MAX } else { 1 });
+            maskings.map(move |masking| (weight, *masking))
         });
         for (model, (weight, masking)) in MODELS.iter().flat_map(|m| weights.clone().map(move |w| (m, w))) {
             let kernel = Kernel::new(*model, weight, masking);
@@ -165,7 +167,7 @@ fn prefiltered_lookups_meet_the_golden_table() {
         );
         let rows = golden_rows("tests/golden/prefilter.csv");
         for row in &rows {
-            assert!(brdf::by_name(&row[1]).is_some(), "a golden row of no model: {row:?}");
+            assert!(<dyn Brdf>::by_name(&row[1]).is_some(), "a golden row of no model: {row:?}");
         }
         // A model may have none.
         for model in MODELS.iter().filter(|model| rows.iter().any(|row| row[1] == *model.name())) {

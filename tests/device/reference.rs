@@ -12,7 +12,8 @@ use splitsum::math::sequence::hash;
 use splitsum::pipeline::RenderRequest;
 use splitsum::pixels::RgbImage;
 use splitsum::scene::CameraKind;
-use splitsum::shade::method_by_name;
+use splitsum::shade::Method;
+use splitsum::spelling::Listed;
 use std::sync::Arc;
 
 #[test]
@@ -157,7 +158,7 @@ fn a_reference_that_goes_on_has_the_bits_of_one_drawn_at_once() {
             reference_samples: 1 << 16,
             reference_error: Some(1.5e-3),
             ..request(&sun(), lobe_sphere(0.2), CameraKind::Ortho, [12, 12])
-                .shaded(|s| s.method = method_by_name("reference").unwrap())
+                .shaded(|s| s.method = Method::listed("reference"))
         };
         let extended = pipeline.render(&base).unwrap();
         let count = extended.convergences[0].sample_count as u32;
@@ -185,7 +186,7 @@ fn the_stated_error_covers_the_true_one_as_often_as_it_claims() {
             let base = RenderRequest {
                 reference_samples: 128,
                 ..request(&sun(), lobe_sphere(alpha), CameraKind::Ortho, [24, 24])
-                    .shaded(|s| s.method = method_by_name("reference").unwrap())
+                    .shaded(|s| s.method = Method::listed("reference"))
             };
             let truth =
                 pipeline.render(&RenderRequest { reference_samples: 1 << 16, seed: 1000, ..base.clone() }).unwrap();

@@ -4,8 +4,9 @@ use crate::harness::{golden_environment, lobe_sphere, request, with_pipeline};
 use splitsum::metrics::{Comparison, METRICS, noise_floor};
 use splitsum::pipeline::RenderRequest;
 use splitsum::scene::CameraKind;
-use splitsum::shade::method_by_name;
+use splitsum::shade::Method;
 use splitsum::shade::reference_pass::Convergence;
+use splitsum::spelling::Listed;
 use splitsum::tonemap::ToneCurve;
 use std::collections::BTreeMap;
 
@@ -22,7 +23,7 @@ fn brighter_light_changes_no_relative_figure() {
                 ..request(&golden_environment(), lobe_sphere(0.3), CameraKind::Perspective, [24, 24])
                     .shaded(|s| s.environment_scale = environment_scale)
             };
-            let method = |name| base.shaded(|s| s.method = method_by_name(name).unwrap());
+            let method = |name| base.shaded(|s| s.method = Method::listed(name));
             let [test, truth] = ["split-sum", "reference"].map(|name| pipeline.render(&method(name)).unwrap());
             let error = truth.standard_error.as_ref().unwrap();
             let floors = noise_floor(&truth.radiance, error, &truth.mask, base.epsilon()).unwrap();

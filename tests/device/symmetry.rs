@@ -14,12 +14,13 @@ use splitsum::precompute::dfg::reference::dfg;
 use splitsum::precompute::exact_quadrature;
 use splitsum::precompute::prefilter::{Kernel, reference::prefilter};
 use splitsum::scene::{Camera, CameraKind, MaterialOverride, Scene};
-use splitsum::shade::{METHODS, Method, diffuse_by_name, method_by_name};
+use splitsum::shade::{Diffuse, METHODS, Method};
+use splitsum::spelling::Listed;
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
 fn method(name: &str) -> &'static Method {
-    method_by_name(name).unwrap()
+    Method::listed(name)
 }
 
 /// A smooth map without suns: `1 + 0.5 d.x + 0.3 d.y d.z`, other shares in green and blue.
@@ -135,7 +136,7 @@ fn turning_environment_and_camera_together_changes_nothing() {
                     ..request(&environment, scene("sphere", MaterialOverride::default()), kind, [16, 16]).shaded(|s| {
                         s.method = method;
                         s.samples = 1024;
-                        s.diffuse = diffuse_by_name("sh9").unwrap();
+                        s.diffuse = Diffuse::listed("sh9");
                     })
                 };
                 let turned = RenderRequest {
@@ -182,7 +183,7 @@ fn radiance_is_linear_in_the_environment() {
                 reference_samples: 64,
                 background: true,
                 ..request(&environment, scene("spheres", MaterialOverride::default()), CameraKind::Ortho, [24, 16])
-                    .shaded(|s| (s.method, s.diffuse) = (method, diffuse_by_name("reference").unwrap()))
+                    .shaded(|s| (s.method, s.diffuse) = (method, Diffuse::listed("reference")))
             };
             // A power of two is exact in every product.
             let four = one.shaded(|s| s.environment_scale = 4.0);
@@ -206,7 +207,7 @@ fn white_light_on_a_white_diffuse_sphere_is_white() {
         let white = MaterialOverride { albedo: Some([1.0; 3]), ..MaterialOverride::default() };
         for (name, tolerance) in [("sh9", 4.1e-4), ("irradiance-map", 1e-5), ("reference", 0.0)] {
             let request = request(&constant_environment([1.0; 3]), scene("sphere", white), CameraKind::Ortho, [9, 9])
-                .shaded(|s| (s.method, s.diffuse) = (method("none"), diffuse_by_name(name).unwrap()));
+                .shaded(|s| (s.method, s.diffuse) = (method("none"), Diffuse::listed(name)));
             let frame = render_by_seeds(pipeline, &request);
             // SH9 sums 32 rows at texel centres: pi^2 / (24 32^2) = 4e-4, and as much again in degree 2.
             // The reference is held to its own standard error.
@@ -234,7 +235,7 @@ fn a_scene_without_light_is_black() {
                 ..request(&black, scene, CameraKind::Ortho, [16, 16]).shaded(|s| {
                     s.method = method;
                     s.brdf = &Ggx;
-                    s.diffuse = diffuse_by_name("reference").unwrap();
+                    s.diffuse = Diffuse::listed("reference");
                 })
             };
             let frame = pipeline.render(&request).unwrap();

@@ -7,7 +7,7 @@ use crate::harness::{
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 use splitsum::brdf::{self, Brdf, MODELS, MaskingShadowing};
-use splitsum::environment::layout::{MapLayout, layout_by_name};
+use splitsum::environment::layout::MapLayout;
 use splitsum::gpu::{Buffer, Format, Gpu, Image};
 use splitsum::math::equirect::{direction_from_uv, texel_solid_angle};
 use splitsum::math::quadrature;
@@ -18,6 +18,7 @@ use splitsum::precompute::irradiance::{self, reference::irradiance as exact_irra
 use splitsum::precompute::mips::{self, level_count, reference::chain};
 use splitsum::precompute::sh9::{self, reference::project_texel_centers};
 use splitsum::precompute::{PrecomputeSettings, exact_quadrature};
+use splitsum::spelling::Listed;
 use std::f64::consts::PI;
 
 /// The exact integrals need no more digits than the tables have.
@@ -36,7 +37,7 @@ pub fn environment_image(gpu: &Gpu, environment: &RgbImage) -> Image {
 
 /// The environment's own layout.
 pub fn equirect() -> &'static MapLayout {
-    layout_by_name("equirect").unwrap()
+    MapLayout::listed("equirect")
 }
 
 /// A map with a sun of `peak` in one texel.
@@ -223,16 +224,16 @@ fn dfg_tables_as_looked_up_meet_their_integral() {
     let settings = PrecomputeSettings { dfg_size: SIDE, ..PrecomputeSettings::default() };
     with_gpu(|gpu| {
         for model in MODELS {
-            for (name, masking) in MaskingShadowing::ALL {
-                let table = dfg_table(gpu, *model, *masking, &settings);
+            for &masking in MaskingShadowing::all() {
+                let table = dfg_table(gpu, *model, masking, &settings);
                 let is_hard = |at: &DVec2| {
-                    model.name() == "phong" && *masking == MaskingShadowing::Correlated && at.x < 1e-3 && at.y > 0.9
+                    model.name() == "phong" && masking == MaskingShadowing::Correlated && at.x < 1e-3 && at.y > 0.9
                 };
                 let (hard, other): (Vec<DVec2>, Vec<DVec2>) = at.iter().partition(|at| is_hard(at));
                 for (at, within) in [(other, ANYWHERE), (hard, NEAR_UNIFORM_PHONG)] {
-                    let (error, worst) = lookup_error(&table, *model, *masking, &at);
-                    println!("{} {name}: {error:.2e} at {worst}", model.name());
-                    assert!(error < within, "{} {name}: {error} at n·v and alpha {worst}", model.name());
+                    let (error, worst) = lookup_error(&table, *model, masking, &at);
+                    println!("{} {masking:?}: {error:.2e} at {worst}", model.name());
+                    assert!(error < within, "{} {masking:?}: {error} at n·v and alpha {worst}", model.name());
                 }
             }
         }
@@ -254,7 +255,7 @@ fn dfg_lookups_meet_outside_tables() {
     for row in &rows {
         let variant = VARIANTS.iter().find(|(variant, ..)| row[0] == **variant);
         assert!(
-            variant.is_some_and(|(_, model, _)| brdf::by_name(model).is_some()),
+            variant.is_some_and(|(_, model, _)| <dyn Brdf>::by_name(model).is_some()),
             "a golden row of no model: {row:?}"
         );
     }
@@ -273,13 +274,13 @@ fn dfg_lookups_meet_outside_tables() {
     with_gpu(|gpu| {
         let mut count = 0;
         for model in MODELS {
-            for (name, masking) in MaskingShadowing::ALL {
-                let cases = cases(model.name(), *masking);
+            for &masking in MaskingShadowing::all() {
+                let cases = cases(model.name(), masking);
                 if cases.is_empty() {
                     continue;
                 }
-                let table = dfg_table(gpu, *model, *masking, &PrecomputeSettings::default());
-                let mut worst = Worst::new(format!("DFG lookup of {} {name}", model.name()), TABLE_128);
+                let table = dfg_table(gpu, *model, masking, &PrecomputeSettings::default());
+                let mut worst = Worst::new(format!("DFG lookup of {} {masking:?}", model.name()), TABLE_128);
                 for [n_dot_v, alpha, a, b] in cases {
                     let pair = DfgAxes::FourthRoots.lookup(&table, n_dot_v, alpha);
                     worst.add(pair.x, a, || format!("A at n_dot_v {n_dot_v} alpha {alpha}"));

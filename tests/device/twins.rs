@@ -28,7 +28,8 @@ use splitsum::precompute::sh9::reference::project_bilinear;
 use splitsum::precompute::{PrecomputeSettings, PrefilterBy, exact_quadrature, irradiance, prefilter};
 use splitsum::scene::{CameraKind, MaterialOverride};
 use splitsum::shade::twin::{Light, Samples, Twin};
-use splitsum::shade::{DIFFUSE, Diffuse, METHODS, Method, diffuse_by_name, method_by_name};
+use splitsum::shade::{DIFFUSE, Diffuse, METHODS, Method};
+use splitsum::spelling::Listed;
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 use std::path::Path;
@@ -318,7 +319,7 @@ fn lookup_tolerance(gpu: &Gpu) -> Tolerance {
 
 #[test]
 fn every_method_meets_its_twin() {
-    let none: &Diffuse = diffuse_by_name("none").unwrap();
+    let none: &Diffuse = Diffuse::listed("none");
     with_gpu(|gpu| {
         with_pipeline(|pipeline| {
             let mut smallest = 1.0;
@@ -366,7 +367,7 @@ fn every_method_meets_its_twin() {
 
 #[test]
 fn every_diffuse_method_meets_its_twin() {
-    let none: &Method = method_by_name("none").unwrap();
+    let none: &Method = Method::listed("none");
     with_gpu(|gpu| {
         with_pipeline(|pipeline| {
             let layouts = 0..LAYOUTS.len();

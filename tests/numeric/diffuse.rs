@@ -6,6 +6,7 @@ use splitsum::math::sampling::{direction_from_polar, hammersley};
 use splitsum::math::spherical_harmonics::{COUNT, basis, irradiance};
 use splitsum::precompute::dfg::reference::dfg;
 use splitsum::shade::diffuse::{sh9_windowed, zh3};
+use splitsum::spelling::Listed;
 use std::f64::consts::PI;
 
 type Evaluate = fn(&[DVec3; COUNT], DVec3) -> DVec3;
@@ -117,10 +118,10 @@ fn compensation_returns_what_is_lost() {
             for n_dot_v in [0.1, 0.5, 1.0] {
                 let exact = dfg(*model, MaskingShadowing::SmithExact, n_dot_v, alpha);
                 let pair = DVec2::new(exact.f0_scale, exact.f90_scale);
-                for (name, compensation) in Compensation::ALL {
+                for &compensation in Compensation::all() {
                     let all = |f0: f64| compensation.reflectance(DVec3::splat(f0), pair, mean).x;
                     let single = |f0: f64| f0 * pair.x + pair.y;
-                    let case = format!("{} {name} {alpha} {n_dot_v}", model.name());
+                    let case = format!("{} {compensation:?} {alpha} {n_dot_v}", model.name());
                     match compensation {
                         Compensation::None => assert_eq!(all(1.0), single(1.0), "{case}"),
                         _ => assert!((all(1.0) - 1.0).abs() < 1e-12, "{case}: {}", all(1.0)),

@@ -6,7 +6,8 @@ use splitsum::gpu::{HOST_FILES, code_hash, shader_code, shader_names};
 use splitsum::pipeline::{CACHE_BYTES, DiskCache, Recent, RenderRequest, shaders_of_kept};
 use splitsum::pixels::RgbImage;
 use splitsum::scene::{CameraKind, Scene};
-use splitsum::shade::{diffuse_by_name, method_by_name};
+use splitsum::shade::{Diffuse, Method};
+use splitsum::spelling::Listed;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -109,8 +110,8 @@ fn a_folder_that_takes_no_files_is_one_warning() {
 fn request(brdf: &'static dyn Brdf, method: &str, diffuse: &str) -> RenderRequest {
     let white = Arc::new(Environment::from_image("white", RgbImage::filled(4, 2, [1.0; 3])));
     RenderRequest::plain(white, Scene::sphere(), CameraKind::Ortho, [8, 8]).shaded(|s| {
-        s.method = method_by_name(method).unwrap();
-        s.diffuse = diffuse_by_name(diffuse).unwrap();
+        s.method = Method::listed(method);
+        s.diffuse = Diffuse::listed(diffuse);
         s.brdf = brdf;
     })
 }

@@ -20,6 +20,7 @@ use splitsum::precompute::{PrecomputeSettings, PrefilterBy, exact_quadrature};
 use splitsum::shade::method::ladder;
 use splitsum::shade::reference::{Surface, TOLERANCE};
 use splitsum::shade::twin::Twin;
+use splitsum::spelling::Listed;
 use std::f64::consts::{PI, TAU};
 
 /// A number of a coalition without any order in it.
@@ -240,7 +241,7 @@ fn radiance(environment: &Environment, alpha: f64, frames: &[[DVec3; 2]], tables
         };
         frames.par_iter().map(of_frame).collect()
     };
-    let reference = splitsum::shade::method_by_name("reference").unwrap();
+    let reference = splitsum::shade::Method::listed("reference");
     let drawn = [reference, &ladder::MASKING_ALONE].map(|method| [mean(method, 0.0), mean(method, 1.0)]);
     let albedos = Albedos::new(Kernel::cosine(model), masking, alpha);
     let harmonics = harmonic::harmonics(&environment.image, harmonic::degree(alpha.min(0.0625)));

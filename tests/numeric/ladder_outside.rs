@@ -3,7 +3,8 @@
 
 use glam::DVec3;
 use rayon::prelude::*;
-use splitsum::brdf::{self, MaskingShadowing};
+use splitsum::brdf::Brdf;
+use splitsum::brdf::MaskingShadowing;
 use splitsum::math::quadrature::{Bounded, Tolerance};
 use splitsum::pixels::RgbImage;
 use splitsum::precompute::dfg::reference::dfg;
@@ -12,7 +13,8 @@ use splitsum::precompute::prefilter::reference::prefilter;
 use splitsum::precompute::{PrecomputeSettings, exact_quadrature};
 use splitsum::shade::reference::{Surface, TOLERANCE};
 use splitsum::shade::twin::Twin;
-use splitsum::shade::{EXACT_SPLIT, METHODS, Method, REFERENCE, method_by_name};
+use splitsum::shade::{EXACT_SPLIT, METHODS, Method, REFERENCE};
+use splitsum::spelling::Listed;
 use std::f64::consts::{PI, TAU};
 
 const SIZE: [usize; 2] = [64, 32];
@@ -124,7 +126,7 @@ fn query(k: u64) -> Query {
 impl Query {
     fn surface(&self) -> Surface {
         let Self { alpha, f0, n, v, .. } = *self;
-        Surface { model: brdf::by_name(self.model).unwrap(), masking: MaskingShadowing::Separable, alpha, f0, n, v }
+        Surface { model: <dyn Brdf>::listed(self.model), masking: MaskingShadowing::Separable, alpha, f0, n, v }
     }
 
     /// The specular integral, the split sum with exact factors, and the first under light 1.
@@ -168,7 +170,7 @@ fn rungs_are_sums_over_latitude_and_longitude() {
         let query = query(k);
         let (surface, [coarse, half, full]) = (query.surface(), grids.each_ref().map(|nodes| query.sums(nodes)));
         let rung = |name: &str| {
-            let Twin::Mean(twin) = method_by_name(name).unwrap().twin else { panic!("{name} is no integral") };
+            let Twin::Mean(twin) = Method::listed(name).twin else { panic!("{name} is no integral") };
             twin(&exact, &surface, &settings, TOLERANCE)
         };
         // The two factors of the split sum, each by a stage of its own.

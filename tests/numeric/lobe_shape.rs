@@ -10,7 +10,8 @@ use splitsum::precompute::dfg::reference::dfg;
 use splitsum::precompute::lobe_shape::{
     LobeShape, LobeShapes, OBJECTIVES, Objective, SHARES, parameters_from_node, texels, uv_from_parameters,
 };
-use splitsum::precompute::prefilter::{Kernel, WEIGHTS, weight_by_name};
+use splitsum::precompute::prefilter::{Kernel, WEIGHTS, Weight};
+use splitsum::spelling::Listed;
 use std::f64::consts::PI;
 
 /// A lobe, its two parts by their integrals.
@@ -142,7 +143,7 @@ fn objectives(kernel: Kernel, lobe: &Lobe, share: f64, m: DVec3, widths: [f64; 3
 /// Facing the viewer the lobe is D G1 but for Fresnel: along n, and of the width of the kernel of weight G1.
 #[test]
 fn the_kernel_of_masking_fits_itself_at_normal_incidence() {
-    let weight = weight_by_name("masking").unwrap();
+    let weight = Weight::listed("masking");
     for model in MODELS {
         for masking in MASKINGS {
             // The view is tilted by 0.0014: far less than the lobe is wide.
@@ -160,7 +161,7 @@ fn the_kernel_of_masking_fits_itself_at_normal_incidence() {
 /// Fresnel. So the moment of f0 = 1 lies along n, and the kernel's mean cosine is its length.
 #[test]
 fn at_alpha_1_the_kernel_of_masking_is_the_lobe_from_any_view() {
-    let weight = weight_by_name("masking").unwrap();
+    let weight = Weight::listed("masking");
     let [ggx] = MODELS.iter().copied().filter(|model| model.name() == "ggx").collect::<Vec<_>>()[..] else { panic!() };
     let shapes = LobeShapes::new(Kernel::new(ggx, weight, MaskingShadowing::Separable), MaskingShadowing::Separable);
     let moment = |n_dot_v: f64| {

@@ -2,11 +2,13 @@
 
 mod display;
 
+use splitsum::metrics::Metric;
 use splitsum::metrics::{
     Better, Comparison, Epsilon, METRICS, MetricsError, N_DOT_V_BIN_EDGES, ReferenceNoise, Repeats, Space, Verdict,
-    linear_metrics, metric, noise_floor, verdict,
+    linear_metrics, noise_floor, verdict,
 };
 use splitsum::pixels::{GrayImage, RgbImage};
+use splitsum::spelling::Listed;
 use splitsum::tonemap::ToneCurve;
 
 /// f32 storage of the images of a test.
@@ -29,7 +31,7 @@ fn gray(width: u32, height: u32, values: &[f32]) -> RgbImage {
 
 fn score(test: &RgbImage, reference: &RgbImage, mask: &GrayImage, name: &str) -> f64 {
     let comparison = Comparison::new(test, reference, mask, LINEAR_CURVE, Epsilon::ABSOLUTE).unwrap();
-    comparison.evaluate(&[metric(name).unwrap()])[0].1
+    comparison.evaluate(&[<dyn Metric>::listed(name)])[0].1
 }
 
 fn assert_relative(found: f64, expected: f64, tolerance: f64, what: &str) {
@@ -109,7 +111,7 @@ fn equal_images_have_the_best_scores() {
     for (name, value) in
         Comparison::new(&image, &image, &whole(&image), ToneCurve::default(), Epsilon::ABSOLUTE).unwrap().evaluate_all()
     {
-        let best = match metric(name).unwrap().description().better {
+        let best = match <dyn Metric>::listed(name).description().better {
             Better::Lower | Better::NearerZero => 0.0,
             Better::Higher if name == "psnr" => f64::INFINITY,
             Better::Higher => 1.0,
@@ -313,7 +315,7 @@ fn an_exact_reference_has_no_floor() {
     let [_, reference] = noisy_pair(5, 5);
     let zero = RgbImage::filled(5, 5, [0.0; 3]);
     for (name, floor) in noise_floor(&reference, &zero, &whole(&zero), Epsilon::ABSOLUTE).unwrap() {
-        let is_linear = metric(name).unwrap().description().space == Space::Linear;
+        let is_linear = <dyn Metric>::listed(name).description().space == Space::Linear;
         assert_eq!(floor, is_linear.then_some(0.0), "{name}");
     }
     let negative = RgbImage::filled(5, 5, [-1e-3; 3]);
@@ -322,7 +324,7 @@ fn an_exact_reference_has_no_floor() {
 
 #[test]
 fn verdicts_compare_differences() {
-    let (rmse, relmse) = (metric("rmse").unwrap(), metric("relmse").unwrap());
+    let (rmse, relmse) = (<dyn Metric>::listed("rmse"), <dyn Metric>::listed("relmse"));
     for (ratio, expected) in [
         (0.0, Verdict::EqualWithinNoise),
         (1.9, Verdict::EqualWithinNoise),
@@ -427,7 +429,7 @@ fn the_unit_of_radiance_changes_no_relative_metric() {
     // A black map counts as light of mean luminance 1.
     let of = |mean, name| {
         let comparison = Comparison::new(&test, &reference, &mask, LINEAR_CURVE, Epsilon::of_light(mean)).unwrap();
-        comparison.evaluate(&[metric(name).unwrap()])[0].1
+        comparison.evaluate(&[<dyn Metric>::listed(name)])[0].1
     };
     assert_eq!(of(0.0, "relmse"), of(1.0, "relmse"));
     assert!(of(0.1, "relmse") > of(1.0, "relmse") && of(1.0, "relmse") > of(5.0, "relmse"));

@@ -13,6 +13,7 @@ use splitsum::precompute::dfg::reference::dfg;
 use splitsum::precompute::exact_quadrature;
 use splitsum::precompute::irradiance::reference::irradiance;
 use splitsum::shade::reference::{self, Surface, TOLERANCE};
+use splitsum::spelling::Listed;
 use std::f64::consts::{PI, TAU};
 use std::path::Path;
 
@@ -38,7 +39,7 @@ fn golden_queries() -> Vec<Golden> {
         let number = |k: usize| row[k].parse::<f64>().unwrap();
         let vector = |k: usize| DVec3::new(number(k), number(k + 1), number(k + 2));
         let surface = Surface {
-            model: brdf::by_name(&row[2]).unwrap(),
+            model: <dyn Brdf>::listed(&row[2]),
             masking: MaskingShadowing::Separable,
             alpha: number(3),
             f0: DVec3::splat(number(4)),
@@ -115,7 +116,7 @@ fn constant_environment_gives_the_directional_albedo() {
     let environment = exact_quadrature(&RgbImage::filled(20, 10, radiance));
     let radiance = DVec3::from_array(radiance.map(f64::from));
     let cases = MODELS.iter().flat_map(|model| {
-        MaskingShadowing::ALL.iter().flat_map(move |(_, masking)| {
+        MaskingShadowing::all().flat_map(move |masking| {
             [(0.01, 0.5), (0.05, 0.05), (0.3, 0.2), (1.0, 0.9)]
                 .map(|(alpha, n_dot_v)| (*model, *masking, alpha, n_dot_v))
         })
@@ -150,7 +151,7 @@ fn a_sun_in_one_texel_is_exact() {
         ("phong", 0.4, 0.8, 0.5),
         ("ggx", 0.03, 0.08, 0.02),
     ] {
-        let model = brdf::by_name(model).unwrap();
+        let model = <dyn Brdf>::listed(model);
         // The view mirrors the sun, turned away by `offset`.
         let n = Frame::from_normal(l).to_world(direction_from_polar((1.0 - n_dot_v * n_dot_v).sqrt(), n_dot_v, 0.1));
         let v = DQuat::from_axis_angle(n, offset) * (2.0 * n.dot(l) * n - l);
@@ -217,7 +218,7 @@ fn a_tighter_tolerance_stays_within_the_bound() {
     for (model, alpha, n_dot_v) in
         [("ggx", 0.02, 0.05), ("beckmann", 0.15, 0.6), ("phong", 0.9, 0.1), ("ggx", 1.0, 0.5)]
     {
-        let surface = surface(brdf::by_name(model).unwrap(), MaskingShadowing::Separable, alpha, n_dot_v);
+        let surface = surface(<dyn Brdf>::listed(model), MaskingShadowing::Separable, alpha, n_dot_v);
         let (coarse, exact) = (
             reference::integrate(&environment, &surface, TOLERANCE),
             reference::integrate(&environment, &surface, fine),
@@ -236,7 +237,7 @@ fn a_tighter_tolerance_stays_within_the_bound() {
 fn narrow_lobes_are_mirrors_in_bounded_work() {
     let image = RgbImage::from_fn(64, 32, |_, y| [1.0, 2.0 + f32::from(y as u8), 3.0]);
     let environment = exact_quadrature(&image);
-    let model = brdf::by_name("beckmann").unwrap();
+    let model = <dyn Brdf>::listed("beckmann");
     let at = |alpha: f64, n: DVec3| {
         let f0 = DVec3::ONE;
         let surface = Surface { model, masking: MaskingShadowing::Separable, alpha, f0, n, v: n };

@@ -3,6 +3,7 @@
 use crate::oracle::golden_environment;
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
+use splitsum::brdf::Brdf;
 use splitsum::brdf::{self, Ggx, MODELS, MaskingShadowing};
 use splitsum::math::equirect::{direction_from_uv, texel_solid_angle};
 use splitsum::math::quadrature::Tolerance;
@@ -12,9 +13,10 @@ use splitsum::pixels::RgbImage;
 use splitsum::precompute::dfg::{DfgAxes, reference::dfg};
 use splitsum::precompute::irradiance::reference::irradiance;
 use splitsum::precompute::prefilter::reference::prefilter;
-use splitsum::precompute::prefilter::{Kernel, LEVEL_MAPPINGS, WEIGHTS, weight_by_name};
+use splitsum::precompute::prefilter::{Kernel, LEVEL_MAPPINGS, WEIGHTS, Weight};
 use splitsum::precompute::{exact_quadrature, mips, sh9};
 use splitsum::shade::reference::{Surface, integrate};
+use splitsum::spelling::Listed;
 use std::f64::consts::PI;
 
 const TOLERANCE: Tolerance = Tolerance { relative: 1e-6, max_part_count: 100_000 };
@@ -36,7 +38,7 @@ fn dfg_meets_the_golden_table() {
             other => panic!("unknown variant {other}"),
         };
         let number = |k: usize| row[k].parse::<f64>().unwrap();
-        let pair = dfg(brdf::by_name(model).unwrap(), masking, number(1), number(2));
+        let pair = dfg(<dyn Brdf>::listed(model), masking, number(1), number(2));
         let off = (pair.f0_scale - number(3)).abs().max((pair.f90_scale - number(4)).abs());
         assert!(off < GOLDEN_TOLERANCE, "{row:?}: {pair:?}");
     });
@@ -164,7 +166,7 @@ fn prefilter_meets_the_golden_table() {
         let number = |k: usize| row[k].parse::<f64>().unwrap();
         let vector = |k: usize| DVec3::new(number(k), number(k + 1), number(k + 2));
         let radiance =
-            prefilter(&environment, Kernel::cosine(brdf::by_name(&row[1]).unwrap()), number(2), vector(3), TOLERANCE);
+            prefilter(&environment, Kernel::cosine(<dyn Brdf>::listed(&row[1])), number(2), vector(3), TOLERANCE);
         let off = ((radiance.value - vector(6)) / vector(6)).abs().max_element();
         assert!(off < GOLDEN_TOLERANCE, "{row:?}: {radiance:?}, off by {off}");
     });
@@ -215,8 +217,8 @@ fn the_masking_weight_is_exact_where_the_view_is_the_normal() {
     const LOOSE: Tolerance = Tolerance { relative: 1e-5, max_part_count: 100_000 };
     let environment = exact_quadrature(&golden_environment());
     let n = direction_from_polar(0.8, 0.6, 0.4);
-    let weight = weight_by_name("masking").unwrap();
-    let cases: Vec<_> = MODELS.iter().flat_map(|m| MaskingShadowing::ALL.iter().map(move |(_, k)| (*m, *k))).collect();
+    let weight = Weight::listed("masking");
+    let cases: Vec<_> = MODELS.iter().flat_map(|m| MaskingShadowing::all().map(move |k| (*m, *k))).collect();
     cases.into_par_iter().for_each(|(model, masking)| {
         for alpha in [0.1, 0.5, 1.0] {
             let surface = Surface { model, masking, alpha, f0: DVec3::ONE, n, v: n };
@@ -244,7 +246,7 @@ fn the_weights_means_of_a_cosine_have_closed_forms() {
     let environment = exact_quadrature(&image);
     let ln2 = 2f64.ln();
     for (name, expected) in [("none", 0.5), ("cosine", 2.0 / 3.0), ("masking", (ln2 - 0.5) / (1.0 - ln2))] {
-        let kernel = Kernel::new(&Ggx, weight_by_name(name).unwrap(), MaskingShadowing::Separable);
+        let kernel = Kernel::new(&Ggx, Weight::listed(name), MaskingShadowing::Separable);
         let mean = prefilter(&environment, kernel, 1.0, DVec3::Y, Tolerance { relative: 1e-4, ..TOLERANCE });
         let off = mean.value - DVec3::new(expected, expected, 1.0);
         assert!(off.abs().max_element() < 1e-4, "{name}: {mean:?} against {expected}");

@@ -2,13 +2,14 @@
 
 use crate::chi_square::chi_square_tail;
 use glam::DVec2;
-use splitsum::math::sequence::{PixelPoints, SEQUENCES, scrambled, sequence_by_name};
+use splitsum::math::sequence::{PixelPoints, SEQUENCES, Sequence, scrambled};
 use splitsum::precompute::points;
 use splitsum::precompute::prefilter::level_bias::LEVEL_BIASES;
+use splitsum::spelling::Listed;
 use std::f64::consts::PI;
 
 fn set(name: &str, count: u32, set: u32) -> Vec<DVec2> {
-    let sequence = sequence_by_name(name).unwrap();
+    let sequence = Sequence::listed(name);
     (0..count).map(|i| (sequence.point)(i, count, set)).collect()
 }
 

@@ -8,6 +8,7 @@ use splitsum::experiment::value::Kind;
 use splitsum::pixels::{Rgb8Image, exr};
 use splitsum::precompute::PrefilterBy;
 use splitsum::shade::{DIFFUSE, METHODS};
+use splitsum::spelling::Listed;
 use splitsum::table::colormap::{OFF_MASK_COLOR, SIGNED_ERROR};
 use std::collections::BTreeSet;
 use std::path::Path;

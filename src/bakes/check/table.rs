@@ -5,6 +5,7 @@ use crate::brdf::{Brdf, MaskingShadowing, alpha_from_perceptual_roughness};
 use crate::glsl::constants::ALPHA_MIN;
 use crate::pixels::RgbImage;
 use crate::precompute::dfg::reference::dfg_within;
+use crate::spelling::Listed;
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 use std::collections::HashMap;
@@ -62,11 +63,14 @@ fn explained(table: &RgbImage, brdf: &'static dyn Brdf, convention: &Convention,
     let Convention { table_axes, table_channels, masking, .. } = convention;
     let found = search(table, brdf).swap_remove(0);
     let is_own =
-        found.axes.name == table_axes.name && found.channels.name == table_channels.name && found.masking.1 == *masking;
+        found.axes.name == table_axes.name && found.channels.name == table_channels.name && found.masking == *masking;
     if !is_own && found.rms < 0.5 * rms {
         return format!(
             "--table-axes {} --table-channels {} --masking {} fit better: rms {:.1e}",
-            found.axes.name, found.channels.name, found.masking.0, found.rms
+            found.axes.name,
+            found.channels.name,
+            found.masking.name(),
+            found.rms
         );
     }
     // Tables of texel corners or of another row: parameters that lie up to a texel elsewhere.
@@ -101,7 +105,7 @@ fn explained(table: &RgbImage, brdf: &'static dyn Brdf, convention: &Convention,
 pub struct Fitting {
     pub axes: &'static TableAxes,
     pub channels: &'static TableChannels,
-    pub masking: (&'static str, MaskingShadowing),
+    pub masking: MaskingShadowing,
     pub rms: f64,
 }
 
@@ -119,8 +123,8 @@ pub fn search(table: &RgbImage, brdf: &'static dyn Brdf) -> Vec<Fitting> {
     let table_of = |masking: MaskingShadowing| -> HashMap<[u64; 2], DVec2> {
         wanted.par_iter().map(|at| (key(*at), exact(brdf, masking, *at, SEARCHED_WITHIN))).collect()
     };
-    let fits_of = |masking: &(&'static str, MaskingShadowing)| {
-        let known = table_of(masking.1);
+    let fits_of = |masking: &MaskingShadowing| {
+        let known = table_of(*masking);
         let fit = |axes: &'static TableAxes, channels: &'static TableChannels| {
             let square = |place: &Place| ((channels.pair)(place.texel) - known[&key(at(axes, place))]).length_squared();
             let sum: f64 = places.iter().map(square).sum();
@@ -129,7 +133,7 @@ pub fn search(table: &RgbImage, brdf: &'static dyn Brdf) -> Vec<Fitting> {
         let pairs = TABLE_AXES.iter().flat_map(|axes| TABLE_CHANNELS.iter().map(move |channels| (axes, channels)));
         pairs.map(|(axes, channels)| fit(axes, channels)).collect::<Vec<_>>()
     };
-    let mut fits: Vec<Fitting> = MaskingShadowing::ALL.iter().flat_map(fits_of).collect();
+    let mut fits: Vec<Fitting> = MaskingShadowing::all().flat_map(fits_of).collect();
     fits.sort_by(|a, b| a.rms.total_cmp(&b.rms));
     fits
 }

@@ -2,9 +2,10 @@
 //!
 //! A magic word, a header of 31 words, and for `DX10` files a second one of 5; all little-endian [Microsoft, "Programming Guide for DDS"].
 
-use super::texel::{self, TEXELS};
+use super::texel::{TEXELS, Texel};
 use super::{Claim, Encoding, FACE_COUNT, Texture, truncated};
 use crate::pixels::Fault;
+use crate::spelling::Listed;
 
 const MAGIC: u32 = u32::from_le_bytes(*b"DDS ");
 /// The pixel format's code in files with the second header.
@@ -68,7 +69,7 @@ pub fn read(bytes: &[u8]) -> Result<Texture, Fault> {
     let format = if is_dx10 { Some(header[WORDS]) } else { dxgi(fourcc) };
     let texel = TEXELS.iter().find(|texel| texel.dxgi.is_some() && texel.dxgi == format).ok_or_else(|| {
         let found = if is_dx10 { format!("DXGI format {}", header[WORDS]) } else { format!("code {fourcc:#010x}") };
-        Fault::new(format!("its pixel format is {found}"), format!("one of {}", texel::names()))
+        Fault::new(format!("its pixel format is {found}"), format!("one of {}", Texel::names().join(", ")))
     })?;
     let mut read = vec![Vec::new(); claim.levels as usize];
     for _ in 0..faces {

@@ -3,9 +3,10 @@
 //! A header of 64 bytes, pairs of keys and values, then the levels, largest first: the length of one face, and the faces
 //! [KTX 1 file format, section 2].
 
-use super::texel::{self, TEXELS};
+use super::texel::{TEXELS, Texel};
 use super::{Claim, Encoding, Texture, truncated};
 use crate::pixels::Fault;
+use crate::spelling::Listed;
 
 const IDENTIFIER: [u8; 12] = *b"\xabKTX 11\xbb\r\n\x1a\n";
 /// The byte order of the file, as a little-endian file has it.
@@ -28,7 +29,7 @@ pub fn read(bytes: &[u8]) -> Result<Texture, Fault> {
     let claim = Claim { width, height, depth, layers, faces, levels: levels.max(1) };
     let faces = claim.check()?;
     let texel = TEXELS.iter().find(|texel| texel.gl == internal).ok_or_else(|| {
-        Fault::new(format!("its glInternalFormat is {internal:#06x}"), format!("one of {}", texel::names()))
+        Fault::new(format!("its glInternalFormat is {internal:#06x}"), format!("one of {}", Texel::names().join(", ")))
     })?;
     let mut at = HEADER.saturating_add(keys as usize);
     let mut read = Vec::new();

@@ -1,8 +1,9 @@
 //! KTX 2: levels anywhere in the file, smallest first by custom, each plain or compressed by zstd.
 
-use super::texel::{self, TEXELS};
+use super::texel::{TEXELS, Texel};
 use super::{Claim, Encoding, Texture, truncated};
 use crate::pixels::{Fault, reserved};
+use crate::spelling::Listed;
 use ktx2::dfd::{Basic, Block};
 use ktx2::{Header, Index, LevelIndex, ParseError, SupercompressionScheme};
 use ruzstd::decoding::StreamingDecoder;
@@ -26,7 +27,7 @@ pub fn read(bytes: &[u8]) -> Result<Texture, Fault> {
     let faces = claim.check()?;
     let texel = TEXELS.iter().find(|texel| Some(texel.vulkan) == header.format).ok_or_else(|| {
         let found = header.format.map_or("undefined".to_owned(), |format| format!("{format:?}"));
-        Fault::new(format!("its pixel format is {found}"), format!("one of {}", texel::names()))
+        Fault::new(format!("its pixel format is {found}"), format!("one of {}", Texel::names().join(", ")))
     })?;
     let is_zstd = match header.supercompression_scheme {
         None => false,

@@ -1,6 +1,7 @@
 //! How a texel lies in bytes, by the code that each container has for it.
 
 use crate::pixels::{Fault, Pixels, RgbImage, half, reserved};
+use crate::spelling::listed;
 use ktx2::Format;
 
 /// A pixel format. All are little-endian and linear.
@@ -158,10 +159,7 @@ impl Texel {
 /// What Filament's reader knows 10-11-11 floats by, and what cmgen writes: the internal format in the place of the type.
 const CMGEN: (u32, u32) = (0x8c3a, 1);
 
-/// What the formats of this list are called in messages.
-pub fn names() -> String {
-    TEXELS.iter().map(|texel| texel.name).collect::<Vec<_>>().join(", ")
-}
+listed!(Texel, "texel format", TEXELS);
 
 fn halves(bytes: &[u8]) -> [f32; 3] {
     let words = bytes.as_chunks::<2>().0;

@@ -8,6 +8,7 @@ mod equirect;
 mod octahedral;
 
 use crate::pixels::Pixels;
+use crate::spelling::listed;
 use glam::{DVec2, DVec3};
 
 /// A layout. The names are the shader file stems.
@@ -46,10 +47,7 @@ type TexelAt = fn(u32, [i64; 2], [u32; 2]) -> Option<[u32; 3]>;
 /// Every layout; the first is the default.
 pub static LAYOUTS: &[MapLayout] = &[cube::LAYOUT, octahedral::LAYOUT, equirect::LAYOUT];
 
-/// The layout of that name.
-pub fn layout_by_name(name: &str) -> Option<&'static MapLayout> {
-    LAYOUTS.iter().find(|layout| layout.name == name)
-}
+listed!(MapLayout, "layout", LAYOUTS);
 
 impl MapLayout {
     /// The texels (face, column, row) of faces of that size that linear filtering reads in a direction, across all edges, and their weights.

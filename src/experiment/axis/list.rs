@@ -2,17 +2,20 @@
 //!
 //! Long because each axis stands here whole: splitting the list would hide its order, which is that of columns.
 
-use super::{Axis, Part, Sheet, Spelling, Symbol, Used, diffuse, method};
+use super::{Axis, Part, Sheet, Spelling, Symbol, Used};
 use crate::bakes::given::{CENTRES, OWN};
 use crate::brdf::{self, Compensation, MaskingShadowing};
 use crate::environment::Placement;
-use crate::environment::layout::{LAYOUTS, layout_by_name};
+use crate::environment::layout::MapLayout;
 use crate::experiment::value::{IMAGE_SIZE, Kind, PERCEPTUAL_ROUGHNESS_MIN, Range, Value, decimal};
-use crate::math::sequence::{PixelPoints, SEQUENCES, sequence_by_name};
+use crate::math::sequence::{PixelPoints, Sequence};
 use crate::precompute::prefilter::level_bias::LEVEL_BIASES;
-use crate::precompute::prefilter::{LEVEL_MAPPINGS, WEIGHTS, level_mapping_by_name, weight_by_name};
+use crate::precompute::prefilter::{LevelMapping, Weight};
 use crate::precompute::{PrecomputeSettings, PrefilterBy, StorageFormat};
-use crate::shade::{DIFFUSE, METHODS, REFERENCE};
+use crate::shade::Diffuse;
+use crate::shade::Method;
+use crate::shade::REFERENCE;
+use crate::spelling::Listed;
 
 /// Sample counts of precompute passes stop here: more only costs time.
 const PRECOMPUTE_SAMPLES_MAX: u32 = 1 << 20;
@@ -52,6 +55,11 @@ const PLAIN: Axis = Axis {
     reference: |_, value| value.clone(),
     apply: |_, _| {},
 };
+
+/// The first entry of a list.
+fn first<T: Listed + ?Sized>() -> Value {
+    Value::from(T::names()[0])
+}
 
 /// Our own table, or one in a file.
 const TABLE_FILE: Kind = Kind::NameOrFile { what: "table", names: || vec![OWN] };
@@ -105,9 +113,9 @@ const LIST: &[Axis] = &[
         frames_cost: true,
         tables_cost: true,
         feeds: &[PREFILTER, DFG],
-        kind: Kind::Name { what: "BRDF model", names: || brdf::MODELS.iter().map(|m| m.name()).collect() },
+        kind: Kind::one_of::<dyn brdf::Brdf>(),
         default: || Value::from("ggx"),
-        apply: |s, v| s.shading.brdf = brdf::by_name(v.text()).expect("the plan checked the model's name"),
+        apply: |s, v| s.shading.brdf = <dyn brdf::Brdf>::listed(v.text()),
         ..PLAIN
     },
     Axis {
@@ -120,10 +128,10 @@ const LIST: &[Axis] = &[
         tables_cost: true,
         is_compared: true,
         needs_memory: true,
-        kind: Kind::NameOrFile { what: "method", names: || METHODS.iter().map(|m| m.name).collect() },
+        kind: Kind::NameOrFile { what: Method::WHAT, names: Method::names },
         default: || Value::from("sampled"),
         reference: |r, v| if r.leaves_out(v) { v.clone() } else { Value::from(r.method.as_str()) },
-        apply: |s, v| s.shading.method = method(v.text()),
+        apply: |s, v| s.shading.method = Method::listed(v.text()),
         ..PLAIN
     },
     Axis {
@@ -135,11 +143,11 @@ const LIST: &[Axis] = &[
         frames_cost: true,
         tables_cost: true,
         needs_memory: true,
-        kind: Kind::Name { what: "diffuse method", names: || DIFFUSE.iter().map(|d| d.name).collect() },
+        kind: Kind::one_of::<Diffuse>(),
         default: || Value::from("sh9"),
         used: |u| u.has_diffuse_surface,
         reference: |r, v| if r.leaves_out(v) { v.clone() } else { Value::from(REFERENCE) },
-        apply: |s, v| s.shading.diffuse = diffuse(v.text()),
+        apply: |s, v| s.shading.diffuse = Diffuse::listed(v.text()),
         ..PLAIN
     },
     Axis {
@@ -163,10 +171,10 @@ const LIST: &[Axis] = &[
         part: Part::Parameter,
         about: "where a sampled method takes its points from; `splitsum list sequences`",
         plural: "sequences",
-        kind: Kind::Name { what: "sequence", names: || SEQUENCES.iter().map(|s| s.name).collect() },
-        default: || Value::from(SEQUENCES[0].name),
+        kind: Kind::one_of::<Sequence>(),
+        default: first::<Sequence>,
         used: |u| u.method.uses_point_set,
-        apply: |s, v| s.shading.sequence = sequence_by_name(v.text()).expect("the plan checked the sequence's name"),
+        apply: |s, v| s.shading.sequence = Sequence::listed(v.text()),
         ..PLAIN
     },
     Axis {
@@ -189,16 +197,10 @@ const LIST: &[Axis] = &[
         symbol: Symbol::After("points", "points"),
         frames_cost: true,
         is_compared: true,
-        kind: Kind::Name {
-            what: "points of pixels",
-            names: || PixelPoints::ALL.iter().map(|(name, _)| *name).collect(),
-        },
-        default: || Value::from(PixelPoints::ALL[0].0),
+        kind: Kind::one_of::<PixelPoints>(),
+        default: first::<PixelPoints>,
         used: |u| u.method.uses_point_set,
-        apply: |s, v| {
-            let named = PixelPoints::ALL.iter().find(|(name, _)| *name == v.text());
-            s.shading.pixel_points = named.expect("the plan checked the name").1;
-        },
+        apply: |s, v| s.shading.pixel_points = *PixelPoints::listed(v.text()),
         ..PLAIN
     },
     Axis {
@@ -325,15 +327,9 @@ const LIST: &[Axis] = &[
         frames_cost: true,
         tables_cost: true,
         feeds: &[PREFILTER, DFG],
-        kind: Kind::Name {
-            what: "masking-shadowing",
-            names: || MaskingShadowing::ALL.iter().map(|(name, _)| *name).collect(),
-        },
+        kind: Kind::one_of::<MaskingShadowing>(),
         default: || Value::from("separable"),
-        apply: |s, v| {
-            let named = MaskingShadowing::ALL.iter().find(|(name, _)| *name == v.text());
-            s.shading.masking_shadowing = named.expect("the plan checked the masking's name").1;
-        },
+        apply: |s, v| s.shading.masking_shadowing = *MaskingShadowing::listed(v.text()),
         ..PLAIN
     },
     Axis {
@@ -343,12 +339,9 @@ const LIST: &[Axis] = &[
         plural: "compensations",
         frames_cost: true,
         used: |u| !u.method.is_none(),
-        kind: Kind::Name { what: "compensation", names: || Compensation::ALL.iter().map(|(name, _)| *name).collect() },
-        default: || Value::from(Compensation::ALL[0].0),
-        apply: |s, v| {
-            let named = Compensation::ALL.iter().find(|(name, _)| *name == v.text());
-            s.shading.compensation = named.expect("the plan checked the compensation's name").1;
-        },
+        kind: Kind::one_of::<Compensation>(),
+        default: first::<Compensation>,
+        apply: |s, v| s.shading.compensation = *Compensation::listed(v.text()),
         ..PLAIN
     },
     Axis {
@@ -372,11 +365,9 @@ const LIST: &[Axis] = &[
         needs_memory: true,
         feeds: &[MIPS, PREFILTER, IRRADIANCE],
         used: |u| u.method.uses_lod_bias || u.method.uses_prefiltered() || u.uses_irradiance_map(),
-        kind: Kind::Name { what: "layout", names: || LAYOUTS.iter().map(|layout| layout.name).collect() },
-        default: || Value::from(LAYOUTS[0].name),
-        apply: |s, v| {
-            s.shading.precompute.layout = layout_by_name(v.text()).expect("the plan checked the layout's name")
-        },
+        kind: Kind::one_of::<MapLayout>(),
+        default: first::<MapLayout>,
+        apply: |s, v| s.shading.precompute.layout = MapLayout::listed(v.text()),
         ..TABLE
     },
     Axis {
@@ -438,15 +429,9 @@ const LIST: &[Axis] = &[
         symbol: Symbol::After("prefilter", "prefilter"),
         feeds: &[PREFILTER, IRRADIANCE],
         used: |u| u.method.prefilter.is_none() && (u.makes_prefiltered() || u.uses_irradiance_map()),
-        kind: Kind::Name {
-            what: "way to prefilter",
-            names: || PrefilterBy::ALL.iter().map(|(name, _)| *name).collect(),
-        },
-        default: || Value::from(PrefilterBy::default().name()),
-        apply: |s, v| {
-            let named = PrefilterBy::ALL.iter().find(|(name, _)| *name == v.text());
-            s.shading.precompute.prefilter = named.expect("the plan checked the name").1;
-        },
+        kind: Kind::one_of::<PrefilterBy>(),
+        default: first::<PrefilterBy>,
+        apply: |s, v| s.shading.precompute.prefilter = *PrefilterBy::listed(v.text()),
         ..TABLE
     },
     Axis {
@@ -468,11 +453,10 @@ const LIST: &[Axis] = &[
         symbol: Symbol::After("mapping", "mapping"),
         feeds: &[PREFILTER],
         used: |u| u.makes_prefiltered() || u.method.uses_levels,
-        kind: Kind::Name { what: "level mapping", names: || LEVEL_MAPPINGS.iter().map(|m| m.name).collect() },
-        default: || Value::from(LEVEL_MAPPINGS[0].name),
+        kind: Kind::one_of::<LevelMapping>(),
+        default: first::<LevelMapping>,
         apply: |s, v| {
-            s.shading.precompute.level_mapping =
-                level_mapping_by_name(v.text()).expect("the plan checked the mapping's name");
+            s.shading.precompute.level_mapping = LevelMapping::listed(v.text());
         },
         ..TABLE
     },
@@ -484,11 +468,10 @@ const LIST: &[Axis] = &[
         symbol: Symbol::Before("weight"),
         feeds: &[PREFILTER],
         used: |u| u.makes_prefiltered() || u.method.uses_weight,
-        kind: Kind::Name { what: "prefilter weight", names: || WEIGHTS.iter().map(|w| w.name).collect() },
-        default: || Value::from(WEIGHTS[0].name),
+        kind: Kind::one_of::<Weight>(),
+        default: first::<Weight>,
         apply: |s, v| {
-            s.shading.precompute.prefilter_weight =
-                weight_by_name(v.text()).expect("the plan checked the weight's name");
+            s.shading.precompute.prefilter_weight = Weight::listed(v.text());
         },
         ..TABLE
     },
@@ -569,12 +552,9 @@ const LIST: &[Axis] = &[
         used: |u| {
             u.method.storage.is_none() && (u.method.uses_prefiltered() || u.needs_dfg() || u.uses_irradiance_map())
         },
-        kind: Kind::Name { what: "format", names: || StorageFormat::ALL.iter().map(|(name, _)| *name).collect() },
-        default: || Value::from(StorageFormat::ALL[0].0),
-        apply: |s, v| {
-            let named = StorageFormat::ALL.iter().find(|(name, _)| *name == v.text());
-            s.shading.precompute.storage = named.expect("the plan checked the format's name").1;
-        },
+        kind: Kind::one_of::<StorageFormat>(),
+        default: first::<StorageFormat>,
+        apply: |s, v| s.shading.precompute.storage = *StorageFormat::listed(v.text()),
         ..TABLE
     },
 ];

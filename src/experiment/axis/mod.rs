@@ -6,6 +6,7 @@ mod list;
 pub mod named;
 
 pub use crate::shade::REFERENCE;
+use crate::spelling::Listed;
 pub use list::*;
 pub use named::{Named, Spelling};
 
@@ -14,13 +15,14 @@ use crate::bakes::given::{Given, OWN};
 use crate::brdf::Compensation;
 use crate::cost::child::Job;
 use crate::environment::Environment;
-use crate::environment::layout::{LAYOUTS, MapLayout, layout_by_name};
+use crate::environment::layout::{LAYOUTS, MapLayout};
 use crate::pipeline::RenderRequest;
 use crate::precompute::PrefilterBy;
 use crate::precompute::dfg::DfgAxes;
 use crate::scene::{Camera, CameraKind, Light, MaterialOverride, Orbit, Scene};
 use crate::shade::pass::specular_shader;
-use crate::shade::{DIFFUSE, Diffuse, METHODS, Method, NONE, Shading, diffuse_by_name, method_by_name};
+use crate::shade::{DIFFUSE, Diffuse, METHODS, Method, NONE, Shading};
+use crate::spelling::listed;
 use crate::tonemap::ToneCurve;
 use std::ops::{Index, IndexMut};
 use std::sync::Arc;
@@ -122,10 +124,7 @@ pub enum Terms {
     All,
 }
 
-impl Terms {
-    /// Every variant with its name.
-    pub const ALL: &[(&str, Self)] = &[("cell", Self::Cell), ("all", Self::All)];
-}
+listed!(Terms, "choice of terms", { "cell": Cell, "all": All });
 
 impl Reference {
     fn leaves_out(&self, value: &Value) -> bool {
@@ -315,11 +314,11 @@ pub fn by_name(name: &str) -> &'static Axis {
 }
 
 fn method(name: &str) -> &'static Method {
-    method_by_name(name).expect("the plan checked the method's name")
+    Method::listed(name)
 }
 
 fn diffuse(name: &str) -> &'static Diffuse {
-    diffuse_by_name(name).expect("the plan checked the diffuse method's name")
+    Diffuse::listed(name)
 }
 
 /// One value for every axis, in the order of [`AXES`].
@@ -364,7 +363,7 @@ impl Point {
     /// The layout of its filtered maps; the default one where it has none.
     fn layout(&self) -> &'static MapLayout {
         let name = (self[LAYOUT] != Value::Unset).then(|| self[LAYOUT].text());
-        name.map_or(&LAYOUTS[0], |name| layout_by_name(name).expect("the plan checked the layout's name"))
+        name.map_or(&LAYOUTS[0], |name| MapLayout::listed(name))
     }
 
     /// The value of an axis where none is set, in the point's layout.

@@ -8,6 +8,7 @@
 //! the more it is bent, the more levels hold smooth surfaces.
 
 use crate::brdf::{alpha_from_perceptual_roughness, perceptual_roughness_from_alpha};
+use crate::spelling::listed;
 
 /// A mapping by name.
 #[derive(Debug)]
@@ -43,10 +44,7 @@ pub static LEVEL_MAPPINGS: &[LevelMapping] = &[
     },
 ];
 
-/// The mapping of that name.
-pub fn level_mapping_by_name(name: &str) -> Option<&'static LevelMapping> {
-    LEVEL_MAPPINGS.iter().find(|mapping| mapping.name == name)
-}
+listed!(LevelMapping, "level mapping", LEVEL_MAPPINGS);
 
 impl PartialEq for LevelMapping {
     fn eq(&self, other: &Self) -> bool {

@@ -15,5 +15,5 @@ pub mod pass;
 pub mod reference;
 mod weight;
 
-pub use level_mapping::{LEVEL_MAPPINGS, LevelMapping, level_mapping_by_name};
-pub use weight::{Kernel, WEIGHTS, Weight, weight_by_name};
+pub use level_mapping::{LEVEL_MAPPINGS, LevelMapping};
+pub use weight::{Kernel, WEIGHTS, Weight};

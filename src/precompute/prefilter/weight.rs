@@ -2,6 +2,7 @@
 
 use crate::brdf::{Brdf, MaskingShadowing, g1};
 use crate::glsl::constants::{PREFILTER_WEIGHT_COSINE, PREFILTER_WEIGHT_MASKING, PREFILTER_WEIGHT_NONE};
+use crate::spelling::listed;
 
 /// A weight by name.
 #[derive(Debug)]
@@ -42,10 +43,7 @@ pub static WEIGHTS: &[Weight] = &[
     },
 ];
 
-/// The weight of that name.
-pub fn weight_by_name(name: &str) -> Option<&'static Weight> {
-    WEIGHTS.iter().find(|weight| weight.name == name)
-}
+listed!(Weight, "prefilter weight", WEIGHTS);
 
 impl PartialEq for Weight {
     fn eq(&self, other: &Self) -> bool {

@@ -3,6 +3,7 @@
 //! The tables go into the page as the run packed them. Where they are too large, the finest level of an environment goes first.
 
 use super::told::Told;
+use crate::brdf::MaskingShadowing;
 use crate::environment::orientation;
 use crate::experiment::axis::ENVIRONMENT_ORIENTATION;
 use crate::experiment::value::Value;
@@ -13,6 +14,7 @@ use crate::run::live_model::{self, LiveModel};
 use crate::scene::camera::PERSPECTIVE_FOV_DEG;
 use crate::scene::{Material, Projection};
 use crate::shade::{METHODS, Method};
+use crate::spelling::Listed;
 use serde::Serialize;
 use std::collections::BTreeSet;
 
@@ -101,7 +103,7 @@ impl Light {
             lobes: Vec::new(),
             methods: Vec::new(),
             orientations: Orientation::all(runs),
-            masking_names: crate::brdf::MaskingShadowing::ALL.iter().map(|(name, _)| *name).collect(),
+            masking_names: MaskingShadowing::names(),
             models: Vec::new(),
             fov_deg: PERSPECTIVE_FOV_DEG,
             alpha_min: constants::ALPHA_MIN,

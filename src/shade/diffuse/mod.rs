@@ -12,6 +12,7 @@ pub mod zh3;
 use super::NONE;
 use super::twin::DiffuseTwin;
 use crate::precompute::sh9::Projection;
+use crate::spelling::listed;
 
 /// How the diffuse irradiance is computed. The names are the shader file stems (with `-` for `_`).
 #[derive(Clone, Copy, Debug)]
@@ -65,7 +66,4 @@ impl Diffuse {
     }
 }
 
-/// The diffuse method of that name.
-pub fn diffuse_by_name(name: &str) -> Option<&'static Diffuse> {
-    DIFFUSE.iter().find(|diffuse| diffuse.name == name)
-}
+listed!(Diffuse, "diffuse method", DIFFUSE);

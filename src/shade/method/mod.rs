@@ -26,6 +26,7 @@ use super::diffuse::Diffuse;
 use super::twin::SpecularTwin;
 use crate::brdf::Compensation;
 use crate::precompute::{PrecomputeSettings, PrefilterBy, StorageFormat};
+use crate::spelling::listed;
 
 /// How the specular term is computed. The names are the shader file stems (with `-` for `_`).
 ///
@@ -158,7 +159,12 @@ impl Method {
     }
 }
 
-/// The method of that name: a listed one, or `file:PATH` ([`own`]).
-pub fn method_by_name(name: &str) -> Option<&'static Method> {
-    METHODS.iter().find(|method| method.name == name).or_else(|| own::loaded(name))
-}
+listed!(
+    Method,
+    "method",
+    METHODS,
+    /// Finds a listed method, or `file:PATH` ([`own`]).
+    fn by_name(name: &str) -> Option<&'static Self> {
+        Self::all().find(|method| method.name == name).or_else(|| own::loaded(name))
+    }
+);

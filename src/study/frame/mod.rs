@@ -7,6 +7,7 @@ pub mod estimate;
 pub mod line;
 mod shape;
 
+use crate::spelling::Listed;
 pub use shape::Shape;
 
 use super::finished::{Bin, Finished, FinishedCell};
@@ -14,7 +15,7 @@ use crate::experiment::axis::{
     AXES, DIFFUSE_METHOD, ENVIRONMENT, ENVIRONMENT_CLIP, METHOD, Part, Point, SAMPLES, SCENE, index_of,
 };
 use crate::experiment::value::Value;
-use crate::metrics::{HEADLINE, Metric, Space, Verdict, metric, verdict};
+use crate::metrics::{HEADLINE, Metric, Space, Verdict, verdict};
 use crate::run::tables::DISPLAY_HEADLINE;
 use crate::scene::is_design;
 use crate::shade::NONE;
@@ -56,7 +57,7 @@ impl<'f> Frame<'f> {
     /// The frame of a run, judged by the metric of that name, else by the experiment's own.
     pub fn new(run: &'f Finished, metric_name: Option<&str>) -> Self {
         let own = run.config.as_ref().map_or(HEADLINE, |config| config.metric);
-        let metric = metric(metric_name.unwrap_or(own)).expect("the caller checked the metric's name");
+        let metric = <dyn Metric>::listed(metric_name.unwrap_or(own));
         let rows = distinct(run);
         Self { shape: Shape::of_rows(run, &rows), run, rows, metric }
     }

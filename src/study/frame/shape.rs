@@ -4,7 +4,8 @@ use super::Row;
 use crate::experiment::axis::{AXES, METHOD, Terms};
 use crate::experiment::config::Config;
 use crate::experiment::value::Value;
-use crate::shade::{METHODS, Method, method_by_name};
+use crate::shade::{METHODS, Method};
+use crate::spelling::Listed;
 use crate::study::finished::Finished;
 
 /// The values of every axis, and which further parts an experiment has.
@@ -63,7 +64,8 @@ impl Shape {
 
     /// The methods with a specular term: listed ones in the order of their list, then those in files.
     pub fn methods(&self) -> impl Iterator<Item = &'static Method> {
-        let mut methods: Vec<_> = self.values[METHOD].iter().filter_map(|value| method_by_name(value.text())).collect();
+        let mut methods: Vec<_> =
+            self.values[METHOD].iter().filter_map(|value| Method::by_name(value.text())).collect();
         methods.retain(|method| !method.is_none());
         methods
             .sort_by_key(|method| METHODS.iter().position(|listed| listed.name == method.name).unwrap_or(usize::MAX));

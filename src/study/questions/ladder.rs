@@ -7,10 +7,11 @@
 //! They are told by environment, model, alpha, f0 and n·v, from `steps.csv`. Means are over environments with Student's interval; where
 //! environments disagree about the sign, their range stands instead.
 
+use crate::spelling::Listed;
 use super::prelude::*;
 use crate::ladder::{BANDS, of_diffuse};
 use crate::metrics::ALL_VIEWS;
-use crate::shade::{REFERENCE, diffuse_by_name};
+use crate::shade::{REFERENCE, Diffuse};
 use crate::study::finished::StepRow;
 use crate::table::csv::rounded;
 
@@ -63,7 +64,7 @@ fn lacks(shape: &Shape) -> Option<&'static str> {
 
 fn has_ladder(shape: &Shape) -> bool {
     let is_told =
-        |value: &Value| diffuse_by_name(&value.to_string()).is_some_and(|diffuse| of_diffuse(diffuse).is_some());
+        |value: &Value| Diffuse::by_name(&value.to_string()).is_some_and(|diffuse| of_diffuse(diffuse).is_some());
     shape.methods().any(|method| method.has_ladder) || shape.values[DIFFUSE_METHOD].iter().any(is_told)
 }
 
@@ -126,7 +127,7 @@ impl<'r, 'f> Group<'r, 'f> {
 
     /// "split sum", or the diffuse term.
     fn subject(&self) -> &'static str {
-        let diffuse = diffuse_by_name(&self.own[0].row.text(DIFFUSE_METHOD));
+        let diffuse = Diffuse::by_name(&self.own[0].row.text(DIFFUSE_METHOD));
         if diffuse.is_some_and(|diffuse| of_diffuse(diffuse).is_some()) { "diffuse term" } else { "split sum" }
     }
 

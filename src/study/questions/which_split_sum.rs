@@ -5,8 +5,9 @@
 //! on the *front* where no other with as few lookups has a smaller mean over all cases. Lookups of the tables beside the map do not count:
 //! they are small, and every way reads some.
 
+use crate::spelling::Listed;
 use super::prelude::*;
-use crate::shade::method_by_name;
+use crate::shade::Method;
 
 pub const QUESTION: Question = Question {
     name: "which-split-sum",
@@ -37,7 +38,7 @@ struct Way<'r, 'f> {
 }
 
 fn lookups(row: &Row) -> Option<u32> {
-    method_by_name(&row.text(METHOD))?.lookups_of_pixel(row.samples())
+    Method::by_name(&row.text(METHOD))?.lookups_of_pixel(row.samples())
 }
 
 /// Fewest lookups first, the best of them first.
@@ -60,7 +61,7 @@ fn ways<'r, 'f>(frame: &Frame, ratios: &[(&'r Row<'f>, f64)]) -> Vec<Way<'r, 'f>
 fn answer(frame: &Frame) -> Option<Finding> {
     let axes = frame.case_axes();
     let images: Vec<&Row> = frame.images().into_iter().filter(|row| lookups(row).is_some()).collect();
-    let is_base = |row: &&&Row| method_by_name(&row.text(METHOD)).is_some_and(|method| method.uses_prefiltered());
+    let is_base = |row: &&&Row| Method::by_name(&row.text(METHOD)).is_some_and(|method| method.uses_prefiltered());
     let base = images.iter().find(is_base)?.point[METHOD].clone();
     let bases: Vec<&Row> = images.iter().copied().filter(|row| row.point[METHOD] == base).collect();
     let ratio = |row: &&Row| {

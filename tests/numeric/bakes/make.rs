@@ -5,7 +5,7 @@ use super::scores::marked_light;
 use glam::{DVec2, DVec3};
 use half::f16;
 use splitsum::bakes::container::{Encoding, FORMATS, TEXELS, from_bytes};
-use splitsum::bakes::convention::{Axes, PRESETS, TABLE_AXES, preset_by_name};
+use splitsum::bakes::convention::{Axes, PRESETS, Preset, TABLE_AXES};
 use splitsum::bakes::given;
 use splitsum::bakes::make::{GOOD, Making, make};
 use splitsum::bakes::product::Chain;
@@ -17,6 +17,7 @@ use splitsum::environment::{Environment, LoadOptions};
 use splitsum::math::spherical_harmonics::{basis, irradiance};
 use splitsum::pixels::RgbImage;
 use splitsum::precompute::prefilter::WEIGHTS;
+use splitsum::spelling::Listed;
 use std::f64::consts::PI;
 use std::path::Path;
 
@@ -39,7 +40,7 @@ const LOOKUPS: &[Lookup] = &[
 ];
 
 pub fn making<'a>(engine: &str, environment: &'a Environment) -> Making<'a> {
-    let preset = preset_by_name(engine).unwrap();
+    let preset = Preset::listed(engine);
     let product = &preset.product;
     Making {
         preset,

@@ -2,7 +2,7 @@
 
 use glam::{DVec2, DVec3};
 use splitsum::bakes::check::{Truth, guess, level, sh as sh_score, table};
-use splitsum::bakes::convention::{Axes, PRESETS, TABLE_AXES, TABLE_CHANNELS, preset_by_name};
+use splitsum::bakes::convention::{Axes, PRESETS, Preset, TABLE_AXES, TABLE_CHANNELS};
 use splitsum::bakes::{Map, sh};
 use splitsum::brdf::{Ggx, MaskingShadowing};
 use splitsum::environment::Environment;
@@ -13,6 +13,7 @@ use splitsum::math::spherical_harmonics::irradiance;
 use splitsum::pixels::RgbImage;
 use splitsum::precompute::dfg::reference::dfg_within;
 use splitsum::precompute::prefilter::{Kernel, harmonic};
+use splitsum::spelling::Listed;
 use std::cell::RefCell;
 use std::collections::HashMap;
 use std::path::Path;
@@ -156,7 +157,7 @@ fn a_light_is_known_by_a_mirror_and_by_levels_of_other_widths() {
 /// Unity looks seven levels up, however many a cube has.
 #[test]
 fn levels_of_unity_are_sixths() {
-    let unity = preset_by_name("unity").unwrap().convention();
+    let unity = Preset::listed("unity").convention();
     let by = |count: usize| unity.alphas(count).unwrap();
     assert_eq!((by(7)[..7].to_vec(), by(8)[6..].to_vec()), (by(9)[..7].to_vec(), vec![1.0, 1.0]));
     for (k, alpha) in by(3).into_iter().enumerate() {
@@ -296,7 +297,7 @@ fn conventions_of_a_table_are_found() {
     let correlated = MaskingShadowing::Correlated;
     for way in 0..TABLE_AXES.len() {
         let found = table::search(&table(way, way % 3, correlated, 0.0), &Ggx).swap_remove(0);
-        let names = (found.axes.name, found.channels.name, found.masking.0);
+        let names = (found.axes.name, found.channels.name, found.masking.name());
         assert_eq!(names, (TABLE_AXES[way].name, TABLE_CHANNELS[way % 3].name, "correlated"), "{:e}", found.rms);
     }
     let mut convention = PRESETS[0].convention();

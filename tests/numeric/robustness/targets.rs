@@ -12,6 +12,7 @@ use splitsum::oracle::{Kind, Queries};
 use splitsum::pixels::{GrayImage, RgbImage, exr};
 use splitsum::report::page::{PageOptions, Told, write};
 use splitsum::scene::{Scene, SceneFiles};
+use splitsum::spelling::Listed;
 use splitsum::study::finished::Finished;
 use splitsum::study::questions::answers;
 use std::collections::BTreeMap;
@@ -266,7 +267,7 @@ pub fn experiment(bytes: &[u8]) {
 /// A table of queries.
 pub fn queries(bytes: &[u8]) {
     let options = LoadOptions { builtin_size: [8, 4], ..LoadOptions::default() };
-    for &kind in Kind::ALL {
+    for &kind in Kind::all() {
         match Queries::from_bytes(Path::new("nowhere/x.csv"), bytes, kind, &options) {
             Ok(queries) => assert!(queries.len() <= bytes.len()),
             Err(faults) => assert!(faults.to_string().starts_with("nowhere/x.csv:")),

@@ -2,6 +2,7 @@
 
 use glam::{DVec3, Vec3Swizzles, Vec4Swizzles};
 use splitsum::scene::{Camera, CameraKind, MaterialOverride, SCENES, Scene};
+use splitsum::spelling::Listed;
 use std::collections::HashSet;
 use std::path::Path;
 
@@ -18,7 +19,7 @@ fn builtin(name: &str) -> Scene {
 fn for_each_camera(mut check: impl FnMut(&Scene, &Camera, [u32; 2])) {
     // The scene `design` has no picture to frame.
     for scene in SCENES.iter().map(|entry| builtin(entry.name)).filter(|scene| !scene.is_design) {
-        for &(_, kind) in CameraKind::ALL {
+        for &kind in CameraKind::all() {
             for size in SIZES {
                 check(&scene, &Camera::for_scene(kind, &scene, size), size);
             }
@@ -71,13 +72,13 @@ fn the_sphere_cameras_are_those_of_the_contract() {
 #[test]
 fn pixels_are_square_and_the_short_side_keeps_its_extent() {
     let sphere = builtin("sphere");
-    for &(name, kind) in CameraKind::ALL {
+    for &kind in CameraKind::all() {
         let [_, contract] = Camera::for_scene(kind, &sphere, [100, 100]).extent(1.0);
         for (size, [x, y]) in [([200, 100], [2.0, 1.0]), ([100, 300], [1.0, 3.0])] {
             let extent = Camera::for_scene(kind, &sphere, size).extent(f64::from(size[0]) / f64::from(size[1]));
             assert!(
                 (extent[0] - x * contract).abs() < ROUNDING && (extent[1] - y * contract).abs() < ROUNDING,
-                "{name} {size:?}: {extent:?}"
+                "{kind:?} {size:?}: {extent:?}"
             );
         }
     }

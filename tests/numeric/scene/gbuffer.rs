@@ -4,6 +4,7 @@ use glam::DVec3;
 use splitsum::gbuffer::reference::gbuffer;
 use splitsum::pixels::{GrayImage, exr};
 use splitsum::scene::{Camera, CameraKind, MaterialOverride, Scene};
+use splitsum::spelling::Listed;
 use std::path::Path;
 
 /// Pixels whose centre is this near to the silhouette (in pixels) may differ between two exact renderers.
@@ -46,7 +47,7 @@ fn masks_equal_the_goldens() {
 #[test]
 fn a_sphere_is_exact_and_misses_are_zero() {
     let scene = Scene::load("spheres", Path::new("")).expect("built in");
-    for &(name, kind) in CameraKind::ALL {
+    for &kind in CameraKind::all() {
         let size = [75, 45];
         let camera = Camera::for_scene(kind, &scene, size);
         let images = gbuffer(&scene, &camera, size);
@@ -60,7 +61,7 @@ fn a_sphere_is_exact_and_misses_are_zero() {
                     assert_eq!(
                         [position, normal, images.albedo_metallic.get(x, y), f0],
                         [[0.0; 4]; 4],
-                        "{name} ({x}, {y})"
+                        "{kind:?} ({x}, {y})"
                     );
                     continue;
                 }
@@ -70,14 +71,17 @@ fn a_sphere_is_exact_and_misses_are_zero() {
                 assert!((xyz(normal).length() - 1.0).abs() < 1e-12);
                 assert!(n_dot_v.get(x, y) >= 0.0);
                 let (origin, direction) = camera.ray(x, y, size);
-                assert!((xyz(position) - origin).cross(direction).length() < 1e-12, "{name} ({x}, {y}) is off its ray");
+                assert!(
+                    (xyz(position) - origin).cross(direction).length() < 1e-12,
+                    "{kind:?} ({x}, {y}) is off its ray"
+                );
                 let material = &scene.materials[sphere.material];
                 assert_eq!(normal[3], f64::from(material.alpha));
                 let expected = 0.04f32 + (material.albedo[0] - 0.04) * material.metallic;
                 assert!((f0[0] - f64::from(expected)).abs() < 1e-7);
             }
         }
-        assert!(hit_count.iter().all(|&count| count > 50), "{name}: {hit_count:?}");
+        assert!(hit_count.iter().all(|&count| count > 50), "{kind:?}: {hit_count:?}");
     }
 }
 

@@ -4,6 +4,7 @@ use crate::cpu_time;
 use glam::DVec3;
 use splitsum::gbuffer::reference::gbuffer;
 use splitsum::scene::{Camera, CameraKind, Mesh, Scene};
+use splitsum::spelling::Listed;
 use std::fmt::Write;
 use std::path::Path;
 
@@ -400,7 +401,7 @@ fn a_mesh_of_the_sphere_looks_like_the_sphere() {
     mesh.toward_viewer = DVec3::Z;
     let exact = Scene::load("sphere", Path::new("")).expect("built in");
     let size = [24, 24];
-    for &(name, kind) in CameraKind::ALL {
+    for &kind in CameraKind::all() {
         let camera = Camera::for_scene(kind, &exact, size);
         let (a, b) = (gbuffer(&exact, &camera, size), gbuffer(&mesh, &camera, size));
         let n_dot_v = a.n_dot_v(&camera);
@@ -411,18 +412,18 @@ fn a_mesh_of_the_sphere_looks_like_the_sphere() {
             if p[3] == 0.0 || n_dot_v.data[i] < 0.3 {
                 continue;
             }
-            assert_eq!(q[3], 1.0, "{name}: pixel {i} of the mesh");
+            assert_eq!(q[3], 1.0, "{kind:?}: pixel {i} of the mesh");
             // Of a chord over the diagonal of a quad.
             let sag = 1.0 - (std::f64::consts::PI / 96.0).cos().powi(2);
             for k in 0..3 {
-                assert!((p[k] - q[k]).abs() < sag / 0.3, "{name}: position {p:?} {q:?}");
+                assert!((p[k] - q[k]).abs() < sag / 0.3, "{kind:?}: position {p:?} {q:?}");
                 assert!(
                     (a.normal_alpha.data[i][k] - b.normal_alpha.data[i][k]).abs() < 2.0 * sag / 0.3,
-                    "{name}: normal of pixel {i}"
+                    "{kind:?}: normal of pixel {i}"
                 );
             }
             both += 1;
         }
-        assert!(both > 300, "{name}: {both} pixels");
+        assert!(both > 300, "{kind:?}: {both} pixels");
     }
 }
