@@ -82,17 +82,8 @@ pub struct Source<'a> {
 impl Plan {
     /// Checks and expands an experiment whose text stands for the file at `path`; `overrides` are the texts of `--set`.
     pub fn from_text(path: &Path, text: &str, overrides: &[String]) -> Result<Self, ConfigError> {
-        Self::from_text_set_in(path, text, overrides, Path::new(""))
-    }
-
-    /// As [`Plan::from_text`], with files named by `--set` relative to `set_dir`.
-    pub fn from_text_set_in(
-        path: &Path,
-        text: &str,
-        overrides: &[String],
-        set_dir: &Path,
-    ) -> Result<Self, ConfigError> {
-        Self::from_source(&Source { path, text, overrides, file_dir: None, set_dir }, &LoadOptions::default())
+        let source = Source { path, text, overrides, file_dir: None, set_dir: Path::new("") };
+        Self::from_source(&source, &LoadOptions::default())
     }
 
     /// Checks and expands an experiment, with a say in what environments may hold.
@@ -166,11 +157,6 @@ impl Plan {
             _ => None,
         };
         name.map_or_else(|| cell.point[axis].clone(), |name| Value::from(name.as_str()))
-    }
-
-    /// A cell's point as tables show it.
-    pub fn shown_point(&self, cell: &Cell) -> Point {
-        Point((0..AXES.len()).map(|axis| self.shown(cell, axis)).collect())
     }
 
     /// The request for the point of a cell: the scene with the point's material, framed by the experiment's camera.
@@ -273,10 +259,8 @@ impl Plan {
         }
         warnings.into_result().err().map_or_else(Vec::new, |error| error.lines())
     }
-}
 
-impl Plan {
-    /// Exclusions that leave nothing out, in the file as it stands: what `--set` took away is no slip of it.
+    /// Exclusions that leave nothing out of the file as it is written: `--set` may have taken away what they match.
     fn idle_exclusions(&self) -> Vec<&Exclusion> {
         let config = &self.config;
         let mut idle: BTreeSet<usize> = (0..self.excluded.len()).filter(|&index| self.excluded[index] == 0).collect();

@@ -32,7 +32,7 @@ fn a_wrong_value_names_flag_value_and_expectation() {
     assert_refused(
         &["render", "--light", "spot:0,0,1:1,1,1", "--out", "x.png"],
         2,
-        &["--light", "directional or point"],
+        &["--light", "is not a kind of light; expected directional, point"],
     );
     assert_refused(
         &["render", "--light", "directional:0,0,0:1,1,1", "--out", "x.png"],

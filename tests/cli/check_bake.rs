@@ -105,7 +105,7 @@ fn bakes_for_every_engine_score_as_exact() {
         let all = [&["bake", "builtin:sky"], arguments].concat();
         assert_ends(&splitsum(dir.path(), &all), 2, parts);
     };
-    refused(&["--out", "x", "--for", "bevvy"], &["--for \"bevvy\" is unknown; did you mean \"bevy\"?"]);
+    refused(&["--out", "x", "--for", "bevvy"], &["--for: \"bevvy\" is not a preset; did you mean \"bevy\"?"]);
     refused(&["--out", "bevy", "--for", "bevy"], &["bevy/specular.ktx2: exists"]);
     refused(&["--out", "x", "--for", "bevy", "--format", "rg16f"], &["rg16f in ktx2: --for bevy writes rgba16f"]);
     refused(&["--out", "x", "--for", "unity", "--set", "prefilter_size=32x32"], &["7 levels of faces of 32"]);

@@ -241,7 +241,7 @@ fn every_fault_of_every_row_is_told_with_its_place() {
             "q.csv:10:f0: \"inf\" is not a finite number",
             "q.csv:10:vz: \"x\" is not a finite number",
             &format!(
-                "q.csv:11:brdf: \"beckman\" is not a BRDF model; expected {}; did you mean \"beckmann\"?",
+                "q.csv:11:brdf: \"beckman\" is not a BRDF model; did you mean \"beckmann\"?; expected {}",
                 models()
             ),
             "q.csv:11:f0: 1.5 is outside [0, 1]",

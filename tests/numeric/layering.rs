@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 /// Rows from low to high; a row holds columns that do not know each other, and a column its modules in order. A module imports only
 /// from lower rows or from earlier in its own column.
 const ROWS: &[&[&[&str]]] = &[
-    &[&["glsl", "math", "color", "files", "spelling", "pixels"]],
+    &[&["glsl", "spelling", "math", "color", "files", "pixels"]],
     &[&["brdf", "environment", "scene"], &["gpu"]],
     &[&["precompute", "gbuffer", "shade", "tonemap"]],
     &[&["metrics"], &["table", "figure"]],
@@ -24,7 +24,7 @@ const ROWS: &[&[&[&str]]] = &[
 ];
 
 /// What metrics see: images, a mask and the tone curve, never a method.
-const SEEN_BY_METRICS: &[&str] = &["glsl", "math", "color", "files", "pixels", "tonemap"];
+const SEEN_BY_METRICS: &[&str] = &["glsl", "spelling", "math", "color", "files", "pixels", "tonemap"];
 
 /// Names that say nothing about a file's subject.
 const EMPTY_NAMES: &[&str] = &["util", "utils", "helper", "helpers", "common", "misc"];

@@ -178,7 +178,7 @@ fn level_biases_have_names_and_sequences_and_formats_are_checked() {
             "e.toml:3:38: axes.prefilter_lod_bias: \"filamnt\" is not a level bias; did you mean \"filament\"?; expected a number in [-16, 16], or",
             "e.toml:3:49: axes.prefilter_lod_bias: 17 is outside [-16, 16]",
             "e.toml:4:13: axes.sequence: \"sobol\" is not a sequence",
-            "e.toml:5:19: axes.storage_format: \"f8\" is not a format",
+            "e.toml:5:19: axes.storage_format: \"f8\" is not a storage format",
             "e.toml:6:13: axes.lod_bias: ",
             "e.toml:7:18: axes.level_mapping: \"cmgen\" is not a level mapping",
             "e.toml:8:21: axes.prefilter_weight: \"cosin\" is not a prefilter weight; did you mean \"cosine\"?",

@@ -3,6 +3,7 @@
 use super::runs::{finished, read, snapshot};
 use splitsum::environment::LoadOptions;
 use splitsum::experiment::Plan;
+use splitsum::experiment::plan::Source;
 use splitsum::pixels::{GrayImage, RgbImage};
 use splitsum::report::publish::publish;
 use splitsum::run::frozen;
@@ -66,7 +67,8 @@ fn a_frozen_experiment_keeps_what_the_command_line_set() {
     let (file, maps) = (root.path().join("sweeps/files.toml"), root.path().join("others"));
     let text = String::from_utf8(read(&file)).unwrap();
     let set = ["environment=b.exr".to_owned(), "alpha=0.25".to_owned()];
-    let plan = Plan::from_text_set_in(&file, &text, &set, &maps).unwrap_or_else(|error| panic!("{error}"));
+    let source = Source { path: &file, text: &text, overrides: &set, file_dir: None, set_dir: &maps };
+    let plan = Plan::from_source(&source, &LoadOptions::default()).unwrap_or_else(|error| panic!("{error}"));
     let run = finished(&plan, &root.path().join("run"));
     let frozen = run.join("experiment.toml");
     let (again, note) = load(&frozen, &[]).unwrap();

@@ -2,7 +2,9 @@
 
 use super::{Bench, EXPERIMENT, load, log, write_environment};
 use crate::run::runs::read;
+use splitsum::environment::LoadOptions;
 use splitsum::experiment::Plan;
+use splitsum::experiment::plan::Source;
 use splitsum::run::chunk::{ChunkError, PlanFile, Prices};
 use std::path::Path;
 
@@ -61,7 +63,8 @@ fn a_plan_file_knows_its_files_from_its_own_folder() {
         write_environment(&dir.join("maps"), 1.0);
         let (toml, set) = (dir.join("sweeps/tiny.toml"), ["environment=sky.exr".to_owned()]);
         let text = String::from_utf8(read(&toml)).unwrap();
-        let plan = Plan::from_text_set_in(&toml, &text, &set, &dir.join("maps")).unwrap();
+        let source = Source { path: &toml, text: &text, overrides: &set, file_dir: None, set_dir: &dir.join("maps") };
+        let plan = Plan::from_source(&source, &LoadOptions::default()).unwrap();
         let file = PlanFile::new(&plan, &dir.join("plans"), 9.0, Prices::stated(1e6));
         file.write(&dir.join("plans/plan.json")).unwrap();
         file.text()
