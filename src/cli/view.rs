@@ -92,16 +92,23 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let options = Options { device, validation: arguments.validation, ..Options::default() };
     #[cfg(target_os = "linux")]
     splitsum::gpu::x11::when_server_ends(|| {
-        let Failure { code, text } = Failure::passing("the display was lost: the X server has ended");
+        let Failure { code, text } = server_ended();
         super::tell(&text);
         code
     });
     match open(Opened { state, options, load, out: arguments.out.clone() }) {
+        #[cfg(target_os = "linux")]
+        Windowed::Lost(_) if splitsum::gpu::x11::has_server_ended() => Err(server_ended()),
         Windowed::Closed => Ok(()),
         Windowed::NoDisplay(why) => Err(Failure::input(why)),
         Windowed::Lost(why) => Err(Failure::passing(why)),
         Windowed::Failed(why) => Err(Failure::failed(why)),
     }
+}
+
+#[cfg(target_os = "linux")]
+fn server_ended() -> Failure {
+    Failure::passing("the display was lost: the X server has ended")
 }
 
 fn state(arguments: &Arguments) -> Result<State, Failure> {

@@ -1,9 +1,11 @@
-//! The end of the X server: Xlib ends the program itself, with code 1, and can only be asked to do so otherwise.
+//! The end of the X server, which a program notices in three ways: Xlib ends it with code 1, winit panics, or the
+//! window's surface is lost.
 
 use std::ffi::c_int;
 use std::sync::OnceLock;
 use x11_dl::xlib::{Display, Xlib};
 
+/// Set if a server answered at first.
 static LAST_WORDS: OnceLock<fn() -> u8> = OnceLock::new();
 
 unsafe extern "C" {
@@ -11,16 +13,48 @@ unsafe extern "C" {
     safe fn _exit(code: c_int) -> !;
 }
 
-/// Where the connection to the X server breaks, calls `last_words` and ends the program with the code that it gives.
+/// Ends the program when Xlib or a panic shows that the X server has ended: calls `last_words` and exits with their
+/// code.
 pub fn when_server_ends(last_words: fn() -> u8) {
-    // Where there is no Xlib, there is no connection.
-    let Ok(xlib) = Xlib::open() else { return };
-    if LAST_WORDS.set(last_words).is_ok() {
-        // SAFETY: the handler does not return, as Xlib demands, and needs nothing that Xlib owns.
-        unsafe { (xlib.XSetIOErrorHandler)(Some(end)) };
+    if !answers() || LAST_WORDS.set(last_words).is_err() {
+        return;
     }
+    let Ok(xlib) = Xlib::open() else { return };
+    // SAFETY: the handler does not return, as Xlib demands, and needs nothing that Xlib owns.
+    unsafe { (xlib.XSetIOErrorHandler)(Some(on_io_error)) };
+    let report = std::panic::take_hook();
+    std::panic::set_hook(Box::new(move |panic| {
+        if has_server_ended() {
+            end();
+        }
+        report(panic);
+    }));
 }
 
-extern "C" fn end(_: *mut Display) -> c_int {
+/// Whether the server that answered when [`when_server_ends`] was called answers no more.
+pub fn has_server_ended() -> bool {
+    LAST_WORDS.get().is_some() && !answers()
+}
+
+/// Whether a connection to the server that DISPLAY names can be opened.
+fn answers() -> bool {
+    let Ok(xlib) = Xlib::open() else { return false };
+    // SAFETY: called before this process opens a connection, and harmless afterwards.
+    unsafe { (xlib.XInitThreads)() };
+    // SAFETY: no name stands for DISPLAY.
+    let connection = unsafe { (xlib.XOpenDisplay)(std::ptr::null()) };
+    if connection.is_null() {
+        return false;
+    }
+    // SAFETY: the connection was opened above, and nothing else uses it.
+    unsafe { (xlib.XCloseDisplay)(connection) };
+    true
+}
+
+extern "C" fn on_io_error(_: *mut Display) -> c_int {
+    end()
+}
+
+fn end() -> ! {
     _exit(LAST_WORDS.get().map_or(1, |last_words| last_words()).into())
 }

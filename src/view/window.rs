@@ -90,9 +90,25 @@ fn surface_of(window: &Rc<Window>) -> Result<Surface, softbuffer::SoftBufferErro
 /// What a window on the screen consists of.
 struct Screen {
     window: Rc<Window>,
+    /// As the last event reported it: winit panics if it is asked for the size of a window that was destroyed.
+    size: PhysicalSize<u32>,
+    opened: Instant,
     surface: Surface,
     input: egui_winit::State,
     painter: EguiSoftwareRender,
+}
+
+impl Screen {
+    /// What happened since the last pass; `egui_winit` would ask the window for its size.
+    fn egui_input(&mut self) -> egui::RawInput {
+        let scale = self.window.scale_factor();
+        let size = self.size.to_logical(scale);
+        let input = self.input.egui_input_mut();
+        input.time = Some(self.opened.elapsed().as_secs_f64());
+        input.screen_rect = Some(egui::Rect::from_min_size(egui::Pos2::ZERO, egui::vec2(size.width, size.height)));
+        input.viewports.entry(ViewportId::ROOT).or_default().native_pixels_per_point = Some(scale as f32);
+        input.take()
+    }
 }
 
 struct App {
@@ -119,11 +135,14 @@ struct App {
     told: Option<(PathBuf, String)>,
 }
 
-/// What tests wait for: keys and buttons that went down or up, and where the pointer is.
+/// What tests wait for.
 #[derive(Default)]
 struct Heard {
+    /// Keys and buttons that went down or up.
     inputs: u64,
     pointer: [f64; 2],
+    /// States of which a picture arrived.
+    pictures: u64,
 }
 
 impl Heard {
@@ -142,6 +161,8 @@ impl App {
         let context = egui::Context::default();
         context.set_fonts(fonts());
         context.set_theme(egui::Theme::Dark);
+        // A click is a click even if the frame between press and release takes long.
+        context.options_mut(|options| options.input_options.max_click_duration = f64::INFINITY);
         Self {
             opened: Some((opened.options, opened.load)),
             proxy,
@@ -181,6 +202,8 @@ impl App {
             None,
         );
         Ok(Screen {
+            size: window.inner_size(),
+            opened: Instant::now(),
             window,
             surface,
             input,
@@ -197,10 +220,10 @@ impl App {
     /// One pass of the window: what a person did, then what is seen.
     fn frame(&mut self, events: &ActiveEventLoop) {
         let Some(screen) = &mut self.screen else { return };
-        let PhysicalSize { width, height } = screen.window.inner_size();
+        let PhysicalSize { width, height } = screen.size;
         // A minimised window may have no pixel.
         let (Some(columns), Some(rows)) = (NonZeroU32::new(width), NonZeroU32::new(height)) else { return };
-        let input = screen.input.take_egui_input(&screen.window);
+        let input = screen.egui_input();
         self.is_press_unseen = false;
         for file in input.dropped_files.iter().filter_map(|file| file.path.clone()) {
             self.panel.dropped(&file, &mut self.state);
@@ -261,7 +284,9 @@ impl App {
 
     fn arrive(&mut self, events: &ActiveEventLoop) {
         let Some(worker) = &self.worker else { return };
-        self.shown = worker.shown();
+        let shown = worker.shown();
+        self.heard.pictures += u64::from(shown.generation != self.shown.generation);
+        self.shown = shown;
         self.panel.arrive(&self.shown);
         let inputs = [ENVIRONMENT, SCENE].map(|axis| self.state.point[axis].clone());
         match &self.shown.standing {
@@ -345,6 +370,7 @@ impl App {
             "controls": controls,
             "inputs": self.heard.inputs,
             "pointer": self.heard.pointer,
+            "pictures": self.heard.pictures,
             "is_still": is_still,
             "asked": self.generation,
             "shown": self.shown.generation,
@@ -425,7 +451,15 @@ impl ApplicationHandler<Arrived> for App {
         let Some(screen) = &mut self.screen else { return };
         let response = screen.input.on_window_event(&screen.window, &event);
         match event {
-            WindowEvent::CloseRequested => events.exit(),
+            WindowEvent::Resized(size) => {
+                screen.size = size;
+                screen.window.request_redraw();
+            }
+            WindowEvent::CloseRequested => {
+                // The renderer may take a moment to end.
+                screen.window.set_visible(false);
+                events.exit();
+            }
             WindowEvent::Destroyed => {
                 // Whatever is asked of it now fails.
                 self.screen = None;
