@@ -2,7 +2,7 @@
 
 use serde_json::Value;
 use splitsum::pixels::Rgb8Image;
-use std::cell::Cell;
+use std::cell::{Cell, RefCell};
 use std::io::{BufRead, BufReader, Read};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
@@ -11,13 +11,14 @@ use std::time::{Duration, Instant};
 use tempfile::TempDir;
 
 const SIZE: [u32; 2] = [1280, 1600];
-const PATIENCE: Duration = Duration::from_secs(120);
+/// A window that says nothing for so long hangs. Everything else waits for events.
+const PATIENCE: Duration = Duration::from_secs(300);
 
 /// One window at a time: each takes all processors.
 static TURN: Mutex<()> = Mutex::new(());
 
 pub struct Screen {
-    server: Child,
+    server: RefCell<Child>,
     manager: Child,
     display: String,
     frames: TempDir,
@@ -31,9 +32,10 @@ impl Screen {
         let frames = tempfile::tempdir().unwrap();
         let screen = format!("{}x{}x24", SIZE[0], SIZE[1]);
         let folder = frames.path().to_str().unwrap();
-        // Without `-noreset` the server starts anew when its last client leaves: a window manager that connects just then is turned away.
+        // Without `-noreset` the server resets when its last client leaves, and refuses a window manager that connects
+        // just then. Without `-r` it repeats a key whose release comes late.
         let server = Command::new("Xvfb")
-            .args(["-displayfd", "1", "-noreset", "-screen", "0", &screen, "-fbdir", folder, "-nolisten", "tcp"])
+            .args(["-displayfd", "1", "-noreset", "-r", "-screen", "0", &screen, "-fbdir", folder, "-nolisten", "tcp"])
             .stdout(Stdio::piped())
             .stderr(Stdio::null())
             .spawn();
@@ -60,7 +62,7 @@ impl Screen {
             assert!(ended.is_none() && begun.elapsed() < PATIENCE, "the window manager is not there: {ended:?}");
             std::thread::sleep(Duration::from_millis(50));
         }
-        Some(Self { server, manager, display, frames, _turn: turn })
+        Some(Self { server: RefCell::new(server), manager, display, frames, _turn: turn })
     }
 
     pub fn window(&self, arguments: &[&str]) -> Win<'_> {
@@ -104,7 +106,7 @@ impl Screen {
 
     /// Ends the X server, as a crash would.
     pub fn end(&self) {
-        assert!(Command::new("kill").args(["-9", &self.server.id().to_string()]).status().unwrap().success());
+        self.server.borrow_mut().kill().unwrap();
     }
 
     /// What is on the display: the file that Xvfb keeps its pixels in, of the format of xwd.
@@ -122,7 +124,7 @@ impl Screen {
 
 impl Drop for Screen {
     fn drop(&mut self) {
-        for child in [&mut self.manager, &mut self.server] {
+        for child in [&mut self.manager, self.server.get_mut()] {
             let _ = child.kill();
             let _ = child.wait();
         }
@@ -326,15 +328,15 @@ impl Win<'_> {
     /// The window manager asks it to close; it ends by itself, without a fault.
     pub fn close(mut self) {
         self.act(&["windowfocus", "--sync", &self.id, "key", "alt+F4"]);
-        let (code, message) = self.end(Duration::from_secs(30));
+        let (code, message) = self.end();
         assert_eq!(code, Some(0), "{message}");
     }
 
     /// Waits for the end: the exit code and what it told.
-    pub fn end(&mut self, patience: Duration) -> (Option<i32>, String) {
+    pub fn end(&mut self) -> (Option<i32>, String) {
         let begun = Instant::now();
         while self.is_alive() {
-            assert!(begun.elapsed() < patience, "the window stays: {}", self.told());
+            assert!(begun.elapsed() < PATIENCE, "the window stays: {}", self.told());
             std::thread::sleep(Duration::from_millis(50));
         }
         let mut child = self.child();
