@@ -13,6 +13,8 @@ mod hostile;
 mod integrate;
 #[cfg(unix)]
 mod interruptions;
+#[path = "../shared/scratch.rs"]
+mod scratch;
 mod soak;
 
 use std::path::{Path, PathBuf};
@@ -33,12 +35,7 @@ fn command(dir: &Path, arguments: &[&str]) -> Command {
 }
 
 /// Empty when the tests begin.
-static CACHE_HOME: LazyLock<PathBuf> = LazyLock::new(|| {
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("cli-cache");
-    let _ = std::fs::remove_dir_all(&folder);
-    std::fs::create_dir_all(&folder).unwrap();
-    folder
-});
+static CACHE_HOME: LazyLock<PathBuf> = LazyLock::new(scratch::scratch);
 
 fn stdout(output: &Output) -> String {
     String::from_utf8_lossy(&output.stdout).into_owned()

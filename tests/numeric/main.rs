@@ -29,6 +29,8 @@ mod reference;
 mod robustness;
 mod run;
 mod scene;
+#[path = "../shared/scratch.rs"]
+mod scratch;
 mod sequence;
 mod study;
 mod table;

@@ -3,6 +3,7 @@
 use super::paper::scaled;
 use super::told::{sentences, unfounded, word_count};
 use crate::run::runs::{finished, plan};
+use crate::scratch::scratch;
 use splitsum::experiment::axis::{AXES, Point};
 use splitsum::experiment::value::Value;
 use splitsum::figure::svg::{WIDTHS, svg};
@@ -10,7 +11,6 @@ use splitsum::figure::vega::vega;
 use splitsum::study::finished::Finished;
 use splitsum::study::frame::{Frame, Shape};
 use splitsum::study::questions::{Finding, QUESTIONS, Question, SENTENCES_MAX, WORDS_MAX};
-use std::path::Path;
 use std::sync::OnceLock;
 
 /// Experiments that together serve every question. Seven environments are enough for intervals.
@@ -135,10 +135,10 @@ fn runs() -> &'static [Finished] {
     static RUNS: OnceLock<Vec<Finished>> = OnceLock::new();
     RUNS.get_or_init(|| {
         let mut runs = Vec::new();
+        let folder = scratch();
         for (i, text) in EXPERIMENTS.iter().enumerate() {
             // Some questions read the images of their run, which must outlive this.
-            let dir = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("made-run-{i}"));
-            let _ = std::fs::remove_dir_all(&dir);
+            let dir = folder.join(format!("{i}"));
             let plan = plan(text);
             finished(&plan, &dir);
             runs.push(Finished::read(&dir).unwrap());
