@@ -171,8 +171,11 @@ fn sentence(frame: &Frame, digest: &Table) -> Option<String> {
     let frames = match digest.rows.iter().rfind(|row| text(row, "as") == name) {
         None => format!("A frame of `{name}` takes {ms} ms{on}."),
         Some(last) => {
-            let [other, times, other_ms] = [AXES[METHOD].name, "times as long", "ms a frame"].map(|name| text(last, name));
-            format!("A frame of `{other}` takes {times} times as long as one of `{name}`{on}: {other_ms} ms beside {ms} ms.")
+            let [other, times, other_ms] =
+                [AXES[METHOD].name, "times as long", "ms a frame"].map(|name| text(last, name));
+            format!(
+                "A frame of `{other}` takes {times} times as long as one of `{name}`{on}: {other_ms} ms beside {ms} ms."
+            )
         }
     };
     Some(match text(base, "tables once, ms") {
