@@ -1,13 +1,16 @@
 //! A folder that lasts as long as this process.
 
 use std::path::PathBuf;
-use std::process::{Command, Stdio};
+use std::process::{Child, Command, Stdio};
+use std::sync::Mutex;
+
+/// Each removes a folder when its pipe closes with this process.
+static REMOVERS: Mutex<Vec<Child>> = Mutex::new(Vec::new());
 
 /// Makes an empty folder, which is removed when this process ends, however it ends.
 pub fn scratch() -> PathBuf {
     let folder = tempfile::tempdir().unwrap().keep();
-    // The pipe closes with this process.
-    let mut remover = Command::new("sh")
+    let remover = Command::new("sh")
         .args(["-c", r#"trap '' INT HUP; cat >/dev/null; rm -rf "$1""#, "sh"])
         .arg(&folder)
         .stdin(Stdio::piped())
@@ -15,6 +18,6 @@ pub fn scratch() -> PathBuf {
         .stderr(Stdio::null())
         .spawn()
         .unwrap();
-    std::mem::forget(remover.stdin.take());
+    REMOVERS.lock().unwrap().push(remover);
     folder
 }
