@@ -12,10 +12,10 @@ use std::{env, fs, io};
 #[path = "../src/glsl/constants.rs"]
 mod constants;
 #[path = "../src/glsl/layout.rs"]
-#[allow(dead_code)] // the structs themselves are for the crate; only their description is read here
+#[allow(dead_code, reason = "the structs are for the crate; only their description is read here")]
 mod layout;
 #[path = "../src/glsl/source.rs"]
-#[allow(dead_code)] // what methods in files need is for the crate
+#[allow(dead_code, reason = "methods in files need it, in the crate")]
 mod source;
 
 /// Files and folders of `src` whose code makes no number that the device returns: what is done with its results, and the f64

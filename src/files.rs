@@ -46,7 +46,7 @@ fn read_at_most(file: File, most_bytes: u64) -> Result<Vec<u8>> {
     }
     let mut bytes = Vec::new();
     bytes.try_reserve_exact(length as usize).map_err(|_| {
-        Error::new(std::io::ErrorKind::OutOfMemory, format!("no memory for its {} MiB", length.div_ceil(1 << 20)))
+        Error::new(ErrorKind::OutOfMemory, format!("no memory for its {} MiB", length.div_ceil(1 << 20)))
     })?;
     file.take(most_bytes + 1).read_to_end(&mut bytes)?;
     if bytes.len() as u64 > most_bytes { Err(too_large()) } else { Ok(bytes) }

@@ -99,9 +99,7 @@
 //! - Ward94: G. J. Ward, "The RADIANCE Lighting Simulation and Rendering System", SIGGRAPH 94.
 //! - Welford62: B. P. Welford, "Note on a Method for Calculating Corrected Sums of Squares and Products", Technometrics 4(3), 1962.
 //! - Wellons18: C. Wellons, "Prospecting for Hash Functions", nullprogram.com, 2018.
-#![deny(unsafe_code)]
-// A citation such as [Karis13] has the form of a link and is none; tests/numeric/layering.rs resolves them.
-#![allow(rustdoc::broken_intra_doc_links)]
+#![allow(rustdoc::broken_intra_doc_links, reason = "[Karis13] is a citation, which tests/numeric/layering.rs resolves")]
 
 pub mod glsl;
 

@@ -44,7 +44,7 @@ impl Config {
                     if items.is_empty() {
                         faults.add(&at(value), format!("{name}: an axis needs at least one value"));
                     }
-                    for item in items.iter() {
+                    for item in items {
                         if let Some(value) = checked_as(|raw| named.parse(raw), &name, item, faults) {
                             values.push(Placed { value, place: at(item) });
                         }

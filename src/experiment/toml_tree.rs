@@ -119,7 +119,7 @@ pub fn texts(value: &Spanned<DeValue>, name: &str, faults: &mut Faults) -> Vec<(
         faults.add(&at(value), format!("{name}: {} is not a list of at least one name", raw(value)));
         return texts;
     };
-    for item in items.iter() {
+    for item in items {
         match raw(item) {
             Raw::String(text) if texts.iter().any(|(known, _)| *known == text) => {
                 faults.add(&at(item), format!("{name}: {text} stands twice"));

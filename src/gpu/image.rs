@@ -222,7 +222,7 @@ impl Gpu {
             let halves: Vec<[u16; 4]>;
             let bytes = match image.inner.format {
                 Format::Rgba16Float => {
-                    halves = texels.iter().map(|texel| texel.map(|x| half::to_bits(x))).collect();
+                    halves = texels.iter().map(|texel| texel.map(half::to_bits)).collect();
                     bytemuck::cast_slice(&halves)
                 }
                 _ => bytemuck::cast_slice(texels),
@@ -248,7 +248,7 @@ impl Gpu {
         recorder.submit()?;
         if is_half {
             let bits: Vec<[u16; 4]> = staging.host_copy();
-            return Ok(bits.iter().map(|texel| texel.map(|bits| half::from_bits(bits))).collect());
+            return Ok(bits.iter().map(|texel| texel.map(half::from_bits)).collect());
         }
         Ok(staging.host_copy())
     }

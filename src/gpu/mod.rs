@@ -3,8 +3,7 @@
 //! Every buffer and image is a cheap handle that shares its Vulkan object and frees it with the last clone; pipelines and samplers are
 //! made when they are first named and live as long as the device. A [`Recorder`] keeps what it records alive, derives each barrier and
 //! layout from the tracked access of each buffer and each mip level, and `submit` waits.
-#![allow(unsafe_code)] // Vulkan and Xlib are C interfaces; each block says why its call is sound
-#![deny(clippy::undocumented_unsafe_blocks, clippy::multiple_unsafe_ops_per_block)]
+#![allow(unsafe_code, reason = "Vulkan and Xlib are C interfaces")]
 
 mod bounded;
 mod buffer;

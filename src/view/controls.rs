@@ -256,5 +256,5 @@ fn reach(kind: Kind) -> (std::ops::RangeInclusive<f64>, bool) {
 
 /// A number to four digits, as a person writes it.
 fn short(number: f64) -> String {
-    format!("{:.3e}", number).parse::<f64>().unwrap_or(number).to_string()
+    format!("{number:.3e}").parse::<f64>().unwrap_or(number).to_string()
 }

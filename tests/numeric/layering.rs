@@ -212,7 +212,7 @@ fn unsafe_code_lives_in_gpu_only() {
 #[test]
 fn names_say_their_subject() {
     for file in [rust_files(), shader_files(), files("tests", &["rs"])].concat() {
-        for part in file.with_extension("").iter() {
+        for part in &file.with_extension("") {
             assert!(!EMPTY_NAMES.iter().any(|name| part == *name), "{}: name the subject", file.display());
         }
     }

@@ -61,7 +61,7 @@ pub fn read(bytes: &[u8]) -> Result<Texture, Fault> {
 pub fn write(encoding: &Encoding) -> Vec<u8> {
     let Encoding { texel, levels, keys, .. } = encoding;
     let mut pairs = Vec::new();
-    for (key, value) in keys.iter() {
+    for (key, value) in *keys {
         let pair = [key.as_bytes(), b"\0", value.as_bytes(), b"\0"].concat();
         pairs.extend((pair.len() as u32).to_le_bytes());
         pairs.extend(pair);

@@ -37,7 +37,6 @@ pub const QUESTION: Question = Question {
     uses_times: true,
     lacks: |shape| (!shape.has_timing).then_some("the experiment has no [timing]"),
     answer,
-    ..Question::PLAIN
 };
 
 /// A set of passes that was timed.

@@ -28,7 +28,7 @@ fn the_first_faults_are_shown_and_the_others_counted() {
         (format!("name = \"x\"\naxes.alpha = [0.1]\n{}", "seed = 1\n".repeat(20_001)), 20_000),
     ] {
         let error = planned(&text).unwrap_err();
-        assert_eq!((error.faults.len(), error.faults.len() + error.more), (FAULTS_SHOWN, count), "{:.40}", text);
+        assert_eq!((error.faults.len(), error.faults.len() + error.more), (FAULTS_SHOWN, count), "{text:.40}");
         let lines = error.to_string();
         assert!(lines.ends_with(&format!("\nand {} more", count - FAULTS_SHOWN)), "{lines}");
         // In the order of the file, which here is that of the lines' numbers.

@@ -1,7 +1,7 @@
 //! What the rest of a run is said to cost: lines through known costs, speeds from records that hold known times, and the sources named.
 
-use super::run::EXPERIMENT;
 use super::runs::{fakes, finished, log, plan, rewrite};
+use super::whole::EXPERIMENT;
 use splitsum::experiment::{Cell, Plan};
 use splitsum::run::estimate::{
     Amount, Estimate, Host, Part, REPORT_BYTES_MAX, SAMPLES_PER_SECOND, Source, Speeds, amount, constants,

@@ -1,9 +1,9 @@
 //! Larger plans that go on in the folder of a smaller run.
 
-use super::run::EXPERIMENT;
 use super::runs::{
     Bench, assert_like_whole, contents, fakes, finished, invoke, log, options, plan, read, snapshot, written,
 };
+use super::whole::EXPERIMENT;
 use splitsum::report::publish::publish;
 use splitsum::run::store::Store;
 use splitsum::run::{MakeRenderer, Progress, RunError, run, timing};

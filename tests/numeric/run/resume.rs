@@ -1,7 +1,7 @@
 //! Runs that are stopped, damaged or fail: what is left behind, and what the next one makes of it.
 
-use super::run::EXPERIMENT;
 use super::runs::{Bench, Steps, contents, fakes, log, options, read, snapshot, summary};
+use super::whole::EXPERIMENT;
 use splitsum::experiment::Plan;
 use splitsum::run::store::Store;
 use splitsum::run::{MakeRenderer, RenderFault, Renderer, RunError, RunOptions, run, timing};

@@ -1,7 +1,7 @@
 //! Timings of runs with a renderer whose times are known.
 
-use super::run::EXPERIMENT;
 use super::runs::{invoke, log, plan, read, snapshot};
+use super::whole::EXPERIMENT;
 use splitsum::table::csv::Table;
 use std::collections::BTreeMap;
 

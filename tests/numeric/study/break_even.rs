@@ -9,7 +9,7 @@ use splitsum::study::finished::{Bin, Finished, MetricValues};
 
 #[test]
 fn a_run_has_the_break_even_of_its_error_model() {
-    let (dir, plan) = (tempfile::tempdir().unwrap(), runs::plan(crate::run::run::EXPERIMENT));
+    let (dir, plan) = (tempfile::tempdir().unwrap(), runs::plan(crate::run::whole::EXPERIMENT));
     runs::finished(&plan, dir.path());
     let run = Finished::read(dir.path()).unwrap();
     let found = finding(&run, "break-even");

@@ -1,7 +1,7 @@
 //! Finished runs read from their files: what is whole, what is damaged.
 
-use crate::run::run::EXPERIMENT;
 use crate::run::runs::{finished, plan};
+use crate::run::whole::EXPERIMENT;
 use splitsum::study::finished::Finished;
 use std::path::{Path, PathBuf};
 

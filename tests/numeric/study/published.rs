@@ -1,7 +1,7 @@
 //! What the repository shows of published runs is what they say, and every column is explained.
 
-use crate::run::run::EXPERIMENT;
 use crate::run::runs::{invoke, log, plan};
+use crate::run::whole::EXPERIMENT;
 use splitsum::report::publish::with_answers;
 use splitsum::run::columns::{CELL, TABLES};
 use splitsum::study::columns;

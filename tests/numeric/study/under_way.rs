@@ -1,7 +1,7 @@
 //! Reading the folder of a run that is at work: what is done is told, and told as such.
 
-use crate::run::run::EXPERIMENT;
 use crate::run::runs::{invoke, log, plan, read, written};
+use crate::run::whole::EXPERIMENT;
 use splitsum::report::page::{PageOptions, Told, write};
 use splitsum::run::store::Store;
 use splitsum::study::finished::{Finished, notes};
