@@ -43,10 +43,19 @@ has_compiler() (
     has_command "$1" && has_command cc
 )
 
-has_loader() {
+has_library() { # file
     # /sbin, the folder of ldconfig, is often missing in a user's PATH.
-    env PATH="$PATH:/sbin:/usr/sbin" ldconfig -p 2>/dev/null | grep -q 'libvulkan\.so\.1' ||
-        printf '%s\n' "${LD_LIBRARY_PATH:-}" | tr ':' '\n' | sed -e '/^$/d' -e 's|$|/libvulkan.so.1|' | any_exists
+    env PATH="$PATH:/sbin:/usr/sbin" ldconfig -p 2>/dev/null | grep -qF "$1" ||
+        printf '%s\n' "${LD_LIBRARY_PATH:-}" | tr ':' '\n' | sed -e '/^$/d' -e "s|\$|/$1|" | any_exists
+}
+
+has_loader() {
+    has_library libvulkan.so.1
+}
+
+# winit loads it when a window opens.
+has_keyboard() {
+    has_library libxkbcommon-x11.so.0
 }
 
 # Looks for a manifest only: `splitsum devices` shows after the build whether a device answers.
@@ -71,10 +80,10 @@ has_browser() {
     has_command chromium || has_command chromium-browser || has_command google-chrome || has_command google-chrome-stable
 }
 
-# What `require` knows: compiler, loader, driver, validation, browser, and any command.
+# What `require` knows: compiler, loader, driver, validation, browser, keyboard, and any command.
 has() { # name
     case $1 in
-        compiler | loader | driver | validation | browser) "has_$1" ;;
+        compiler | loader | driver | validation | browser | keyboard) "has_$1" ;;
         *) has_command "$1" ;;
     esac
 }
@@ -86,6 +95,7 @@ package_of() { # name
         driver) echo mesa-vulkan-drivers ;;
         validation) echo vulkan-validationlayers ;;
         browser) echo chromium ;;
+        keyboard) echo libxkbcommon-x11-0 ;;
         node) echo nodejs ;;
         Xvfb) echo xvfb ;;
         *) echo "$1" ;;
@@ -99,6 +109,7 @@ describe() { # name
         driver) echo "a Vulkan driver (a manifest in vulkan/icd.d)" ;;
         validation) echo "the Vulkan validation layer" ;;
         browser) echo "Chromium" ;;
+        keyboard) echo "the keyboard library of X11 (libxkbcommon-x11.so.0)" ;;
         *) echo "$1" ;;
     esac
 }

@@ -56,6 +56,7 @@ case $call in
             case $package in
                 g++) bring bin/c++ bin/cc ;;
                 libvulkan1) bring libvulkan.so.1 ;;
+                libxkbcommon-x11-0) bring libxkbcommon-x11.so.0 ;;
                 mesa-vulkan-drivers) bring driver.json ;;
                 vulkan-validationlayers) bring VkLayer_khronos_validation.json ;;
                 xvfb) bring bin/Xvfb ;;
@@ -64,7 +65,7 @@ case $call in
             esac
         done
         ;;
-    "ldconfig "*) [ ! -e "$BOX/libvulkan.so.1" ] || echo "libvulkan.so.1" ;;
+    "ldconfig "*) ls "$BOX" ;;
     "cargo run"*" devices") [ -e "$BOX/driver.json" ] ;;
     "cargo test"*"--no-run --color never"*)
         cat >&2 <<'LIST'
@@ -97,7 +98,7 @@ box() { # name, machine
     if [ "$2" = full ]; then
         mkdir -p "$1/.cargo/advisory-dbs/db/.git"
         files="$files bin/c++ bin/cc libvulkan.so.1 driver.json VkLayer_khronos_validation.json
-            bin/chromium bin/Xvfb bin/xdotool bin/openbox bin/node bin/npm bin/shellcheck"
+            libxkbcommon-x11.so.0 bin/chromium bin/Xvfb bin/xdotool bin/openbox bin/node bin/npm bin/shellcheck"
     fi
     for file in $files; do
         ln -s "$WORK/stub" "$1/$file"
@@ -184,7 +185,7 @@ parts() { # user or ci
     part bare-ci "apt-get install*nodejs*" 100 "installing node npm"
     part "bare-ci $full" check-page.sh 1 scripts/check-page.sh
     part bare-ci "apt-get install*chromium*" 100 "installing browser"
-    part bare-ci "apt-get install*xvfb*" success "installing Xvfb xdotool openbox"
+    part bare-ci "apt-get install*xvfb*" success "installing Xvfb xdotool openbox keyboard"
     part "$bare $full" lib 101 src/lib.rs
     part "$bare $full" main 101 src/main.rs
     for binary in browser cli device numeric view; do
@@ -208,7 +209,7 @@ passes() {
     box=$WORK/passes
     runs_as bare user nothing 0 test.sh 0 PASSED
     has_call "^sudo -n env DEBIAN_FRONTEND=noninteractive apt-get install .* g++ libvulkan1 mesa-vulkan-drivers vulkan-validationlayers"
-    has_call "^sudo .*apt-get install .* xvfb xdotool openbox"
+    has_call "^sudo .*apt-get install .* xvfb xdotool openbox libxkbcommon-x11-0"
     has_output "^skipped shellcheck (shellcheck is missing: apt-get install shellcheck)"
     has_output "^skipped scripts/check-page.sh (Node.js or npm is missing)"
     runs_as bare ci nothing 0 test.sh 0 PASSED
@@ -222,7 +223,7 @@ passes() {
     # A plain user is spared what cannot be installed.
     runs_as bare user "apt-get install*chromium*;apt-get install*xvfb*" 100 test.sh 0 PASSED
     has_output "^skipped the tests of the report in a browser (browser could not be installed)"
-    has_output "^skipped the tests of the window (Xvfb xdotool openbox could not be installed)"
+    has_output "^skipped the tests of the window (Xvfb xdotool openbox keyboard could not be installed)"
 
     for tool in sudo apt-get cargo; do
         mv "$WORK/bare/bin/$tool" "$WORK/"
@@ -271,7 +272,7 @@ variables() (
     cat >"$box/script" <<'SCRIPT'
 . scripts/setup.sh
 everything() {
-    require compiler loader driver validation browser Xvfb xdotool openbox node npm
+    require compiler loader driver validation browser Xvfb xdotool openbox keyboard node npm
     require_rust
     require_device cargo run --
     test_binaries

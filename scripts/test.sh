@@ -179,7 +179,7 @@ else
     note "skipped scripts/check-page.sh (Node.js or npm is missing)"
 fi
 provide "the tests of the report in a browser" browser
-provide "the tests of the window" Xvfb xdotool openbox
+provide "the tests of the window" Xvfb xdotool openbox keyboard
 # Without a browser or a display tests skip; here they must not.
 [ -z "${CI:-}" ] || export SPLITSUM_REQUIRE_BROWSER=1 SPLITSUM_REQUIRE_WINDOW=1
 
