@@ -5,7 +5,7 @@
 
 use super::host::{HostState, UNKNOWN};
 use super::statistics::{drift, median, median_interval, quantile};
-use crate::experiment::axis::{AXES, Axis, ENVIRONMENT, METHOD, SAMPLES, SIZE};
+use crate::experiment::axis::{AXES, Axis, ENVIRONMENT, METHOD, SAMPLES, SCENE, SIZE};
 use crate::experiment::plan::{Cell, Plan};
 use crate::shade::Method;
 use crate::spelling::Listed;
@@ -80,16 +80,20 @@ pub const FRAME: &str = "frame";
 /// A configuration that is not stable after a warm-up of this length is timed all the same; its drift stands in the table.
 pub const WARMUP_TIME_MAX: Duration = Duration::from_secs(3);
 
-/// Configurations to time, block after block in plan order; nothing without `[timing]`.
+/// Configurations to time, block after block in plan order; nothing without `[timing]`. The scene `design` is timed only in an experiment
+/// without pictures.
 pub fn jobs(plan: &Plan) -> Vec<TimingJob<'_>> {
     let Some(timing) = plan.config.timing else { return Vec::new() };
     let mut seen = BTreeSet::new();
     let mut jobs = Vec::new();
     /// Whether the time of a phase depends on an axis.
     type Costs = fn(&Axis) -> bool;
+    let is_picture = |cell: &&Cell| !plan.inputs.scene(cell.point[SCENE].text()).is_design;
+    let pictures: Vec<&Cell> = plan.cells.iter().filter(is_picture).collect();
+    let timed = if pictures.is_empty() { plan.cells.iter().collect() } else { pictures };
     let phases: [(&str, Costs); 2] = [(PRECOMPUTE, |axis| axis.tables_cost), (FRAME, |axis| axis.frames_cost)];
     for (phase, matters) in phases {
-        for cell in &plan.cells {
+        for &cell in &timed {
             let image = &plan.inputs.environment(cell.point[ENVIRONMENT].text()).image;
             let environment_size = [image.width, image.height];
             // All axes appear in every record, so that the table has one header; what does not matter stays empty.
