@@ -60,6 +60,8 @@ fn build() -> Result<(), String> {
     let root = PathBuf::from("shaders");
     let out = PathBuf::from(env::var_os("OUT_DIR").ok_or("OUT_DIR is not set")?);
     let mut sources = Sources(shader_texts(&root)?);
+    let methods: Vec<_> = sources.0.iter().flat_map(|(path, text)| methods_of(path, text)).collect();
+    sources.0.extend(methods);
     sources.0.insert("generated/constants.glsl".into(), constants_text());
     sources.0.insert("generated/layout.glsl".into(), layout_text());
 
@@ -157,6 +159,18 @@ fn shader_texts(root: &Path) -> Result<BTreeMap<String, String>, String> {
         }
     }
     Ok(found)
+}
+
+/// The methods that a file's `#pragma methods` line names, as files of `shade/method/`: each defines its name in capitals.
+fn methods_of(path: &str, text: &str) -> Vec<(String, String)> {
+    let names = text.lines().filter_map(|line| line.strip_prefix("#pragma methods ")).flat_map(str::split_whitespace);
+    let stems = names.map(|name| name.replace('-', "_"));
+    stems
+        .map(|stem| {
+            let text = format!("#define {}\n#include \"{path}\"\n", stem.to_uppercase());
+            (format!("shade/method/{stem}.glsl"), text)
+        })
+        .collect()
 }
 
 fn files(folder: &Path) -> io::Result<Vec<PathBuf>> {

@@ -49,17 +49,6 @@ vec3 sample_d_brdf(float u, vec2 cos_sin_phi, float alpha) {
     return sample_lobe_brdf(sample_point_from_polar(u, cos_sin_phi), alpha).h_local;
 }
 
-// Half vector among the normals that GGX of the same alpha shows to v; weights stay bounded (src/brdf/beckmann.rs says why this
-// sampler and not Beckmann's own visible normals).
-vec3 sample_visible_brdf(vec2 xi, vec3 v_local, float alpha) {
-    return sample_visible_ggx(xi, v_local, alpha);
-}
-
-// Density of l = reflect(-v, h) per solid angle of l under sample_visible_brdf.
-float pdf_visible_l_brdf(vec3 v_local, vec3 h_local, float alpha) {
-    return pdf_visible_l_ggx(v_local, h_local, alpha);
-}
-
 // Beckmann's own visible normals, as the method sampled-vndf draws them.
 struct VisibleNormals {
     // The unit vector along v_local.xy.

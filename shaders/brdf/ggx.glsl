@@ -3,6 +3,7 @@
 #ifndef BRDF_GGX_GLSL
 #define BRDF_GGX_GLSL
 
+#include "lib/bounded_cap.glsl"
 #include "lib/sampling.glsl"
 #include "lib/visible_ggx.glsl"
 
@@ -34,28 +35,6 @@ LobeSample sample_lobe_brdf(vec4 point, float alpha) {
 // Half vector with density D(h) n_dot_h.
 vec3 sample_d_brdf(float u, vec2 cos_sin_phi, float alpha) {
     return sample_lobe_brdf(vec4(u, cos_sin_phi, 0.0), alpha).h_local;
-}
-
-// Half vector among the normals visible from v.
-vec3 sample_visible_brdf(vec2 xi, vec3 v_local, float alpha) {
-    return sample_visible_ggx(xi, v_local, alpha);
-}
-
-// Density of l = reflect(-v, h) per solid angle of l under sample_visible_brdf: D G1(v) / (4 n_dot_v).
-float pdf_visible_l_brdf(vec3 v_local, vec3 h_local, float alpha) {
-    return pdf_visible_l_ggx(v_local, h_local, alpha);
-}
-
-// The normals visible from v, as the method sampled-vndf draws them.
-struct VisibleNormals {
-    BoundedCap cap;
-    float alpha;
-    float d_over_pdf;
-};
-
-VisibleNormals visible_normals_brdf(vec3 v_local, float alpha) {
-    BoundedCap cap = bounded_cap(v_local, alpha);
-    return VisibleNormals(cap, alpha, 0.25 / (v_local.z * cap.pdf_over_d));
 }
 
 VisibleSample sample_visible_normal(VisibleNormals normals, vec4 point) {

@@ -3,6 +3,7 @@
 #ifndef BRDF_PHONG_GLSL
 #define BRDF_PHONG_GLSL
 
+#include "lib/bounded_cap.glsl"
 #include "lib/incomplete_beta.glsl"
 #include "lib/sampling.glsl"
 #include "lib/smith_rational.glsl"
@@ -53,29 +54,6 @@ LobeSample sample_lobe_brdf(vec4 point, float alpha) {
 // Half vector with density D(h) n_dot_h.
 vec3 sample_d_brdf(float u, vec2 cos_sin_phi, float alpha) {
     return sample_lobe_brdf(sample_point_from_polar(u, cos_sin_phi), alpha).h_local;
-}
-
-// Half vector among the normals that GGX of the same alpha shows to v: Phong's own have no closed form. The weight is bounded, since
-// D over that of GGX is at most 1.5 (4 / e), where points of D itself would see only a few of the facets of a grazing view.
-vec3 sample_visible_brdf(vec2 xi, vec3 v_local, float alpha) {
-    return sample_visible_ggx(xi, v_local, alpha);
-}
-
-// Density of l = reflect(-v, h) per solid angle of l under sample_visible_brdf.
-float pdf_visible_l_brdf(vec3 v_local, vec3 h_local, float alpha) {
-    return pdf_visible_l_ggx(v_local, h_local, alpha);
-}
-
-// The normals that GGX of the same alpha shows to v, as the method sampled-vndf draws them: see sample_visible_brdf.
-struct VisibleNormals {
-    BoundedCap cap;
-    float alpha;
-    float d_over_pdf;
-};
-
-VisibleNormals visible_normals_brdf(vec3 v_local, float alpha) {
-    BoundedCap cap = bounded_cap(v_local, alpha);
-    return VisibleNormals(cap, alpha, 0.25 / (v_local.z * cap.pdf_over_d));
 }
 
 VisibleSample sample_visible_normal(VisibleNormals normals, vec4 point) {

@@ -1,4 +1,5 @@
-// Visible normals of the GGX distribution. The GGX model is made of them, and the Phong model borrows them as its sampler.
+// Visible normals of the GGX distribution, the sampler of the reference for each model that includes this file; src/brdf says how well they
+// serve it.
 // Vectors are local (n is +z); alpha is the microfacet width in [ALPHA_MIN, 1].
 #ifndef VISIBLE_GGX_GLSL
 #define VISIBLE_GGX_GLSL
@@ -18,9 +19,9 @@ float g1_over_cosine_ggx(float n_dot_w, float alpha) {
     return 2.0 / (n_dot_w + sqrt(alpha2 + (1.0 - alpha2) * n_dot_w * n_dot_w));
 }
 
-// Half vector among the normals visible from v: the half vectors of the spherical cap that the stretched v reflects into;
+// Half vector among the normals that GGX of that alpha shows to v: the half vectors of the spherical cap that the stretched v reflects into;
 // xi.x = 0 is the cap's centre. [Dupuy23 listing 3]
-vec3 sample_visible_ggx(vec2 xi, vec3 v_local, float alpha) {
+vec3 sample_visible_brdf(vec2 xi, vec3 v_local, float alpha) {
     vec3 v_standard = normalize(vec3(alpha * v_local.xy, v_local.z));
     // The cap's point is (sin phi-part, 1 - d); both its sine and z + v.z are written with d and 1 - xi.x, which cancel no digits.
     float d = xi.x * (1.0 + v_standard.z);
@@ -28,40 +29,8 @@ vec3 sample_visible_ggx(vec2 xi, vec3 v_local, float alpha) {
     return normalize(vec3(alpha * (cap + v_standard.xy), (1.0 - xi.x) * (1.0 + v_standard.z)));
 }
 
-// The cap of the stretched sphere that holds every direction which leaves above the horizon. [EtoTokuyoshi23]
-struct BoundedCap {
-    vec3 v_standard;
-    float height;
-    // v_standard.z less that of the cap's end.
-    float above;
-    // Density of l over D.
-    float pdf_over_d;
-};
-
-// It ends at z = -k v_standard.z, and the density is D / (2 (k n_dot_v + length of the stretched v)). [EtoTokuyoshi23 eq. 5, 8]
-BoundedCap bounded_cap(vec3 v_local, float alpha) {
-    vec3 stretched = vec3(alpha * v_local.xy, v_local.z);
-    float length_v = length(stretched);
-    vec3 v_standard = stretched / length_v;
-    float s = 1.0 + length(v_local.xy);
-    float alpha2 = alpha * alpha;
-    float z2 = v_local.z * v_local.z;
-    float inv = 1.0 / (s * s + alpha2 * z2);
-    float k = (1.0 - alpha2) * s * s * inv;
-    // 1 - k without its cancellation.
-    float above = alpha2 * (s * s + z2) * inv * v_standard.z;
-    return BoundedCap(v_standard, 1.0 + k * v_standard.z, above, 0.5 / (k * v_local.z + length_v));
-}
-
-// Half vector of sample_visible_ggx from that cap. [EtoTokuyoshi23 listing 1]
-vec3 sample_bounded_ggx(BoundedCap cap, vec4 point, float alpha) {
-    float depth = point.x * cap.height;
-    vec2 across = sqrt(max(depth * (2.0 - depth), 0.0)) * point.yz + cap.v_standard.xy;
-    return normalize(vec3(alpha * across, (1.0 - point.x) * cap.height + cap.above));
-}
-
-// Density of l = reflect(-v, h) per solid angle of l under sample_visible_ggx: D G1(v) / (4 n_dot_v). [Heitz18 eq. 17]
-float pdf_visible_l_ggx(vec3 v_local, vec3 h_local, float alpha) {
+// Density of l = reflect(-v, h) per solid angle of l under sample_visible_brdf: D G1(v) / (4 n_dot_v). [Heitz18 eq. 17]
+float pdf_visible_l_brdf(vec3 v_local, vec3 h_local, float alpha) {
     bool visible = v_local.z > 0.0 && dot(v_local, h_local) > 0.0;
     return visible ? 0.25 * d_ggx(h_local, alpha) * g1_over_cosine_ggx(v_local.z, alpha) : 0.0;
 }

@@ -9,31 +9,17 @@
 // to its scramble's estimate X_k. X_1 .. X_K, K = SCRAMBLE_COUNT, are independent and each is unbiased. shade/reference_resolve.comp makes
 // mean and variance of them. A sum is kept with its low part, so that a net drawn in parts has the bits of one drawn at once.
 //
-// Set 0: 0 position and mask, 1 normal and alpha, 2 albedo and metallic, 3 f0 and id (sampler2D, level 0);
-// 4 environment (sampler2D, level 0 in f32); 5 tables of the environment (see lib/environment_sampling.glsl);
+// Set 0 after lib/shaded_pixel.glsl: 4 environment (level 0 in f32); 5 tables of the environment (lib/environment_sampling.glsl);
 // 6 m X_k of each pixel and scramble, high part (rgb) and low part (rgb), which the dispatch from pair 0 on overwrites;
 // 7 as 4, through a bilinear sampler; 8 mean direction and mass of each slot of 5; 9 DFG table.
-// Dispatch: ceil(width / GROUP_SIDE) x ceil(rows / GROUP_SIDE), rows counted from `first_row`.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 
-#include "generated/constants.glsl"
-#include "generated/layout.glsl"
 #include "lib/compensated_sum.glsl"
 #include "lib/environment_sampling.glsl"
+#include "lib/shaded_pixel.glsl"
 #include "lib/sobol.glsl"
-#include "lib/surface.glsl"
 
-layout(local_size_x = GROUP_SIDE, local_size_y = GROUP_SIDE) in;
-
-layout(push_constant) uniform Push {
-    ShadeParams params;
-};
-
-layout(set = 0, binding = 0) uniform sampler2D gbuffer_position;
-layout(set = 0, binding = 1) uniform sampler2D gbuffer_normal;
-layout(set = 0, binding = 2) uniform sampler2D gbuffer_albedo;
-layout(set = 0, binding = 3) uniform sampler2D gbuffer_f0;
 layout(set = 0, binding = 4) uniform sampler2D environment;
 layout(set = 0, binding = 7) uniform sampler2D environment_linear;
 layout(std430, set = 0, binding = 5) readonly buffer EnvironmentWords {
@@ -62,15 +48,13 @@ vec3 contribution(LobeValue kernel, EnvironmentSample light) {
 }
 
 void main() {
-    uvec2 pixel = gl_GlobalInvocationID.xy + uvec2(0u, params.first_row);
-    if (pixel.x >= params.width || pixel.y >= params.height) {
+    uvec2 pixel;
+    if (!shaded_pixel(pixel)) {
         return;
     }
-    uint base = (pixel.y * params.width + pixel.x) * 2u * SCRAMBLE_COUNT;
-    ivec2 texel = ivec2(pixel);
+    uint base = index_of_pixel(pixel) * 2u * SCRAMBLE_COUNT;
     Surface world;
-    if (!surface_from_gbuffer(texelFetch(gbuffer_position, texel, 0), texelFetch(gbuffer_normal, texel, 0),
-                              texelFetch(gbuffer_albedo, texel, 0), texelFetch(gbuffer_f0, texel, 0), params.eye, world)) {
+    if (!surface_of_pixel(pixel, world)) {
         for (uint k = 0u; k < 2u * SCRAMBLE_COUNT; ++k) {
             sums[base + k] = vec4(0.0);
         }

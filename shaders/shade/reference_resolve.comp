@@ -11,27 +11,13 @@
 //
 // Each sum's high part becomes w X_k, for those who ask for the scrambles.
 //
-// Set 0: 0 position.xyz, mask; 1 normal.xyz, alpha; 2 albedo.rgb, metallic; 3 f0.rgb, material index; 4 DFG table; 5 the sums;
-// 6 radiance; 7 squared standard error; 6 and 7 a vec4 a pixel, row-major.
-// Dispatch: ceil(width / GROUP_SIDE) x ceil(rows / GROUP_SIDE) groups, from row first_row on.
+// Set 0 after lib/shaded_pixel.glsl: 4 DFG table; 5 the sums; 6 radiance; 7 squared standard error; 6 and 7 a vec4 a pixel.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 
-#include "generated/constants.glsl"
-#include "generated/layout.glsl"
 #include "lib/compensation.glsl"
-#include "lib/surface.glsl"
+#include "lib/shaded_pixel.glsl"
 
-layout(local_size_x = GROUP_SIDE, local_size_y = GROUP_SIDE) in;
-
-layout(push_constant) uniform Push {
-    ShadeParams params;
-};
-
-layout(set = 0, binding = 0) uniform sampler2D gbuffer_position;
-layout(set = 0, binding = 1) uniform sampler2D gbuffer_normal;
-layout(set = 0, binding = 2) uniform sampler2D gbuffer_albedo;
-layout(set = 0, binding = 3) uniform sampler2D gbuffer_f0;
 layout(set = 0, binding = 4) uniform sampler2D dfg;
 layout(std430, set = 0, binding = 5) buffer Sums {
     vec4 sums[];
@@ -46,17 +32,12 @@ layout(std430, set = 0, binding = 7) buffer SquaredErrors {
 #include "selected/lobe.glsl"
 
 void main() {
-    uvec2 pixel = gl_GlobalInvocationID.xy + uvec2(0u, params.first_row);
-    if (pixel.x >= params.width || pixel.y >= params.height) {
-        return;
-    }
-    ivec2 texel = ivec2(pixel);
+    uvec2 pixel;
     Surface s;
-    if (!surface_from_gbuffer(texelFetch(gbuffer_position, texel, 0), texelFetch(gbuffer_normal, texel, 0),
-                              texelFetch(gbuffer_albedo, texel, 0), texelFetch(gbuffer_f0, texel, 0), params.eye, s)) {
+    if (!shaded_pixel(pixel) || !surface_of_pixel(pixel, s)) {
         return;
     }
-    uint index = pixel.y * params.width + pixel.x;
+    uint index = index_of_pixel(pixel);
     vec3 weight = lobe_weight(s, dfg, params.flags);
     // Only the specular lobes are scaled.
     if (LOBE_STREAM == 0u && COMPENSATION != COMPENSATION_NONE) {

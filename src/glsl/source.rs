@@ -7,7 +7,7 @@
 //! | include | candidates: every file of |
 //! |---|---|
 //! | `selected/brdf.glsl` | `brdf/` |
-//! | `selected/method.glsl` | `shade/method/` |
+//! | `selected/method.glsl` | `shade/method/`, and one for each name in a `#pragma methods` line |
 //! | `selected/diffuse.glsl` | `shade/diffuse/` |
 //! | `selected/lobe.glsl` | `shade/lobe/` |
 //! | `selected/map_layout.glsl` | `map_layout/` |

@@ -14,7 +14,7 @@ pub mod radiance;
 pub use attribution::{Attribution, StepNumbers};
 
 use crate::metrics::VIEWS;
-use crate::shade::method::{ladder as rungs, ladder_samples, ladder_storage, ladder_texels, split_sum};
+use crate::shade::method::{ladder as rungs, ladder_texels, split_sum};
 use crate::shade::{Diffuse, Method};
 use game::Coalition;
 
@@ -59,11 +59,11 @@ pub static SPLIT_SUM: Ladder = Ladder {
         // A linear blend of the widths of two levels for the width.
         Step { rung: Some(&rungs::LEVELS), ..step("levels", &[VIEW]) },
         // Linear filtering between texels for the direction.
-        Step { rung: Some(&ladder_texels::METHOD), ..step("texels", &[VIEW]) },
+        Step { rung: Some(&ladder_texels::TEXELS), ..step("texels", &[VIEW]) },
         // The finite prefilter for the integral in each texel.
-        Step { rung: Some(&ladder_samples::METHOD), ..step("samples", &[VIEW]) },
+        Step { rung: Some(&ladder_texels::SAMPLES), ..step("samples", &[VIEW]) },
         // The format in which texels are kept.
-        Step { rung: Some(&ladder_storage::METHOD), ..step("storage", &[VIEW]) },
+        Step { rung: Some(&ladder_texels::STORAGE), ..step("storage", &[VIEW]) },
         // The DFG table as looked up for A and B.
         Step { rung: Some(&split_sum::METHOD), ..step("table", &[]) },
     ],

@@ -6,13 +6,9 @@
 #define LOBE_LAMBERT_GLSL
 
 #include "lib/diffuse.glsl"
-#include "lib/elementary.glsl"
 #include "lib/frame.glsl"
 #include "lib/lobe.glsl"
 #include "lib/surface.glsl"
-
-// Separates the points of this lobe from those of the specular lobe: their errors are independent.
-const uint LOBE_STREAM = 1u;
 
 struct Lobe {
     // Columns are the axes of local vectors, n last.
@@ -22,6 +18,8 @@ struct Lobe {
     float alpha;
     float mean_albedo;
 };
+
+#include "lib/cosine_lobe.glsl"
 
 Lobe lobe_at(Surface surface, ShadeParams params) {
     Lobe lobe = Lobe(frame_from_normal(surface.n), DiffuseWeights(vec3(1.0), vec3(0.0)), surface.alpha, 0.0);
@@ -41,22 +39,6 @@ LobeValue lobe_eval(Lobe lobe, vec3 l_local) {
             + lobe.weights.multiple * multiple_lobe(dfg, l_local.z, lobe.alpha, lobe.mean_albedo);
     }
     return LobeValue(weight * cos_over_pi, cos_over_pi);
-}
-
-// The density of l, which guides the environment's samples.
-float lobe_guide(Lobe lobe, vec3 l_local) {
-    return max(l_local.z, 0.0) / PI;
-}
-
-// Cosine-weighted direction [Malley88]: a uniform point of the disk, lifted to the hemisphere.
-vec3 lobe_sample(Lobe lobe, vec2 xi) {
-    float r = sqrt(xi.x);
-    return vec3(r * sin_cos_turns(xi.y).yx, sqrt(1.0 - xi.x));
-}
-
-// The share of the mirror direction's own radiance.
-float lobe_mirror(Lobe lobe) {
-    return 0.0;
 }
 
 // What scales the estimate and does not depend on l.

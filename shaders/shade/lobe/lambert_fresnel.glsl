@@ -2,20 +2,18 @@
 #ifndef LOBE_LAMBERT_FRESNEL_GLSL
 #define LOBE_LAMBERT_FRESNEL_GLSL
 
-#include "lib/elementary.glsl"
 #include "lib/frame.glsl"
 #include "lib/fresnel.glsl"
 #include "lib/lobe.glsl"
 #include "lib/surface.glsl"
-
-// As that of lobe/lambert.glsl.
-const uint LOBE_STREAM = 1u;
 
 struct Lobe {
     mat3 frame;
     vec3 v_local;
     vec3 f0;
 };
+
+#include "lib/cosine_lobe.glsl"
 
 Lobe lobe_at(Surface s, ShadeParams params) {
     mat3 frame = frame_from_normal(s.n);
@@ -26,19 +24,6 @@ LobeValue lobe_eval(Lobe lobe, vec3 l_local) {
     float cos_over_pi = max(l_local.z, 0.0) / PI;
     float v_dot_h = dot(lobe.v_local, normalize(lobe.v_local + l_local));
     return LobeValue((1.0 - f_schlick(v_dot_h, lobe.f0)) * cos_over_pi, cos_over_pi);
-}
-
-float lobe_guide(Lobe lobe, vec3 l_local) {
-    return max(l_local.z, 0.0) / PI;
-}
-
-vec3 lobe_sample(Lobe lobe, vec2 xi) {
-    float r = sqrt(xi.x);
-    return vec3(r * sin_cos_turns(xi.y).yx, sqrt(1.0 - xi.x));
-}
-
-float lobe_mirror(Lobe lobe) {
-    return 0.0;
 }
 
 vec3 lobe_weight(Surface s, sampler2D dfg, uint flags) {

@@ -1,4 +1,4 @@
-//! The first rung of the ladder that looks the prefiltered map up: the split sum with exact A and B. See `ladder`.
+//! The rungs of the ladder that look the prefiltered map up: the split sum with exact A and B. See `ladder`.
 
 use super::Method;
 use crate::brdf::reflect;
@@ -6,7 +6,7 @@ use crate::precompute::{PrefilterBy, StorageFormat};
 use crate::shade::twin::{SpecularTwin, Twin};
 
 /// A rung by a map of its own.
-pub(super) const fn rung(name: &'static str, about: &'static str) -> Method {
+const fn rung(name: &'static str, about: &'static str) -> Method {
     let twin: SpecularTwin = Twin::Estimator(|surface, light, _| {
         let albedo = light.albedos.exact(surface.n.dot(surface.v));
         let r = reflect(surface.v, surface.n);
@@ -15,8 +15,18 @@ pub(super) const fn rung(name: &'static str, about: &'static str) -> Method {
     Method { lookups: 1, ..Method::plain(name, about, twin) }
 }
 
-pub const METHOD: Method = Method {
+pub const TEXELS: Method = Method {
     prefilter: Some(PrefilterBy::Harmonic),
     storage: Some(StorageFormat::F32),
     ..rung("ladder-texels", "the split sum with exact A and B and a prefiltered map of exact texels")
 };
+
+/// Texels as they are made.
+pub const SAMPLES: Method = Method {
+    storage: Some(StorageFormat::F32),
+    ..rung("ladder-samples", "as ladder-texels, with texels as the setting prefilter makes them")
+};
+
+/// Texels as they are kept. Only A and B are still exact.
+pub const STORAGE: Method =
+    rung("ladder-storage", "as ladder-samples, with texels in the numbers of storage_format; A and B are exact");

@@ -1,8 +1,6 @@
 //! The specular methods: what each is called, what changes its result, and its f64 twin.
 
 pub mod ladder;
-pub mod ladder_samples;
-pub mod ladder_storage;
 pub mod ladder_texels;
 mod none;
 pub mod own;
@@ -11,15 +9,11 @@ mod sampled;
 mod sampled_unfiltered;
 mod sampled_vndf;
 pub mod split_sum;
-mod split_sum_filament;
+mod split_sum_engines;
 mod split_sum_fitted;
-mod split_sum_frostbite;
-mod split_sum_godot;
 mod split_sum_moment;
-mod split_sum_nrd;
 mod split_sum_parted;
 mod split_sum_relative;
-mod split_sum_unity;
 
 use super::NONE;
 use super::diffuse::Diffuse;
@@ -72,11 +66,11 @@ pub static METHODS: &[Method] = &[
     sampled_vndf::METHOD,
     sampled_unfiltered::METHOD,
     split_sum::METHOD,
-    split_sum_filament::METHOD,
-    split_sum_frostbite::METHOD,
-    split_sum_godot::METHOD,
-    split_sum_nrd::METHOD,
-    split_sum_unity::METHOD,
+    split_sum_engines::FILAMENT,
+    split_sum_engines::FROSTBITE,
+    split_sum_engines::GODOT,
+    split_sum_engines::NRD,
+    split_sum_engines::UNITY,
     split_sum_moment::METHOD,
     split_sum_fitted::METHOD,
     split_sum_relative::METHOD,
@@ -88,9 +82,9 @@ pub static METHODS: &[Method] = &[
     ladder::MASKING_ALONE,
     ladder::VIEW,
     ladder::LEVELS,
-    ladder_texels::METHOD,
-    ladder_samples::METHOD,
-    ladder_storage::METHOD,
+    ladder_texels::TEXELS,
+    ladder_texels::SAMPLES,
+    ladder_texels::STORAGE,
 ];
 
 impl Method {

@@ -1,6 +1,7 @@
-// Methods `ladder-texels`, `-samples` and `-storage`: the split sum with exact A and B in place of the DFG table. They differ in the map.
-#ifndef METHOD_LADDER_TEXELS_GLSL
-#define METHOD_LADDER_TEXELS_GLSL
+// The split sum with exact A and B in place of the DFG table; the methods differ in the map.
+#pragma methods ladder-texels ladder-samples ladder-storage
+#ifndef LADDER_TEXELS_GLSL
+#define LADDER_TEXELS_GLSL
 
 #include "lib/directional_albedo.glsl"
 #include "lib/split_sum.glsl"

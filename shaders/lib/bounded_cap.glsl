@@ -1,0 +1,49 @@
+// Visible normals of GGX within the cap that reflects above the horizon, as the method sampled-vndf draws them. [EtoTokuyoshi23]
+#ifndef BOUNDED_CAP_GLSL
+#define BOUNDED_CAP_GLSL
+
+// The cap of the stretched sphere that holds every direction which leaves above the horizon. [EtoTokuyoshi23]
+struct BoundedCap {
+    vec3 v_standard;
+    float height;
+    // v_standard.z less that of the cap's end.
+    float above;
+    // Density of l over D.
+    float pdf_over_d;
+};
+
+// It ends at z = -k v_standard.z, and the density is D / (2 (k n_dot_v + length of the stretched v)). [EtoTokuyoshi23 eq. 5, 8]
+BoundedCap bounded_cap(vec3 v_local, float alpha) {
+    vec3 stretched = vec3(alpha * v_local.xy, v_local.z);
+    float length_v = length(stretched);
+    vec3 v_standard = stretched / length_v;
+    float s = 1.0 + length(v_local.xy);
+    float alpha2 = alpha * alpha;
+    float z2 = v_local.z * v_local.z;
+    float inv = 1.0 / (s * s + alpha2 * z2);
+    float k = (1.0 - alpha2) * s * s * inv;
+    // 1 - k without its cancellation.
+    float above = alpha2 * (s * s + z2) * inv * v_standard.z;
+    return BoundedCap(v_standard, 1.0 + k * v_standard.z, above, 0.5 / (k * v_local.z + length_v));
+}
+
+// Half vector of sample_visible_brdf from that cap. [EtoTokuyoshi23 listing 1]
+vec3 sample_bounded_ggx(BoundedCap cap, vec4 point, float alpha) {
+    float depth = point.x * cap.height;
+    vec2 across = sqrt(max(depth * (2.0 - depth), 0.0)) * point.yz + cap.v_standard.xy;
+    return normalize(vec3(alpha * across, (1.0 - point.x) * cap.height + cap.above));
+}
+
+// The normals visible from v; a model that includes this file weighs what they sample.
+struct VisibleNormals {
+    BoundedCap cap;
+    float alpha;
+    float d_over_pdf;
+};
+
+VisibleNormals visible_normals_brdf(vec3 v_local, float alpha) {
+    BoundedCap cap = bounded_cap(v_local, alpha);
+    return VisibleNormals(cap, alpha, 0.25 / (v_local.z * cap.pdf_over_d));
+}
+
+#endif

@@ -1,0 +1,25 @@
+// What the diffuse lobes of the reference share: they sample the cosine. A file includes this one below its struct `Lobe`.
+#ifndef COSINE_LOBE_GLSL
+#define COSINE_LOBE_GLSL
+
+#include "generated/constants.glsl"
+#include "lib/elementary.glsl"
+
+// Separates the points of these lobes from those of the specular lobe: their errors are independent.
+const uint LOBE_STREAM = 1u;
+
+float lobe_guide(Lobe lobe, vec3 l_local) {
+    return max(l_local.z, 0.0) / PI;
+}
+
+// Cosine-weighted direction [Malley88]: a uniform point of the disk, lifted to the hemisphere.
+vec3 lobe_sample(Lobe lobe, vec2 xi) {
+    float r = sqrt(xi.x);
+    return vec3(r * sin_cos_turns(xi.y).yx, sqrt(1.0 - xi.x));
+}
+
+float lobe_mirror(Lobe lobe) {
+    return 0.0;
+}
+
+#endif

@@ -1,0 +1,40 @@
+// What the shading passes begin with: the g-buffer in bindings 0 to 3 of set 0 (position.xyz, mask; normal.xyz, alpha; albedo.rgb, metallic;
+// f0.rgb, material index), the parameters, and the pixel of an invocation.
+// Dispatch: ceil(width / GROUP_SIDE) x ceil(rows / GROUP_SIDE) groups, from row first_row on.
+#ifndef SHADED_PIXEL_GLSL
+#define SHADED_PIXEL_GLSL
+
+#include "generated/constants.glsl"
+#include "generated/layout.glsl"
+#include "lib/surface.glsl"
+
+layout(local_size_x = GROUP_SIDE, local_size_y = GROUP_SIDE) in;
+
+layout(push_constant) uniform Push {
+    ShadeParams params;
+};
+
+layout(set = 0, binding = 0) uniform sampler2D gbuffer_position;
+layout(set = 0, binding = 1) uniform sampler2D gbuffer_normal;
+layout(set = 0, binding = 2) uniform sampler2D gbuffer_albedo;
+layout(set = 0, binding = 3) uniform sampler2D gbuffer_f0;
+
+// The pixel of this invocation. False outside of the image.
+bool shaded_pixel(out uvec2 pixel) {
+    pixel = gl_GlobalInvocationID.xy + uvec2(0u, params.first_row);
+    return pixel.x < params.width && pixel.y < params.height;
+}
+
+// The surface of a pixel in world axes. False where nothing is hit; `s` is then not set.
+bool surface_of_pixel(uvec2 pixel, out Surface s) {
+    ivec2 texel = ivec2(pixel);
+    return surface_from_gbuffer(texelFetch(gbuffer_position, texel, 0), texelFetch(gbuffer_normal, texel, 0),
+                                texelFetch(gbuffer_albedo, texel, 0), texelFetch(gbuffer_f0, texel, 0), params.eye, s);
+}
+
+// The place of a pixel in buffers, row-major.
+uint index_of_pixel(uvec2 pixel) {
+    return pixel.y * params.width + pixel.x;
+}
+
+#endif

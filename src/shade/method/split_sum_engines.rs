@@ -1,0 +1,57 @@
+//! The split sum as engines and a denoiser look it up: along `normalize(mix(n, r, t))`, t by n·v and alpha.
+
+use super::Method;
+use super::split_sum::shifted;
+use crate::brdf::perceptual_roughness_from_alpha;
+use crate::shade::twin::Twin;
+
+/// `getSpecularDominantDirection` of Filament (`shaders/src/surface_light_indirect.fs`), which is given alpha, not perceptual roughness.
+pub const FILAMENT: Method = shifted(
+    "split-sum-filament",
+    "Filament's shifted lookup: r to n by alpha^2",
+    Twin::Estimator(|surface, light, _| light.split_sum_between(surface, |_, alpha| 1.0 - alpha * alpha)),
+);
+
+/// Frostbite's original [Lagarde14, listing 22]. Bevy has it as `radiance_sample_direction` (`light_probe/environment_map.wesl`, 2026).
+pub const FROSTBITE: Method = shifted(
+    "split-sum-frostbite",
+    "Frostbite's shifted lookup [Lagarde14, listing 22]; Bevy's, too",
+    Twin::Estimator(|surface, light, _| {
+        light.split_sum_between(surface, |_, alpha| (1.0 - alpha) * ((1.0 - alpha).sqrt() + alpha))
+    }),
+);
+
+/// three.js (`envmap_physical_pars_fragment.glsl.js`: the square of perceptual roughness), and Godot after it
+/// (`scene_forward_clustered.glsl`).
+pub const GODOT: Method = shifted(
+    "split-sum-godot",
+    "Godot's and three.js' shifted lookup: r to n by alpha",
+    Twin::Estimator(|surface, light, _| light.split_sum_between(surface, |_, alpha| 1.0 - alpha)),
+);
+
+/// A fit to the peak of GGX with correlated masking [Lagarde14, listing 21], kept in NRD (`_NRD_GetSpecularDominantFactor`, `NRD.hlsli`), a
+/// denoiser that follows the reflected point by it. Its roughness is the perceptual one.
+pub const NRD: Method = shifted(
+    "split-sum-nrd",
+    "the shift of NRD: a fit over n.v and roughness [Lagarde14, listing 21]",
+    Twin::Estimator(|surface, light, _| {
+        light.split_sum_between(surface, |n_dot_v, alpha| {
+            let k = 0.298475 * (39.4115 - 39.0029 * perceptual_roughness_from_alpha(alpha)).ln();
+            // Rounding may leave n·v above 1.
+            ((1.0 - n_dot_v).max(0.0).powf(10.8649) * (1.0 - k) + k).clamp(0.0, 1.0)
+        })
+    }),
+);
+
+/// `GetSpecularDominantDir` of Unity (`com.unity.render-pipelines.core/ShaderLibrary/ImageBasedLighting.hlsl`). It is Frostbite's, bent
+/// further to the normal at grazing views; the original stays there behind `USE_FB_DSD`.
+pub const UNITY: Method = shifted(
+    "split-sum-unity",
+    "the shifted lookup of Unity's high-definition pipeline",
+    Twin::Estimator(|surface, light, _| {
+        light.split_sum_between(surface, |n_dot_v, alpha| {
+            let smoothness = 1.0 - alpha;
+            (smoothness.sqrt() + alpha) * (smoothness * smoothness + smoothness * n_dot_v * n_dot_v).min(1.0)
+        })
+    }),
+);
