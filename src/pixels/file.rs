@@ -14,8 +14,8 @@ pub(crate) const ENVIRONMENT_TEXELS_MAX: u64 = 1 << 25;
 const ENVIRONMENT_TEXEL_BYTES: u64 = 58;
 /// Most pixels of a picture of 8-bit values that is read, such as a contact sheet (8192 x 8192).
 pub(super) const PICTURE_TEXELS_MAX: u64 = 1 << 26;
-/// Bytes that a texel takes while it is decoded: planes of red, green, blue and alpha, and the image.
-const DECODED_TEXEL_BYTES: u64 = 28;
+/// Bytes that a decoded texel takes: red, green, blue and alpha.
+const DECODED_TEXEL_BYTES: u64 = 16;
 /// Largest file that is read, bytes. Readers hold the file in memory.
 const MAX_FILE_BYTES: u64 = 1 << 30;
 

@@ -392,7 +392,7 @@ mod loading {
         assert_eq!((day.image.data[0], night.image.data[0]), ([1.0; 3], [0.25; 3]));
         assert_ne!(day.hash, night.hash);
         assert_eq!((sky.hash, night.name.as_str()), (day.hash, "sky.exr#night"));
-        assert!(sky.warnings[0].contains("only layer \"day\" is used; FILE#NAME reads another (night)"));
+        assert!(sky.warnings[0].contains("Only layer \"day\" is used; FILE#NAME reads another (night)"));
         assert!(day.warnings.is_empty(), "{:?}", day.warnings);
         assert_eq!(load("a#1.exr#night").unwrap().hash, night.hash);
         assert_eq!(load("a#1.exr").unwrap().image.data[0], [4.0; 3]);

@@ -32,6 +32,8 @@ mod scene;
 #[path = "../shared/scratch.rs"]
 mod scratch;
 mod sequence;
+#[path = "../shared/snapshot.rs"]
+mod snapshot;
 mod study;
 mod table;
 mod tonemap;

@@ -1,7 +1,6 @@
 //! OpenEXR: linear f32 images with layers.
 
-mod blocks;
-mod colour;
+mod layers;
 mod read;
 mod write;
 

@@ -1,149 +1,206 @@
-//! Reading: any flat image whose channels make a colour.
+//! Reading: one layer of R, G, B channels, and A if the file has it.
+//!
+//! The crate `exr` parses and unpacks. The checks here are those that it leaves out: claims of memory and time, and blocks that come
+//! twice and so leave another one at 0.
 
-use super::blocks::{Parts, check_blocks, read_planes};
-use super::colour::{Layer, colour_layers, layer_called, to_rgb};
-use crate::pixels::file::{ENVIRONMENT_TEXELS_MAX, Fault, read_bounded};
-use crate::pixels::{Decoded, GrayImage, PixelsError};
-use ::exr::meta::MetaData;
+use super::layers::choose;
+use crate::color::{Chromaticities, REC709};
+use crate::pixels::file::{ENVIRONMENT_TEXELS_MAX, Fault, check_claim, filled, read_bounded};
+use crate::pixels::{Decoded, GrayImage, PixelsError, RgbImage};
+use ::exr::block::UncompressedBlock;
+use ::exr::block::chunk::{Chunk, CompressedBlock};
+use ::exr::block::reader::{FilteredChunksReader, Reader};
 use ::exr::meta::attribute::EnvironmentMap;
 use ::exr::meta::header::Header;
-use ::exr::prelude::Vec2;
+use ::exr::meta::{BlockDescription, MetaData};
+use ::exr::prelude::{Compression, Error, SampleType, Vec2, f16};
+use glam::{DVec2, DVec3};
+use rayon::prelude::*;
+use std::collections::HashSet;
 use std::io::Cursor;
 use std::path::Path;
 
 /// Most pixels of a linear image that is not an environment: a frame (4096 x 4096).
 const FRAME_TEXELS_MAX: u64 = 1 << 24;
+/// Bytes of pixels that are unpacked at a time, or one block if it has more. A block holds all channels of its lines, and the codecs
+/// need its size two or three times.
+const BATCH_BYTES: usize = 1 << 26;
+/// Largest block that is unpacked: one tile of 8192 x 4096 pixels of four halves.
+const BLOCK_BYTES_MAX: usize = 1 << 28;
+/// Most bytes of pixels that are unpacked for an image: some ten seconds.
+const PART_BYTES_MAX: usize = 1 << 32;
+/// Most pixels that a byte of a file holds; only absurd claims exceed it.
+const TEXELS_PER_BYTE: u64 = 1 << 16;
 
-/// Reads the data window of the first part with colour as linear Rec.709: R, G, B or luminance with or without chroma; half, float or
-/// uint; scan lines or the largest level of tiles. Subsampled chroma is interpolated linearly.
+/// Reads the data window of the first layer with colour as linear Rec.709: half, float or uint; scan lines or the largest level of tiles.
 pub fn read(path: &Path) -> Result<Decoded, PixelsError> {
     read_layer(path, None)
 }
 
-/// As [`read`], but of the layer called `layer`: the channels `layer.R` ..., or the part of that name.
+/// As [`read`], of the layer called `layer`: the channels `layer.R` ..., or the part of that name.
 pub fn read_layer(path: &Path, layer: Option<&str>) -> Result<Decoded, PixelsError> {
-    read_layer_bytes(path, &read_bounded(path)?, layer, FRAME_TEXELS_MAX)
+    guarded(path, &read_bounded(path)?, |bytes| decode(bytes, layer, FRAME_TEXELS_MAX))
 }
 
 /// As [`read`] or [`read_layer`], of the bytes of the environment at `path`, which only errors name.
 pub fn read_bytes(path: &Path, bytes: &[u8], layer: Option<&str>) -> Result<Decoded, PixelsError> {
-    read_layer_bytes(path, bytes, layer, ENVIRONMENT_TEXELS_MAX)
+    guarded(path, bytes, |bytes| decode(bytes, layer, ENVIRONMENT_TEXELS_MAX))
 }
 
-fn read_layer_bytes(path: &Path, bytes: &[u8], layer: Option<&str>, most_texels: u64) -> Result<Decoded, PixelsError> {
-    // A last resort: the codecs of the crate `exr` index by what they read. No damaged file we have makes one panic, but if one does,
-    // it is bad input and must not end a run. The bytes are only borrowed, so nothing half-changed can be seen afterwards.
-    std::panic::catch_unwind(|| decode(bytes, layer, most_texels))
+/// Fails if a block of the first part is missing or cut off. Nothing is unpacked.
+pub fn check_whole(path: &Path) -> Result<(), PixelsError> {
+    guarded(path, &read_bounded(path)?, |bytes| {
+        let chunks = chunks(bytes, 0).map_err(damaged)?;
+        chunks.map(|chunk| chunk.map(|_| ())).collect::<Result<(), Error>>().map_err(damaged)
+    })
+}
+
+/// Calls `read`. The codecs of the crate index by what they read; a panic there is bad input and must not end a run.
+fn guarded<T>(path: &Path, bytes: &[u8], read: impl Fn(&[u8]) -> Result<T, Fault>) -> Result<T, PixelsError> {
+    // The bytes are only borrowed, so nothing half-changed can be seen afterwards.
+    std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| read(bytes)))
         .unwrap_or_else(|_| Err(Fault::new("is damaged in a way that its decoder cannot name", "a valid OpenEXR file")))
         .map_err(|fault| fault.at(path))
 }
 
-/// Fails when a file that this program wrote is not whole: a block is missing or cut off. Nothing is unpacked.
-pub fn check_whole(path: &Path) -> Result<(), PixelsError> {
-    let bytes = read_bounded(path)?;
-    let check = || {
-        let (meta, tables_start) = read_header(&bytes)?;
-        let multi_part = meta.requirements.has_multiple_layers;
-        check_blocks(&Parts { bytes: &bytes, headers: &meta.headers, tables_start, multi_part }, 0)
-    };
-    check().map_err(|fault| fault.at(path))
+fn damaged(error: Error) -> Fault {
+    let expected = "a complete OpenEXR file without deep data and subsampled channels";
+    Fault::new(format!("cannot be decoded ({error})"), expected)
 }
 
-/// The headers, and where the offset tables begin.
-fn read_header(bytes: &[u8]) -> Result<(MetaData, usize), Fault> {
-    let mut cursor = Cursor::new(bytes);
-    let meta = MetaData::read_from_buffered(&mut cursor, false).map_err(|error| {
-        Fault::new(format!("has no usable header ({error})"), "a valid OpenEXR file without deep data")
-    })?;
-    Ok((meta, cursor.position() as usize))
+/// The blocks of the largest level of a part, packed.
+fn chunks(bytes: &[u8], part: usize) -> Result<FilteredChunksReader<Cursor<&[u8]>>, Error> {
+    Reader::read_from_buffered(Cursor::new(bytes), false)?
+        .filter_chunks(true, |_, tile, block| block.layer == part && tile.is_largest_resolution_level())
 }
 
 fn decode(bytes: &[u8], layer: Option<&str>, most_texels: u64) -> Result<Decoded, Fault> {
-    let (meta, tables_start) = read_header(bytes)?;
-    let parts =
-        Parts { bytes, headers: &meta.headers, tables_start, multi_part: meta.requirements.has_multiple_layers };
-    if !parts.multi_part && meta.requirements.is_single_layer_and_tiled != meta.headers[0].blocks.has_tiles() {
-        let what = "the version field and the type attribute disagree on tiles";
-        return Err(Fault::new(what, "both to name tiles, or neither"));
-    }
-    let (index, chosen, choice) = choose(&meta.headers, layer)?;
-    let header = &meta.headers[index];
-    let mut warnings = oddities(header);
-    warnings.extend(choice);
-    let mut planes = read_planes(&parts, index, &chosen.wanted(), most_texels)?;
-    let rgb = to_rgb(header, &chosen, &planes, &mut warnings)?;
-    let alpha = match chosen.alpha {
-        // A subsampled alpha is legal but fits no use of it here.
-        Some(_) => planes
-            .pop()
-            .filter(|plane| plane.sampling == (1, 1))
-            .map(|plane| GrayImage::new(rgb.width, rgb.height, plane.samples)),
-        None => None,
-    };
-    Ok(Decoded { rgb, alpha, warnings })
-}
+    let meta = MetaData::read_from_buffered(Cursor::new(bytes), false)
+        .map_err(|error| Fault::new(format!("has no usable header ({error})"), "a valid OpenEXR file"))?;
+    let (layer, warning) = choose(&meta.headers, layer)?;
+    let header = &meta.headers[layer.part];
+    let Vec2(width, height) = header.layer_size;
+    check_claim(width as u64, height as u64, most_texels, bytes.len(), TEXELS_PER_BYTE)?;
+    let block_bytes = check_unpacked(header)?;
+    let mut chunks = chunks(bytes, layer.part).map_err(damaged)?;
 
-/// The part and layer to read, and a warning if nobody chose among several.
-fn choose(headers: &[Header], layer: Option<&str>) -> Result<(usize, Layer, Option<String>), Fault> {
-    if let Some(name) = layer {
-        let found = flat_parts(headers).find_map(|(index, header)| Some((index, layer_called(header, name)?, None)));
-        return found.ok_or_else(|| no_colour(headers, layer));
-    }
-    let mut all = all_layers(headers);
-    if all.is_empty() {
-        return Err(no_colour(headers, layer));
-    }
-    let first = all.iter().position(|(_, layer)| !layer.is_doubtful()).unwrap_or(0);
-    let (index, chosen) = all.remove(first);
-    // Plain channels are a part's image by convention, whatever other layers are beside them.
-    let is_told = headers.len() > 1 || (chosen.name.is_some() && !all.is_empty());
-    let warning = is_told.then(|| {
-        let layer = chosen.name.as_ref().map(|name| format!("layer {name:?}"));
-        let place = match (headers.len(), layer) {
-            (1, layer) => format!("Of its layers, only {}", layer.unwrap_or_default()),
-            (count, layer) => {
-                let layer = layer.map(|layer| format!(", {layer}")).unwrap_or_default();
-                format!("Of {count} parts, only part {}{layer}", index + 1)
-            }
-        };
-        match callable(headers, &all) {
-            others if others.is_empty() => format!("{place} is used."),
-            others => format!("{place} is used; FILE#NAME reads another ({others})."),
+    let mut rgb = filled(width * height, [0.0; 3])?;
+    let mut alpha = layer.alpha.map(|_| filled(width * height, 0.0)).transpose()?;
+    let mut seen = HashSet::new();
+    loop {
+        let batch = chunks.by_ref().take((BATCH_BYTES / block_bytes).max(1)).collect::<Result<Vec<Chunk>, Error>>();
+        let batch = batch.map_err(damaged)?;
+        if batch.is_empty() {
+            break;
         }
-    });
-    Ok((index, chosen, warning))
+        let blocks = batch.into_par_iter().map(|chunk| unpack(chunk, &meta)).collect::<Result<Vec<_>, Fault>>()?;
+        for block in blocks {
+            let Vec2(x, y) = block.index.pixel_position;
+            if (block.index.layer, block.index.level) != (layer.part, Vec2(0, 0)) || !seen.insert((x, y)) {
+                let what = format!("the block at column {x}, line {y} comes twice or belongs elsewhere");
+                return Err(Fault::new(what, "every block once"));
+            }
+            for line in block.lines(&header.channels) {
+                let Vec2(x, y) = line.location.position;
+                let (channel, pixels) =
+                    (line.location.channel, y * width + x..y * width + x + line.location.sample_count);
+                let kind = header.channels.list[channel].sample_type;
+                if let Some(i) = layer.rgb.iter().position(|wanted| *wanted == Some(channel)) {
+                    put(rgb[pixels].iter_mut().map(|texel| &mut texel[i]), line.value, kind);
+                } else if let Some(alpha) = alpha.as_mut().filter(|_| layer.alpha == Some(channel)) {
+                    put(alpha[pixels].iter_mut(), line.value, kind);
+                }
+            }
+        }
+    }
+    let mut warnings = oddities(header);
+    warnings.extend(warning);
+    let missing = ["R", "G", "B"].iter().zip(layer.rgb).filter(|(_, channel)| channel.is_none());
+    warnings.extend(missing.map(|(name, _)| format!("Channel {name} is missing; it was set to 0.")));
+    convert_to_rec709(&mut rgb, header, &mut warnings);
+    let (width, height) = (width as u32, height as u32);
+    let alpha = alpha.map(|alpha| GrayImage::new(width, height, alpha));
+    Ok(Decoded { rgb: RgbImage::new(width, height, rgb), alpha, warnings })
 }
 
-/// Parts without deep data, which is not read.
-fn flat_parts(headers: &[Header]) -> impl Iterator<Item = (usize, &Header)> {
-    headers.iter().enumerate().filter(|(_, header)| !header.deep)
-}
-
-/// Every layer with colour and the part that it is in.
-fn all_layers(headers: &[Header]) -> Vec<(usize, Layer)> {
-    let of_part = |(index, header)| colour_layers(header).into_iter().map(move |layer| (index, layer));
-    flat_parts(headers).flat_map(of_part).collect()
-}
-
-/// The names under which layers can be asked for.
-fn callable(headers: &[Header], layers: &[(usize, Layer)]) -> String {
-    let name = |(index, layer): &(usize, Layer)| {
-        let part = headers[*index].own_attributes.layer_name.as_ref().map(ToString::to_string);
-        layer.name.clone().or(part)
+/// Bytes of a block of a part, at least 1. Refuses what would take too much memory or time to unpack, mostly because of channels that
+/// are not wanted.
+fn check_unpacked(header: &Header) -> Result<usize, Fault> {
+    let block = match header.blocks {
+        BlockDescription::ScanLines => Vec2(header.layer_size.width(), header.compression.scan_lines_per_block()),
+        BlockDescription::Tiles(tiles) => tiles.tile_size,
     };
-    layers.iter().filter_map(name).collect::<Vec<_>>().join(", ")
+    let bytes = |Vec2(x, y): Vec2<usize>| x.saturating_mul(y).saturating_mul(header.channels.bytes_per_pixel).max(1);
+    let (block, all) = (bytes(block), bytes(header.layer_size));
+    for (what, bytes, most) in [("a block has", block, BLOCK_BYTES_MAX), ("its blocks have", all, PART_BYTES_MAX)] {
+        if bytes > most {
+            let what = format!("{what} {} MiB of pixels in {} channels", bytes >> 20, header.channels.list.len());
+            let expected = format!("at most {} MiB; keep the channels of the colour only", most >> 20);
+            return Err(Fault::new(what, expected));
+        }
+    }
+    Ok(block)
 }
 
-fn no_colour(headers: &[Header], layer: Option<&str>) -> Fault {
-    let channels: Vec<String> =
-        headers.iter().flat_map(|header| &header.channels.list).map(|channel| channel.name.to_string()).collect();
-    let place = layer.map(|name| match callable(headers, &all_layers(headers)) {
-        names if names.is_empty() => format!(" in layer {name:?}"),
-        names => format!(" in layer {name:?} (layers with colour: {names})"),
+fn unpack(chunk: Chunk, meta: &MetaData) -> Result<UncompressedBlock, Fault> {
+    check_dwa_counters(&chunk, &meta.headers[chunk.layer_index])?;
+    UncompressedBlock::decompress_chunk(chunk, meta, false).map_err(damaged)
+}
+
+/// Checks the sizes of unpacked sections that a DWA block claims, because the codec allocates them before it reads.
+fn check_dwa_counters(chunk: &Chunk, header: &Header) -> Result<(), Fault> {
+    /// Of the eleven leading counters: bytes of other channels, run-length codes and their bytes, AC and DC coefficients.
+    const UNPACKED_SIZES: [usize; 5] = [1, 6, 7, 8, 9];
+    let packed = match &chunk.compressed_block {
+        CompressedBlock::ScanLine(block) => &block.compressed_pixels_le,
+        CompressedBlock::Tile(block) => &block.compressed_pixels_le,
+        _ => return Ok(()),
+    };
+    let tile = header.get_block_data_indices(&chunk.compressed_block).map_err(damaged)?;
+    let Vec2(width, height) = header.get_absolute_block_pixel_coordinates(tile).map_err(damaged)?.size;
+    let is_raw = packed.len() == width * height * header.channels.bytes_per_pixel;
+    if is_raw || !matches!(header.compression, Compression::DWAA(_) | Compression::DWAB(_)) {
+        return Ok(());
+    }
+    // The transform pads to 8 x 8; a factor of 2 covers run-length codes that grow their input.
+    let limit = 2 * (width.next_multiple_of(8) * height.next_multiple_of(8) * header.channels.bytes_per_pixel) as u64;
+    let (counters, _) = packed.as_chunks::<8>();
+    let sizes = UNPACKED_SIZES.iter().filter_map(|&index| counters.get(index)).map(|&bytes| u64::from_le_bytes(bytes));
+    match sizes.max().filter(|&size| size > limit) {
+        Some(size) => Err(Fault::new(format!("a block has a DWA counter of {size}"), format!("at most {limit}"))),
+        None => Ok(()),
+    }
+}
+
+/// Fills `targets` with the samples in `bytes`.
+fn put<'t>(targets: impl Iterator<Item = &'t mut f32>, bytes: &[u8], kind: SampleType) {
+    fn each<'t, const N: usize>(
+        targets: impl Iterator<Item = &'t mut f32>,
+        bytes: &[u8],
+        number: impl Fn([u8; N]) -> f32,
+    ) {
+        targets.zip(bytes.as_chunks().0).for_each(|(to, from)| *to = number(*from));
+    }
+    match kind {
+        SampleType::F16 => each(targets, bytes, |bytes| f16::from_ne_bytes(bytes).to_f32()),
+        SampleType::F32 => each(targets, bytes, f32::from_ne_bytes),
+        SampleType::U32 => each(targets, bytes, |bytes| u32::from_ne_bytes(bytes) as f32),
+    }
+}
+
+/// Converts from the primaries of the header.
+fn convert_to_rec709(rgb: &mut [[f32; 3]], header: &Header, warnings: &mut Vec<String>) {
+    let xy = |Vec2(x, y): Vec2<f32>| DVec2::new(x.into(), y.into());
+    let chromaticities = header.shared_attributes.chromaticities.map(|c| Chromaticities {
+        red: xy(c.red),
+        green: xy(c.green),
+        blue: xy(c.blue),
+        white: xy(c.white),
     });
-    let place = place.unwrap_or_default();
-    let deep = if headers.iter().any(|header| header.deep) { " (deep parts are not read)" } else { "" };
-    Fault::new(format!("has the channels {}{deep}", channels.join(", ")), format!("R, G, B or Y channels{place}"))
+    let foreign = chromaticities.filter(|c| !c.is_close_to(&REC709));
+    if let Some(matrix) = foreign.and_then(|c| c.to_rec709_with_warning("chromaticities", warnings)) {
+        rgb.iter_mut().for_each(|texel| *texel = (matrix * DVec3::from(texel.map(f64::from))).as_vec3().to_array());
+    }
 }
 
 fn oddities(header: &Header) -> Vec<String> {

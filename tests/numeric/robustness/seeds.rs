@@ -159,8 +159,6 @@ fn exr() -> Vec<(String, Vec<u8>)> {
     let mut seeds = vec![
         ("float".to_owned(), plain(Compression::Uncompressed, lines, &["R", "G", "B", "A"], &float)),
         ("uint".to_owned(), plain(Compression::ZIP1, lines, &rgb, &uint)),
-        ("grey".to_owned(), plain(Compression::RLE, lines, &["Y"], &half)),
-        ("chroma".to_owned(), plain(Compression::ZIP16, lines, &["Y", "RY", "BY"], &half)),
         ("layer".to_owned(), plain(Compression::RLE, lines, &["a.R", "a.G", "a.B", "Z"], &float)),
     ];
     let compressions = [
