@@ -25,13 +25,12 @@ function svgText(index) {
 }
 
 function save(button) {
-  const { name, run, columns, rows, vega } = answerOf(button);
+  const { name, run, columns, rows } = answerOf(button);
   const stem = model.runs.length > 1 ? `${name}-${run + 1}` : name;
   const index = button.closest("[data-answer]").dataset.answer;
   const files = {
     csv: () => download(`${stem}.csv`, csvText(columns, rows), "text/csv"),
     svg: () => download(`${stem}.svg`, svgText(index), "image/svg+xml"),
-    vega: () => download(`${stem}.vl.json`, `${JSON.stringify(vega, null, 2)}\n`, "application/json"),
   };
   files[button.dataset.save]();
 }

@@ -11,7 +11,7 @@ import { byId } from "report/dom";
  * @typedef {{ run: number, file: string, reference: number, size: [number, number], window: Window | null,
  *   payload: number | null, mask: number | null, clamped_count: number,
  *   light_mean: number }} Image
- * @typedef {{ run: number, name: string, columns: string[], rows: (string | number | null)[][], vega?: object }} Answer
+ * @typedef {{ run: number, name: string, columns: string[], rows: (string | number | null)[][] }} Answer
  * @typedef {{ run: number, cell: string, image: number | null, reference: number | null, verdict: string,
  *   floor: number | null, axes: Record<string, string>, scores: Record<string, number | null>, scene?: Scene,
  *   copies?: Row[], original?: Row }} Row

@@ -1,4 +1,4 @@
-//! One description of a chart, from which its SVG ([`svg`]) and its Vega-Lite text ([`vega`]) follow mechanically.
+//! A description of a chart, and its SVG ([`svg`]).
 //!
 //! Marks are placed in data units. A mark may carry the words of its tip and the cell that it stands for.
 
@@ -12,7 +12,6 @@ mod marks;
 mod scale;
 pub mod svg;
 pub mod text;
-pub mod vega;
 
 /// A chart of one or more panels with one legend.
 #[derive(Clone, Debug, PartialEq)]

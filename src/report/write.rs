@@ -3,7 +3,6 @@
 use super::record::{ANSWER_FILE, AnswerRecord, ToldAnswer, WriteError, told};
 use super::summary;
 use crate::figure::svg::{WIDTHS, svg};
-use crate::figure::vega::vega;
 use crate::files::holds;
 use crate::pixels::Staged;
 use crate::run::store::ANSWERS_FOLDER;
@@ -33,7 +32,6 @@ impl Written {
             files.push((format!("{}.csv", question.name), finding.table.csv()));
             if let Some(figure) = &finding.figure {
                 files.push((format!("{}.svg", question.name), svg(figure, WIDTHS[0])));
-                files.push((format!("{}.vl.json", question.name), format!("{:#}\n", vega(figure))));
             }
         }
         let told_answer = |answer: &Answer| ToldAnswer {
@@ -84,7 +82,7 @@ impl Written {
         staged.into_iter().try_for_each(Staged::put)?;
         for entry in std::fs::read_dir(&folder).map_err(io)?.flatten() {
             let name = entry.file_name().to_string_lossy().into_owned();
-            let is_ours = [".csv", ".svg", ".vl.json"].iter().any(|end| name.ends_with(end));
+            let is_ours = [".csv", ".svg"].iter().any(|end| name.ends_with(end));
             if is_ours && self.files.iter().all(|(known, _)| *known != name) {
                 std::fs::remove_file(entry.path()).map_err(io)?;
             }

@@ -78,8 +78,6 @@ fn every_answer_has_its_section_and_saves_what_stands_in_it() {
             json!(svg)
         ));
         assert_eq!(parsed, json!(true), "{key}");
-        let vega: Value = serde_json::from_str(&saved(&mut page, &button("vega"))).unwrap();
-        assert!(vega["$schema"].as_str().unwrap().contains("vega-lite"));
     }
     // An address leads to its answer.
     let last = keys.as_array().unwrap().last().unwrap().as_str().unwrap().to_owned();

@@ -6,7 +6,6 @@ use super::told::{Told, link};
 use crate::experiment::axis::AXES;
 use crate::experiment::value::Value;
 use crate::figure::svg::{WIDTHS, svg};
-use crate::figure::vega::vega;
 use crate::study::frame::axis;
 use crate::study::questions::Answer;
 use crate::study::table::{Table, shown};
@@ -63,7 +62,6 @@ pub fn model(told: &Told, run: usize) -> Vec<Json> {
             "name": answer.question.name,
             "columns": table.columns,
             "rows": table.rows.iter().map(|row| row.iter().map(field).collect()).collect::<Vec<Vec<Json>>>(),
-            "vega": answer.finding.figure.as_ref().map(vega),
         })
     };
     told.answers.iter().map(entry).collect()
