@@ -21,7 +21,7 @@ const BOLD_STROKE: f32 = 0.045;
 
 /// Size (pixels per em), colour and weight.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Style {
+pub(crate) struct Style {
     pub size: f32,
     pub color: [u8; 3],
     pub is_bold: bool,
@@ -40,14 +40,14 @@ impl Style {
 
 /// Where a line stands relative to its x.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Anchor {
+pub(crate) enum Anchor {
     Left,
     Center,
     Right,
 }
 
 /// Width of one line in pixels.
-pub(super) fn width(text: &str, style: Style) -> f32 {
+pub(crate) fn width(text: &str, style: Style) -> f32 {
     layout(text, style).1
 }
 
@@ -76,7 +76,7 @@ fn layout(text: &str, style: Style) -> (Vec<(usize, Glyph)>, f32) {
 }
 
 /// Draws one line with its baseline at `baseline`; what lies outside the image is cut off.
-pub(super) fn draw(canvas: &mut Rgb8Image, text: &str, anchor: Anchor, x: f32, baseline: f32, style: Style) {
+pub(crate) fn draw(canvas: &mut Rgb8Image, text: &str, anchor: Anchor, x: f32, baseline: f32, style: Style) {
     let (glyphs, width) = layout(text, style);
     let start = match anchor {
         Anchor::Left => x,
@@ -110,7 +110,7 @@ fn blend(pixel: &mut [u8; 3], color: [u8; 3], coverage: f32) {
 
 /// Breaks a text into lines of at most `max_width`, at spaces, after `-`, `_`, `/` and at line breaks, but not within `1e-2`. A
 /// part that is too long for a line of its own stays whole.
-pub(super) fn wrap(text: &str, style: Style, max_width: f32) -> Vec<String> {
+fn wrap(text: &str, style: Style, max_width: f32) -> Vec<String> {
     let mut lines = Vec::new();
     for paragraph in text.lines() {
         let mut line = String::new();
@@ -142,7 +142,7 @@ fn parts(paragraph: &str) -> impl Iterator<Item = &str> {
 }
 
 /// Lines of at most `max_width`, at most `max_lines`: cut at any letter and ended by `…` where breaking is not enough.
-pub(super) fn wrap_hard(text: &str, style: Style, max_width: f32, max_lines: usize) -> Vec<String> {
+pub(crate) fn wrap_hard(text: &str, style: Style, max_width: f32, max_lines: usize) -> Vec<String> {
     let mut lines = Vec::new();
     for mut line in wrap(text, style, max_width) {
         while width(&line, style) > max_width && line.chars().count() > 1 {
@@ -164,25 +164,4 @@ pub(super) fn wrap_hard(text: &str, style: Style, max_width: f32, max_lines: usi
         }
     }
     lines
-}
-
-/// The largest of `sizes` (descending) at which each text breaks into at most `max_lines` lines of `max_width` without cutting
-/// a word, else the last size; and the lines of each text at that size.
-pub(super) fn fit(
-    texts: &[String],
-    style: Style,
-    sizes: &[f32],
-    max_width: f32,
-    max_lines: usize,
-) -> (Style, Vec<Vec<String>>) {
-    let fits = |style: Style| {
-        texts.iter().all(|text| {
-            let lines = wrap(text, style, max_width);
-            lines.len() <= max_lines && lines.iter().all(|line| width(line, style) <= max_width)
-        })
-    };
-    let styles = sizes.iter().map(|&size| Style { size, ..style });
-    let smallest = Style { size: sizes.last().copied().unwrap_or(style.size), ..style };
-    let chosen = styles.into_iter().find(|&style| fits(style)).unwrap_or(smallest);
-    (chosen, texts.iter().map(|text| wrap_hard(text, chosen, max_width, max_lines)).collect())
 }

@@ -9,6 +9,7 @@ mod grow;
 mod host;
 mod resume;
 pub mod runs;
+mod sheets;
 mod statistics;
 mod timed;
 pub mod timing_ratios;

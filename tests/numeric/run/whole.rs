@@ -89,11 +89,11 @@ fn a_sheet_that_would_be_too_wide_is_split_between_methods() {
     let dir = tempfile::tempdir().unwrap();
     invoke(&plan(text), dir.path(), &log(), usize::MAX).unwrap();
     // 12 columns of at least 200 pixels do not fit on 2600: ten of `sampled` with the reference do, in 206 pixels each.
-    for name in ["wide_1.png", "wide_2.png"] {
+    for name in ["wide_01.png", "wide_02.png"] {
         let sheet = splitsum::pixels::png::read_rgb8(&dir.path().join("tables").join(name)).unwrap();
         assert!(sheet.width <= 2600, "{name} is {} pixels wide", sheet.width);
     }
-    assert!(!dir.path().join("tables/wide_3.png").exists());
+    assert!(!dir.path().join("tables/wide_03.png").exists());
     let dir = tempfile::tempdir().unwrap();
     invoke(&plan(&format!("sheets = false\n{text}")), dir.path(), &log(), usize::MAX).unwrap();
     assert!(sheet_files(dir.path()).is_empty());

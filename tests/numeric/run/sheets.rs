@@ -1,0 +1,157 @@
+//! Contact sheets as pictures.
+
+use splitsum::pixels::Rgb8Image;
+use splitsum::run::sheets::draw::{ContactSheet, Head, PUBLISHED_SIZE, Tile};
+use splitsum::table::colormap::{Palette, RELATIVE_ERROR};
+
+fn head(label: &str, starts_group: bool) -> Head {
+    Head { label: label.to_owned(), starts_group }
+}
+
+fn flat(color: [u8; 3], note: &str) -> Tile {
+    Tile::Image { image: Rgb8Image::filled(90, 60, color), note: note.to_owned() }
+}
+
+fn tile_color(row: u8, column: u8) -> [u8; 3] {
+    [10 + 40 * row, 200, 20 + 60 * column]
+}
+
+/// A sheet of 3 columns and 2 rows; the tile at (row, column) is flat in a colour of its own, but the last is missing.
+fn sheet() -> ContactSheet {
+    let tile = |row: u8, column: u8| flat(tile_color(row, column), "relMSE 0.0123");
+    ContactSheet {
+        title: "A title".into(),
+        caption: "A caption that is long enough to be broken over two lines at the width of this small sheet.".into(),
+        tile: [90, 60],
+        columns: vec![
+            head("reference", false),
+            head("sampled-unfiltered with a name that is far too long", true),
+            head("split-sum", false),
+        ],
+        rows: vec![
+            (head("α = 0.1", true), vec![tile(0, 0), tile(0, 1), tile(0, 2)]),
+            (head("relative\nerror", false), vec![tile(1, 0), tile(1, 1), Tile::Missing("device lost".into())]),
+        ],
+        legends: vec![("relative error", RELATIVE_ERROR)],
+    }
+}
+
+fn page(sheet: &ContactSheet) -> Rgb8Image {
+    let mut pages = sheet.pages();
+    assert_eq!(pages.len(), 1);
+    pages.remove(0)
+}
+
+/// Left, top, right, bottom (past the end) and pixel count of a colour.
+fn extent(page: &Rgb8Image, is_wanted: impl Fn([u8; 3]) -> bool) -> ([u32; 4], usize) {
+    let mut extent = [u32::MAX, u32::MAX, 0, 0];
+    let mut count = 0;
+    for (x, y) in (0..page.height).flat_map(|y| (0..page.width).map(move |x| (x, y))) {
+        if is_wanted(page.get(x, y)) {
+            extent = [extent[0].min(x), extent[1].min(y), extent[2].max(x + 1), extent[3].max(y + 1)];
+            count += 1;
+        }
+    }
+    (extent, count)
+}
+
+#[test]
+fn tiles_form_a_grid_and_nothing_covers_them() {
+    let page = page(&sheet());
+    let place = |row, column| {
+        let (extent, count) = extent(&page, |color| color == tile_color(row, column));
+        assert_eq!(count, 90 * 60, "row {row}, column {column} is partly covered");
+        assert_eq!([extent[2] - extent[0], extent[3] - extent[1]], [90, 60]);
+        [extent[0], extent[1]]
+    };
+    let [a, b, c] = [0, 1, 2].map(|column| place(0, column));
+    let [d, e] = [0, 1].map(|column| place(1, column));
+    assert_eq!((a[1] == b[1] && b[1] == c[1], d[1] == e[1], a[0] == d[0], b[0] == e[0]), (true, true, true, true));
+    assert!(d[1] > a[1] + 60, "rows must not overlap");
+    let [group_gap, gap] = [b[0] - a[0] - 90, c[0] - b[0] - 90];
+    assert!(group_gap > gap && gap > 0, "gaps {group_gap} and {gap}");
+    let (ink, _) = extent(&page, |color| color != [255; 3]);
+    let margins = [ink[0], ink[1], page.width - ink[2], page.height - ink[3]];
+    assert!(margins.iter().all(|margin| *margin >= 20), "{margins:?}");
+}
+
+#[test]
+fn every_text_and_the_legend_are_drawn() {
+    let full = page(&sheet());
+    let ink = |page: &Rgb8Image| extent(page, |color| color != [255; 3]).1;
+    let cuts: [fn(&mut ContactSheet); 6] = [
+        |sheet| sheet.title.clear(),
+        |sheet| sheet.caption.clear(),
+        |sheet| sheet.columns[0].label.clear(),
+        |sheet| sheet.rows[1].0.label.clear(),
+        |sheet| sheet.legends.clear(),
+        |sheet| sheet.rows[0].1[0] = flat([1; 3], ""),
+    ];
+    for (i, cut) in cuts.iter().enumerate() {
+        let mut less = sheet();
+        cut(&mut less);
+        let lost = ink(&full) - ink(&page(&less));
+        assert!(lost > 40, "text {i} has {lost} pixels of ink");
+    }
+    let reason = |text: &str| {
+        let mut sheet = sheet();
+        sheet.rows[1].1[2] = Tile::Missing(text.into());
+        extent(&page(&sheet), |color| color[0] == color[1] && color[1] == color[2] && color[0] < 160).1
+    };
+    assert!(reason("device lost") > reason("") + 40, "the reason of a missing image must be readable");
+    for t in [0.0, 1.0] {
+        let (bar_end, _) = extent(&full, |color| color == Palette::Magma.color(t));
+        assert!(bar_end[3] > bar_end[1], "an end of the colour bar is missing");
+    }
+}
+
+/// `1e-2` broken after `1e-` would read as two numbers.
+#[test]
+fn a_line_break_never_parts_a_number() {
+    let drawn = |reason: String| {
+        page(&ContactSheet { rows: vec![(head("", false), vec![Tile::Missing(reason)])], ..sheet() }).data
+    };
+    // Narrow letters: one of these lengths leaves room for all but the last digit.
+    for length in 1..40 {
+        let filler = "i".repeat(length);
+        let broken = drawn(format!("{filler} 1e-\n2"));
+        assert!(drawn(format!("{filler} 1e-2")) != broken, "{length} letters before the number");
+    }
+}
+
+#[test]
+fn a_tall_sheet_makes_pages_that_lose_no_row() {
+    let row = |i: u8, starts_group| (head(&format!("row {i}"), starts_group), vec![flat([i, 7, 9], ""); 3]);
+    // The rows on each page of a sheet, by the colours of their tiles.
+    let rows_of = |pages: &[Rgb8Image]| -> Vec<Vec<u8>> {
+        let is_on = |page: &Rgb8Image, i: u8| page.data.contains(&[i, 7, 9]);
+        pages.iter().map(|page| (0..60).filter(|i| is_on(page, *i)).collect()).collect()
+    };
+    let pages_of = |groups: fn(u8) -> bool| {
+        let sheet = ContactSheet { rows: (0..60).map(|i| row(i, groups(i))).collect(), ..sheet() };
+        let pages = sheet.pages();
+        assert!(pages.len() > 1 && pages.iter().all(|page| page.height <= PUBLISHED_SIZE[1]));
+        assert_eq!(rows_of(&pages).concat(), (0..60).collect::<Vec<u8>>());
+        rows_of(&pages)
+    };
+    // Groups of seven rows stay together; the last has four.
+    let grouped = pages_of(|i| i % 7 == 0);
+    assert!(grouped[..grouped.len() - 1].iter().all(|rows| rows.len() % 7 == 0), "{grouped:?}");
+    // A group that no page holds is split.
+    pages_of(|_| false);
+    // A row that no page holds has one all the same.
+    let tile = [90, 5000];
+    let tall = || Tile::Image { image: Rgb8Image::filled(90, 5000, [3; 3]), note: String::new() };
+    let rows = (0..2).map(|_| (head("tall", false), vec![tall(), tall(), tall()])).collect();
+    assert_eq!(ContactSheet { tile, rows, ..sheet() }.pages().len(), 2);
+}
+
+#[test]
+fn a_row_label_has_as_many_lines_as_its_tile_is_tall() {
+    let drawn = |label: &str| {
+        let tile = Tile::Image { image: Rgb8Image::filled(90, 160, [9; 3]), note: String::new() };
+        page(&ContactSheet { tile: [90, 160], rows: vec![(head(label, false), vec![tile; 3])], ..sheet() }).data
+    };
+    // 160 pixels are room for six lines.
+    assert_ne!(drawn("a 1\nb 2\nc 3\nd 4\ne 5\nf 6"), drawn("a 1\nb 2\nc 3\nd 4\ne 5\nf 7"));
+}
