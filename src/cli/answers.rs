@@ -3,8 +3,9 @@
 use super::report::{known_metric, line};
 use super::{Failure, print, tell};
 use clap::Args;
+use splitsum::report::blocks::fill_pages;
 use splitsum::report::page::{PageOptions, Told, is_page, write};
-use splitsum::report::publish::{PublishError, check, publish, write_page, write_readme};
+use splitsum::report::publish::{PublishError, check, publish, write_page};
 use splitsum::report::write::Written;
 use splitsum::study::finished::{Finished, notes};
 use splitsum::study::questions::answers;
@@ -26,7 +27,7 @@ pub struct Arguments {
     /// Answers by this metric (`splitsum list metrics`) instead of the experiment's.
     #[arg(long, value_name = "NAME", value_parser = known_metric)]
     metric: Option<String>,
-    /// Copies the small files of each run to FOLDER/NAME, and writes FOLDER/README.md and the answers in the README beside FOLDER.
+    /// Copies the small files of each run to FOLDER/NAME, and writes FOLDER/README.md and the blocks of README.md and docs/ beside FOLDER.
     #[arg(long, value_name = "FOLDER")]
     publish: Option<PathBuf>,
     /// Publishes over a run of the same name and another plan.
@@ -77,9 +78,8 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         }
     }
     let Some(into) = &arguments.publish else { return Ok(()) };
-    let page = write_page(into)?;
-    let readme = write_readme(into)?;
-    let names = std::iter::once(page).chain(readme).map(|path| path.display().to_string());
+    let pages = [vec![write_page(into)?], fill_pages(into)?].concat();
+    let names = pages.iter().map(|path| path.display().to_string());
     print(&format!("Written {}\n", names.collect::<Vec<_>>().join(", ")))
 }
 

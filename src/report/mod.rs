@@ -1,5 +1,6 @@
-//! Writes answers: files in the run's folder, the summary, the page, `results/` and the blocks in `README.md`. Needs no device.
+//! Writes answers: files in the run's folder, the summary, the page, `results/` and blocks in Markdown pages. Needs no device.
 
+pub mod blocks;
 pub mod page;
 pub mod publish;
 pub mod record;

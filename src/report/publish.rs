@@ -3,7 +3,7 @@
 use super::record::{ANSWER_FILE, AnswerRecord, WriteError};
 use super::summary::{SHEETS_FOLDER, bold, sheet_link, sheet_title};
 use super::write::SUMMARY_FILE;
-use crate::files::{TEXT_BYTES_MAX, read_text, relative};
+use crate::files::{TEXT_BYTES_MAX, names_in, read_text, relative};
 use crate::pixels::{PixelsError, png, write_atomically};
 use crate::run::frozen::EXPERIMENT_FILE;
 use crate::run::provenance::{EXPERIMENT_FOLDER, PROVENANCE_FILE, SET_FOLDER};
@@ -15,18 +15,14 @@ use crate::table::markdown::{self, Align, MarkdownTable, inline, link_label, par
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
-/// Files of a run that are published beside its answers.
+/// Files of a run that are published beside its answers and the raw samples of its timings.
 const FILES: [&str; 7] =
     [EXPERIMENT_FILE, "environments.csv", "errors.csv", "steps.csv", "timings.csv", "timing_ratios.csv", SUMMARY_FILE];
-/// Larger files stay where they are: the folder is kept in git.
-const FILE_BYTES_MAX: u64 = 1 << 20;
+/// A larger file or folder is left out: the folder is kept in git.
+const BYTES_MAX: u64 = 1 << 20;
 /// A larger contact sheet is shrunk further, bytes.
 const SHEET_BYTES_MAX: usize = 300_000;
-/// Folders of a run that are published: the raw samples of its timings.
-const FOLDERS: [&str; 1] = [TIMINGS_FOLDER];
-/// More than this in one of them stays where it is, too, bytes.
-const FOLDER_BYTES_MAX: u64 = 1 << 20;
-/// What a person adds to the published folder of a run: kept, and read into the page.
+/// What the user adds to the published folder of a run: kept, and read into the page.
 const REMARK_FILE: &str = "remark.md";
 /// The page over all runs.
 const PAGE: &str = "README.md";
@@ -38,52 +34,52 @@ pub enum PublishError {
     Answers(#[from] WriteError),
     #[error(transparent)]
     Run(#[from] FinishedError),
+    #[error(transparent)]
+    File(#[from] PixelsError),
     #[error("{}: {error}", path.display())]
     Io { path: PathBuf, error: std::io::Error },
-    #[error(transparent)]
-    Picture(#[from] PixelsError),
-    #[error("{}: cannot be made: {error}; expected a place where this user may write", path.display())]
-    Folder { path: PathBuf, error: std::io::Error },
-    #[error("{}: is the folder of the run itself; expected another one to publish into", path.display())]
-    Itself { path: PathBuf },
-    #[error("{}: is a file; expected a folder of published runs, or the name of one to make", path.display())]
-    NotAFolder { path: PathBuf },
-    #[error("{}: holds files but no published run; expected a folder of published runs", path.display())]
-    NotPublished { path: PathBuf },
-    #[error(
-        "{}: holds the published run of plan {published}, and {} is one of plan {new}; to publish it in its place give --replace",
-        path.display(), dir.display()
-    )]
-    OtherPlan { path: PathBuf, published: String, dir: PathBuf, new: String },
+    /// The user named a wrong folder, or a page has a wrong block.
+    #[error("{0}")]
+    Misuse(String),
 }
 
 impl PublishError {
-    /// Whether the user named a wrong folder, rather than a file failing.
+    /// Whether the user is at fault, rather than a file.
     pub fn is_misuse(&self) -> bool {
-        !matches!(self, Self::Answers(_) | Self::Io { .. } | Self::Picture(_))
+        matches!(self, Self::Misuse(_) | Self::Run(_))
     }
 }
 
-/// Fails when publishing the run in `dir` into a folder would put it in the place of something else: of the run of another plan, unless
-/// `replace`, or of files that were never published. The same plan again, run anew, is no such case.
+fn misuse<T>(path: &Path, what: &str) -> Result<T, PublishError> {
+    Err(PublishError::Misuse(format!("{}: {what}", path.display())))
+}
+
+fn io(path: &Path) -> impl Fn(std::io::Error) -> PublishError + '_ {
+    move |error| PublishError::Io { path: path.to_owned(), error }
+}
+
+fn make_folder(path: &Path) -> Result<(), PublishError> {
+    let expected = "choose a folder in which you may write";
+    std::fs::create_dir_all(path).or_else(|error| misuse(path, &format!("cannot be made ({error}): {expected}")))
+}
+
+/// Fails if publishing the run in `dir` into a folder would replace something else: the run of another plan, unless `replace`, or files
+/// that were never published.
 pub fn check(dir: &Path, into: &Path, replace: bool) -> Result<(), PublishError> {
     let new = provenance(dir)?;
     let target = into.join(new["name"].as_str().unwrap_or_default());
     if let Some(file) = [into, &target].into_iter().find(|path| path.is_file()) {
-        return Err(PublishError::NotAFolder { path: file.to_owned() });
+        return misuse(file, "is a file; expected a folder of published runs, or the name of one to make");
     }
-    let same =
-        |a: &Path, b: &Path| std::fs::canonicalize(a).is_ok_and(|a| std::fs::canonicalize(b).is_ok_and(|b| a == b));
-    if same(dir, &target) {
-        return Err(PublishError::Itself { path: target });
+    let whole = |path: &Path| std::fs::canonicalize(path).ok();
+    if whole(dir).is_some_and(|dir| Some(dir) == whole(&target)) {
+        return misuse(&target, "is the folder of the run itself; expected another one to publish into");
     }
-    let is_a_file = |entry: &std::fs::DirEntry| entry.path().is_file() && entry.file_name() != REMARK_FILE;
-    let has_files = std::fs::read_dir(&target).into_iter().flatten().flatten().any(|entry| is_a_file(&entry));
-    if !has_files {
+    if files_in(&target).is_empty() {
         return Ok(());
     }
     if !target.join(ANSWERS_FOLDER).join(ANSWER_FILE).exists() {
-        return Err(PublishError::NotPublished { path: target });
+        return misuse(&target, "holds files but no published run; expected a folder of published runs");
     }
     let published = provenance(&target)?;
     if replace || published["plan_hash"] == new["plan_hash"] {
@@ -94,11 +90,17 @@ pub fn check(dir: &Path, into: &Path, replace: bool) -> Result<(), PublishError>
         format!("{} of {}", provenance["plan_hash"].as_str().unwrap_or("unknown"), date.unwrap_or("an unknown date"))
     };
     let (published, new) = (words(&published), words(&new));
-    Err(PublishError::OtherPlan { path: target, published, dir: dir.to_owned(), new })
+    let what = format!(
+        "holds the published run of plan {published}, and {} is one of plan {new}; give --replace to replace it",
+        dir.display()
+    );
+    misuse(&target, &what)
 }
 
-fn io(path: &Path) -> impl Fn(std::io::Error) -> PublishError + '_ {
-    move |error| PublishError::Io { path: path.to_owned(), error }
+/// Files of a folder that are not the user's remark.
+fn files_in(folder: &Path) -> Vec<PathBuf> {
+    let paths = names_in(folder).into_iter().filter(|name| name != REMARK_FILE).map(|name| folder.join(name));
+    paths.filter(|path| path.is_file()).collect()
 }
 
 /// Copies what is small of the run in `dir`, which has its answers, to `into/NAME`, in the place of the published run of another plan only
@@ -107,76 +109,67 @@ pub fn publish(dir: &Path, into: &Path, replace: bool) -> Result<Vec<String>, Pu
     check(dir, into, replace)?;
     let record = AnswerRecord::read(dir)?;
     let target = into.join(&record.name);
-    std::fs::create_dir_all(target.join(ANSWERS_FOLDER))
-        .map_err(|error| PublishError::Folder { path: target.clone(), error })?;
-    let answers = record.files.iter().map(String::as_str).chain([ANSWER_FILE]);
-    let answers = answers.map(|name| Path::new(ANSWERS_FOLDER).join(name));
-    let mut notes = Vec::new();
-    let mut left_out: Vec<String> = Vec::new();
-    let mut leave_out = |name: &str, bytes: u64| {
-        let size = format!("{:.1} MB", bytes as f64 / 1e6);
-        notes.push(format!("{}: left out, {size}", dir.join(name).display()));
-        left_out.push(format!("{name} ({size})"));
-    };
-    // What an earlier publication left and this one does not have must not stand beside it.
-    let folders = FOLDERS.map(|name| target.join(name)).into_iter().filter(|folder| folder.is_dir());
-    for folder in [target.clone(), target.join(ANSWERS_FOLDER)].into_iter().chain(folders) {
-        for entry in std::fs::read_dir(&folder).map_err(io(&folder))?.flatten() {
-            if !entry.path().is_file() || entry.file_name() == REMARK_FILE {
-                continue;
-            }
-            std::fs::remove_file(entry.path()).map_err(io(&folder))?;
-        }
+    for folder in ["", ANSWERS_FOLDER, TIMINGS_FOLDER].map(|name| target.join(name)) {
+        // Files of an earlier publication that this one does not have.
+        files_in(&folder).iter().try_for_each(|path| std::fs::remove_file(path).map_err(io(path)))?;
     }
-    for name in FILES.iter().map(PathBuf::from).chain(answers) {
-        let from = dir.join(&name);
-        match std::fs::metadata(&from) {
-            Err(_) => {}
-            Ok(file) if file.len() > FILE_BYTES_MAX => leave_out(&name.to_string_lossy(), file.len()),
-            Ok(_) => {
-                std::fs::copy(&from, target.join(&name)).map_err(io(&from))?;
-            }
+    let answers = record.files.iter().map(String::as_str).chain([ANSWER_FILE]);
+    let answers = answers.map(|name| format!("{ANSWERS_FOLDER}/{name}"));
+    let mut units: Vec<(String, Vec<PathBuf>)> = FILES
+        .iter()
+        .map(|name| (*name).to_owned())
+        .chain(answers)
+        .map(|name| (name.clone(), vec![dir.join(name)]))
+        .collect();
+    units.push((TIMINGS_FOLDER.to_owned(), files_in(&dir.join(TIMINGS_FOLDER))));
+    let mut left_out: Vec<String> = Vec::new();
+    for (name, files) in units {
+        let bytes: u64 = files.iter().filter_map(|path| Some(std::fs::metadata(path).ok()?.len())).sum();
+        if bytes > BYTES_MAX {
+            left_out.push(format!("{name} ({:.1} MB)", bytes as f64 / 1e6));
+            continue;
+        }
+        for from in files.iter().filter(|path| path.is_file()) {
+            let to = target.join(from.strip_prefix(dir).unwrap_or(from));
+            make_folder(to.parent().unwrap_or(&target))?;
+            std::fs::copy(from, to).map_err(io(from))?;
         }
     }
     write_provenance(dir, &target)?;
-    for name in FOLDERS {
-        if let Some(size) = copy_folder(&dir.join(name), &target.join(name))? {
-            leave_out(name, size);
-        }
-    }
     let summary = target.join(SUMMARY_FILE);
     let mut text = read_text(&summary, TEXT_BYTES_MAX).map_err(io(&summary))?;
-    // The first page: what a reader of the others has seen, and what the summary names.
+    // The first page: the one that the summary shows.
     if let Some(sheet) = sheet_files(dir).first() {
         let name = sheet.file_name().map_or_else(|| "sheet.png".into(), |name| name.to_string_lossy());
         let link = sheet_link(&name);
         if text.contains(&link) {
-            let image = png::read_rgb8(sheet)?;
-            let [mut width, mut height] = published_size([image.width, image.height]);
-            let mut bytes = png::encode_rgb8(&image.shrunk(width, height)).map_err(io(sheet))?;
-            // Noise does not compress: so large a file is made smaller by its texels.
-            while bytes.len() > SHEET_BYTES_MAX && width.min(height) > 1 {
-                [width, height] = [width, height].map(|side| (side * 7 / 8).max(1));
-                bytes = png::encode_rgb8(&image.shrunk(width, height)).map_err(io(sheet))?;
-            }
-            write_atomically(&target.join(&*name), |writer| writer.write_all(&bytes))?;
+            publish_sheet(sheet, &target.join(&*name))?;
             text = text.replace(&link, &markdown::link(sheet_title(&name), &name));
             text = text.replace(&markdown::link(SHEETS_FOLDER, SHEETS_FOLDER), &link_label(SHEETS_FOLDER));
         }
     }
     if !left_out.is_empty() {
-        text += &format!("\nToo large to be published, made again by the run: {}.\n", left_out.join(", "));
+        text += &format!("\nToo large to be published: {}. Run the experiment to get them.\n", left_out.join(", "));
     }
     write_atomically(&summary, |writer| writer.write_all(text.as_bytes()))?;
-    Ok(notes)
+    Ok(left_out.iter().map(|name| format!("{}: left out {name}", dir.display())).collect())
 }
 
-/// Size of a contact sheet in a published folder. Pages are made to fit when they have the width; one of an older run may be shrunk further.
-fn published_size([width, height]: [u32; 2]) -> [u32; 2] {
+/// Writes a contact sheet smaller.
+fn publish_sheet(from: &Path, to: &Path) -> Result<(), PublishError> {
+    let image = png::read_rgb8(from)?;
+    let [width, height] = [image.width, image.height].map(f64::from);
     let [width_max, height_max] = PUBLISHED_SIZE.map(f64::from);
-    let (width, height) = (f64::from(width), f64::from(height));
-    let factor = (width_max / width).min(height_max / height).min(1.0);
-    [width, height].map(|side| (side * factor).floor().max(1.0) as u32)
+    let mut factor = (width_max / width).min(height_max / height).min(1.0);
+    loop {
+        let [width, height] = [width, height].map(|side| (side * factor).floor().max(1.0) as u32);
+        let bytes = png::encode_rgb8(&image.shrunk(width, height)).map_err(io(from))?;
+        if bytes.len() <= SHEET_BYTES_MAX || width.min(height) == 1 {
+            return Ok(write_atomically(to, |writer| writer.write_all(&bytes))?);
+        }
+        // Noise does not compress.
+        factor *= 7.0 / 8.0;
+    }
 }
 
 /// The provenance, with the folders of the experiment's files as they are reached from the published one.
@@ -187,161 +180,62 @@ fn write_provenance(dir: &Path, target: &Path) -> Result<(), PublishError> {
             value[key] = relative(target, &dir.join(folder)).into();
         }
     }
-    let path = target.join(PROVENANCE_FILE);
     let text = format!("{value:#}\n");
-    write_atomically(&path, |writer| writer.write_all(text.as_bytes()))?;
-    Ok(())
-}
-
-/// Copies the files of a folder, where there is one; returns its size, bytes, where that is too much.
-fn copy_folder(from: &Path, to: &Path) -> Result<Option<u64>, PublishError> {
-    let entries = std::fs::read_dir(from).into_iter().flatten().flatten();
-    let files: Vec<PathBuf> = entries.map(|entry| entry.path()).filter(|path| path.is_file()).collect();
-    let size = files.iter().filter_map(|path| Some(std::fs::metadata(path).ok()?.len())).sum::<u64>();
-    if size > FOLDER_BYTES_MAX {
-        return Ok(Some(size));
-    }
-    if !files.is_empty() {
-        std::fs::create_dir_all(to).map_err(|error| PublishError::Folder { path: to.to_owned(), error })?;
-    }
-    for path in files {
-        std::fs::copy(&path, to.join(path.file_name().unwrap_or_default())).map_err(io(&path))?;
-    }
-    Ok(None)
+    Ok(write_atomically(&target.join(PROVENANCE_FILE), |writer| writer.write_all(text.as_bytes()))?)
 }
 
 /// Writes `README.md` of a folder of published runs: the answers of all of them. Returns its path.
 pub fn write_page(into: &Path) -> Result<PathBuf, PublishError> {
-    let mut runs: Vec<Published> = Vec::new();
-    for entry in std::fs::read_dir(into).map_err(io(into))?.flatten() {
-        if entry.path().join(ANSWERS_FOLDER).join(ANSWER_FILE).exists() {
-            let folder = entry.file_name().to_string_lossy().into_owned();
-            // A remark is a person's choice; most runs have none.
-            let remark = read_text(&entry.path().join(REMARK_FILE), TEXT_BYTES_MAX).unwrap_or_default();
-            let files = std::fs::read_dir(entry.path()).map_err(io(into))?.flatten();
-            let names = files.filter_map(|file| file.file_name().into_string().ok());
-            let sheet = names.filter(|name| name.ends_with(".png")).min();
-            runs.push(Published { folder, remark, sheet, run: AnswerRecord::read(&entry.path())? });
-        }
-    }
-    runs.sort_by(|a, b| a.folder.cmp(&b.folder));
-    let path = into.join(PAGE);
-    let text = page(&runs);
-    write_atomically(&path, |writer| writer.write_all(text.as_bytes()))?;
-    Ok(path)
-}
-
-/// A run in a folder of published ones.
-struct Published {
-    /// Name of its folder.
-    folder: String,
-    /// What a person wrote of it.
-    remark: String,
-    /// File of the contact sheet.
-    sheet: Option<String>,
-    run: AnswerRecord,
-}
-
-/// The page over published runs.
-fn page(runs: &[Published]) -> String {
-    let mut text = "# Published runs\n\nThis page is written by `splitsum answers --publish`. The remarks are a person's (`NAME/remark.md`).\n\n"
-        .to_owned();
+    let mut folders: Vec<String> = std::fs::read_dir(into)
+        .map_err(io(into))?
+        .flatten()
+        .filter(|entry| entry.path().join(ANSWERS_FOLDER).join(ANSWER_FILE).exists())
+        .map(|entry| entry.file_name().to_string_lossy().into_owned())
+        .collect();
+    folders.sort();
+    let runs = folders.into_iter().map(|folder| Ok((AnswerRecord::read(&into.join(&folder))?, folder)));
+    let runs: Vec<(AnswerRecord, String)> = runs.collect::<Result<_, PublishError>>()?;
     let mut table = MarkdownTable::new(&[("run", Align::Left), ("question", Align::Left), ("answer", Align::Left)]);
-    for Published { folder, run, .. } in runs {
+    for (run, folder) in &runs {
         let link = markdown::link(&run.name, &format!("{folder}/{SUMMARY_FILE}"));
         table.row_with_link(&link, &[run.question.as_str(), run.headline()]);
     }
-    text += &format!("{table}\n");
-    if runs.iter().any(|published| published.run.is_cpu_timed) {
+    let mut text = format!(
+        "# Published runs\n\n`splitsum answers --publish` writes this page. The remarks are the user's (`NAME/{REMARK_FILE}`).\n\n{table}\n"
+    );
+    if runs.iter().any(|(run, _)| run.is_cpu_timed) {
         text += "**Times from a CPU driver say nothing about a GPU.** Errors do not depend on the device's speed.\n\n";
     }
-    for Published { folder, remark, sheet, run } in runs {
-        let (name, question) = (inline(&run.name), paragraph(&run.question));
-        text += &format!("## {name}\n\n{question}\n\n{}\n\n", bold(run.headline()));
-        text.extend(run.answers.iter().skip(1).map(|answer| format!("- {}\n", paragraph(&answer.sentence))));
-        if !remark.trim().is_empty() {
-            text += &format!("\n{}\n", remark.trim());
-        }
-        let pictures: Vec<&String> = run.files.iter().filter(|name| name.ends_with(".svg")).collect();
-        if !pictures.is_empty() {
-            text.push('\n');
-        }
-        for name in pictures {
-            let about = name.trim_end_matches(".svg");
-            text += &format!("[{about}]({folder}/{ANSWERS_FOLDER}/{name}) · ");
-        }
-        if let Some(sheet) = sheet {
-            text += &format!("{} · ", markdown::link("contact sheet", &format!("{folder}/{sheet}")));
-        }
-        text += &format!("[all numbers]({folder}/{SUMMARY_FILE})\n\n");
-        let failed = if run.failed > 0 { format!(", {} failed", run.failed) } else { String::new() };
-        let commit = run.commit.get(..12).map_or_else(String::new, |commit| format!(", commit {commit}"));
-        text += &format!(
-            "{} cells{failed} on {}{}, {}{commit}.\n\n",
-            run.cells,
-            inline(&run.devices.join("; ")),
-            if run.is_cpu_timed { " (CPU)" } else { "" },
-            run.date_utc
-        );
+    for (run, folder) in &runs {
+        text += &section(run, folder, &into.join(folder));
     }
-    text.trim_end().to_owned() + "\n"
+    let path = into.join(PAGE);
+    write_atomically(&path, |writer| writeln!(writer, "{}", text.trim_end()))?;
+    Ok(path)
 }
 
-/// Begins a block of README that [`write_readme`] fills: `<!-- answer RUN QUESTION COLUMN=CELL ... -->`.
-const BLOCK_START: &str = "<!-- answer ";
-/// Ends such a block.
-const BLOCK_END: &str = "<!-- /answer -->";
-
-/// Fills the blocks of the README beside a folder of published runs: the sentence and the digest of one answer each. Returns its path where
-/// it has blocks.
-pub fn write_readme(into: &Path) -> Result<Option<PathBuf>, PublishError> {
-    let path = into.parent().unwrap_or(Path::new("")).join(PAGE);
-    let Ok(text) = read_text(&path, TEXT_BYTES_MAX) else { return Ok(None) };
-    let filled = with_answers(&text, into)?;
-    if filled != text {
-        write_atomically(&path, |writer| writer.write_all(filled.as_bytes()))?;
+/// The section of a run in the page, whose folder is `folder` beside the page.
+fn section(run: &AnswerRecord, folder: &str, dir: &Path) -> String {
+    let mut text = format!("## {}\n\n{}\n\n{}\n\n", inline(&run.name), paragraph(&run.question), bold(run.headline()));
+    text.extend(run.answers.iter().skip(1).map(|answer| format!("- {}\n", paragraph(&answer.sentence))));
+    let remark = read_text(&dir.join(REMARK_FILE), TEXT_BYTES_MAX).unwrap_or_default();
+    if !remark.trim().is_empty() {
+        text += &format!("\n{}\n", remark.trim());
     }
-    Ok(text.contains(BLOCK_START).then_some(path))
-}
-
-/// A text with its blocks filled from the published runs in `into`; a block of a run or question that is not there stays.
-pub fn with_answers(text: &str, into: &Path) -> Result<String, PublishError> {
-    let mut parts = text.split(BLOCK_START);
-    let mut filled = parts.next().unwrap_or_default().to_owned();
-    for part in parts {
-        let (head, rest) = part.split_once("-->").unwrap_or((part, ""));
-        let (old, after) = rest.split_once(BLOCK_END).unwrap_or((rest, ""));
-        let content = block(head, into)?.unwrap_or_else(|| old.to_owned());
-        filled += &format!("{BLOCK_START}{head}-->{content}{BLOCK_END}{after}");
-    }
-    Ok(filled)
-}
-
-/// The content of a block with this head: "RUN QUESTION", and which rows of the digest, "COLUMN=CELL", to show.
-fn block(head: &str, into: &Path) -> Result<Option<String>, PublishError> {
-    let mut words = head.split_whitespace();
-    let (Some(run), Some(question)) = (words.next(), words.next()) else { return Ok(None) };
-    let wanted: Vec<(&str, &str)> = words.filter_map(|word| word.split_once('=')).collect();
-    let dir = into.join(run);
-    if !dir.join(ANSWERS_FOLDER).join(ANSWER_FILE).exists() {
-        return Ok(None);
-    }
-    let record = AnswerRecord::read(&dir)?;
-    let answer = record.answers.into_iter().find(|answer| answer.question == question);
-    Ok(answer.map(|answer| format!("\n{}\n\n{}\n", paragraph(&answer.sentence), rows_with(&answer.digest, &wanted))))
-}
-
-/// The rows of a Markdown table with these cells, without the columns that hold them.
-fn rows_with(table: &str, wanted: &[(&str, &str)]) -> String {
-    let rows: Vec<Vec<&str>> = table.lines().map(|line| line.trim_matches('|').split('|').collect()).collect();
-    let names: Vec<&str> = rows.first().map_or(vec![], |head| head.iter().map(|name| name.trim()).collect());
-    let cell = |name: &str| wanted.iter().find(|(column, _)| *column == name).map(|(_, cell)| *cell);
-    let is_wanted =
-        |row: &&Vec<&str>| names.iter().zip(*row).all(|(name, own)| cell(name).is_none_or(|cell| cell == own.trim()));
-    let shown = rows.iter().take(2).chain(rows.iter().skip(2).filter(is_wanted));
-    let line = |row: &Vec<&str>| {
-        let cells = names.iter().zip(row).filter(|(name, _)| cell(name).is_none());
-        format!("|{}|\n", cells.map(|(_, own)| *own).collect::<Vec<_>>().join("|"))
-    };
-    shown.map(line).collect()
+    let figures = run.files.iter().filter_map(|name| name.strip_suffix(".svg"));
+    let figures = figures.map(|name| format!("[{name}]({folder}/{ANSWERS_FOLDER}/{name}.svg)"));
+    let sheet = names_in(dir).into_iter().filter(|name| name.ends_with(".png")).min();
+    let sheet = sheet.map(|sheet| markdown::link("contact sheet", &format!("{folder}/{sheet}")));
+    let links = figures.chain(sheet).chain([format!("[all numbers]({folder}/{SUMMARY_FILE})")]);
+    let failed = if run.failed > 0 { format!(", {} failed", run.failed) } else { String::new() };
+    let commit = run.commit.get(..12).map_or_else(String::new, |commit| format!(", commit {commit}"));
+    text += &format!(
+        "\n{}\n\n{} cells{failed} on {}{}, {}{commit}.\n\n",
+        links.collect::<Vec<_>>().join(" · "),
+        run.cells,
+        inline(&run.devices.join("; ")),
+        if run.is_cpu_timed { " (CPU)" } else { "" },
+        run.date_utc
+    );
+    text
 }

@@ -29,8 +29,6 @@ pub struct ToldAnswer {
     pub question: String,
     pub asks: String,
     pub sentence: String,
-    /// The digest, or the table where there is none, as Markdown.
-    pub digest: String,
 }
 
 /// The content of `answer.json`.

@@ -1,6 +1,6 @@
 //! `answers/` in the folder of a run, and its summary.
 
-use super::record::{ANSWER_FILE, AnswerRecord, ToldAnswer, WriteError, told};
+use super::record::{ANSWER_FILE, AnswerRecord, ToldAnswer, WriteError};
 use super::summary;
 use crate::figure::svg::{WIDTHS, svg};
 use crate::files::holds;
@@ -30,6 +30,9 @@ impl Written {
         let mut files: Vec<(String, String)> = Vec::new();
         for Answer { question, finding } in answers {
             files.push((format!("{}.csv", question.name), finding.table.csv()));
+            if let Some(digest) = &finding.digest {
+                files.push((format!("{}_digest.csv", question.name), digest.csv()));
+            }
             if let Some(figure) = &finding.figure {
                 files.push((format!("{}.svg", question.name), svg(figure, WIDTHS[0])));
             }
@@ -38,7 +41,6 @@ impl Written {
             question: answer.question.name.to_owned(),
             asks: answer.question.asks.to_owned(),
             sentence: answer.finding.sentence.clone(),
-            digest: told(answer).markdown(),
         };
         let session = run.last_session();
         let record = AnswerRecord {

@@ -74,7 +74,7 @@ fn nothing_is_published_where_nothing_can_be_made() {
     assert_ends(
         &splitsum(root.path(), &["answers", "run", "--publish", "/proc/splitsum"]),
         2,
-        &["where this user may write"],
+        &["/proc/splitsum", "choose a folder in which you may write"],
     );
 }
 

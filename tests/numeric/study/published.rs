@@ -2,7 +2,8 @@
 
 use crate::run::runs::{invoke, log, plan};
 use crate::run::whole::EXPERIMENT;
-use splitsum::report::publish::with_answers;
+use crate::snapshot::assert_snapshot;
+use splitsum::report::blocks::{fill, fill_pages};
 use splitsum::run::columns::{CELL, TABLES};
 use splitsum::study::columns;
 use splitsum::table::csv::Table;
@@ -17,21 +18,54 @@ fn text(name: &str) -> String {
 }
 
 #[test]
-fn the_readme_shows_the_published_answers() {
-    let readme = text("README.md");
-    let filled = with_answers(&readme, &file("results")).unwrap();
-    assert!(
-        filled == readme,
-        "README.md is not what the runs in results/ say; `splitsum answers DIR... --publish results` writes it"
-    );
-    // A block whose run is not there stays as it is: then nothing is shown.
-    let blocks: Vec<&str> = filled.split("<!-- answer").skip(1).collect();
-    assert!(!blocks.is_empty(), "README.md has no block of answers");
-    for block in blocks {
-        let rows =
-            block.split("<!-- /answer").next().unwrap_or("").lines().filter(|line| line.starts_with('|')).count();
-        assert!((3..13).contains(&rows), "{rows} lines of a table in the block{}", block.lines().next().unwrap_or(""));
+fn pages_show_what_the_published_runs_say() {
+    let dir = tempfile::tempdir().unwrap();
+    std::fs::create_dir(dir.path().join("docs")).unwrap();
+    std::os::unix::fs::symlink(file("results"), dir.path().join("results")).unwrap();
+    std::fs::copy(file("README.md"), dir.path().join("README.md")).unwrap();
+    for page in
+        std::fs::read_dir(file("docs")).unwrap().map(|entry| entry.unwrap().path()).filter(|path| path.is_file())
+    {
+        std::fs::copy(&page, dir.path().join("docs").join(page.file_name().unwrap())).unwrap();
     }
+    let filled = fill_pages(&dir.path().join("results")).unwrap();
+    assert!(filled.contains(&dir.path().join("README.md")), "{filled:?}");
+    for page in filled {
+        let name = page.strip_prefix(dir.path()).unwrap().display().to_string();
+        assert!(std::fs::read_to_string(&page).unwrap() == text(&name), "{name} does not show what results/ says");
+    }
+}
+
+#[test]
+fn blocks_choose_rows_and_columns_and_name_their_faults() {
+    let dir = tempfile::tempdir().unwrap();
+    let answers = dir.path().join("run/answers");
+    std::fs::create_dir_all(&answers).unwrap();
+    let csv = "alpha,model,n·v below 0.2,empty\n0.1,ggx,0.012345,\n0.10,phong,3,\n0.5,ggx,more than 512,\n";
+    std::fs::write(answers.join("q.csv"), csv).unwrap();
+    let run = |head: &str| fill(&format!("a\n<!-- {head} -->old<!-- /csv -->\nb"), dir.path());
+    let content = |head: &str| {
+        let page = run(head).unwrap_or_else(|error| panic!("{error}"));
+        page.split_once("-->").unwrap().1.split_once("<!-- /csv").unwrap().0.to_owned()
+    };
+    // The same number, however it is written; no filtered and no empty column.
+    let table = "\n| model | n·v below 0.2 |\n|-------|--------------:|\n| ggx   |        0.0123 |\n| phong |             3 |\n";
+    assert_eq!(content("csv run/answers/q.csv alpha=0.1"), table);
+    assert_eq!(content("csv run/answers/q.csv alpha=0.5 show=model"), "ggx");
+    // Two digits within a sentence.
+    assert_eq!(content("csv run/answers/q.csv alpha=0.1 model=ggx show=\"n·v below 0.2\""), "0.012");
+    assert_eq!(content("csv elsewhere/q.csv"), "old");
+    let faults = [
+        "csv run/answers/none.csv",
+        "csv run/answers/q.csv beta=1",
+        "csv run/answers/q.csv alpha=0.2",
+        "csv run/answers/q.csv alpha",
+        "csv run/answers/q.csv show=beta",
+    ];
+    let faults =
+        faults.map(|head| run(head).unwrap_err()).into_iter().chain([fill("<!-- csv run", dir.path()).unwrap_err()]);
+    let faults = faults.map(|fault| fault.replace(&dir.path().display().to_string(), "RESULTS"));
+    assert_snapshot("blocks_that_are_wrong", &faults.collect::<Vec<_>>().join("\n"));
 }
 
 #[test]
