@@ -1,7 +1,7 @@
 #!/bin/sh
-# Checks the scripts of the report's page: their format (prettier) and their types (tsc over JSDoc).
+# Checks the scripts of the report's page: their format (prettier) and their types (tsc over JSDoc). Installs axe-core for the browser tests.
 #
-# Both tools are pinned in assets/report/package-lock.json and installed below target/, once for each lock file.
+# All are pinned in assets/report/package-lock.json and installed below target/, once for each lock file.
 # `check-page.sh --write` formats the scripts instead.
 set -eu
 cd "$(dirname "$0")/.."
