@@ -79,7 +79,10 @@ fn pixels_are_the_renderers_exactly() {
     let reference = probed(&mut page, "reference");
     let squares = (0..3).map(|c| (values[c] - reference[c]).powi(2) / (reference[c].powi(2) + 1e-2));
     let error = (squares.sum::<f64>() / 3.0).sqrt();
-    assert!((values[3] - error).abs() < 1e-12 && (error - f64::from(SPLIT_SUM_ERROR)).abs() < 0.02, "{values:?} {error}");
+    assert!(
+        (values[3] - error).abs() < 1e-12 && (error - f64::from(SPLIT_SUM_ERROR)).abs() < 0.02,
+        "{values:?} {error}"
+    );
     assert_clean(&page);
 }
 

@@ -3,7 +3,8 @@
 use crate::chromium;
 use crate::fake::Log;
 use crate::fixture::{
-    HOSTILE, HOSTILE_FOLDER, assert_clean, cell, finished_run, page_of, report, report_of, rows, run_of, saved, write_page,
+    HOSTILE, HOSTILE_FOLDER, assert_clean, cell, finished_run, page_of, report, report_of, rows, run_of, saved,
+    write_page,
 };
 use serde_json::{Value, json};
 use splitsum::report::page::images::{Choice, Window};
@@ -175,7 +176,9 @@ fn joined_runs_keep_their_own_answers_and_images() {
     let Some(mut page) = chromium::open() else { return };
     let dir = tempfile::tempdir().unwrap();
     let axes = |samples: &str| {
-        format!("environment = [\"builtin:constant\"]\nalpha = [0.1, 0.5]\nmethod = [\"sampled\", \"split-sum\"]\nsamples = [{samples}]")
+        format!(
+            "environment = [\"builtin:constant\"]\nalpha = [0.1, 0.5]\nmethod = [\"sampled\", \"split-sum\"]\nsamples = [{samples}]"
+        )
     };
     let other = Log { device: Some("another device"), ..Log::default() };
     let runs: [PathBuf; 3] = [
@@ -183,7 +186,7 @@ fn joined_runs_keep_their_own_answers_and_images() {
         run_of(&dir.path().join("again"), &axes("1, 4, 16"), "", Log::default()),
         run_of(&dir.path().join("few"), &axes("1, 4"), "", other),
     ];
-    let mut texts = |page: &mut chromium::Page, selector: &str| {
+    let texts = |page: &mut chromium::Page, selector: &str| {
         page.eval(&format!("[...document.querySelectorAll({})].map((e) => e.textContent.trim())", json!(selector)))
     };
     let mut alone = Vec::new();
