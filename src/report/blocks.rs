@@ -56,7 +56,7 @@ pub fn fill(page: &str, results: &Path) -> Result<String, String> {
             "csv" => table(&words[1..], results),
             _ => sentence(&words[1..], results),
         };
-        let content = content.map_err(|what| format!("the block `{}-->`: {what}", head))?;
+        let content = content.map_err(|what| format!("the block `{head}-->`: {what}"))?;
         filled += &format!("{}{head}-->{}{end}", &rest[..start], content.as_deref().unwrap_or(old));
         rest = after;
     }

@@ -50,8 +50,8 @@ pub fn read_bytes(path: &Path, bytes: &[u8], layer: Option<&str>) -> Result<Deco
 /// Fails if a block of the first part is missing or cut off. Nothing is unpacked.
 pub fn check_whole(path: &Path) -> Result<(), PixelsError> {
     guarded(path, &read_bounded(path)?, |bytes| {
-        let chunks = chunks(bytes, 0).map_err(damaged)?;
-        chunks.map(|chunk| chunk.map(|_| ())).collect::<Result<(), Error>>().map_err(damaged)
+        let mut chunks = chunks(bytes, 0).map_err(damaged)?;
+        chunks.try_for_each(|chunk| chunk.map(|_| ())).map_err(damaged)
     })
 }
 
