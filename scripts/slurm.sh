@@ -89,8 +89,3 @@ stop_slurm() {
     done
     rm -f "$slurm_conf"
 }
-
-# What the controller remembers of the jobs.
-show_jobs() {
-    squeue --states=all --format='%i %.10M %T %k' | sort -n
-}

@@ -1,7 +1,7 @@
 //! `splitsum answers`.
 
 use super::report::{known_metric, line};
-use super::{Failure, print, tell};
+use super::{Failure, print, progress, tell};
 use clap::Args;
 use splitsum::report::blocks::fill_pages;
 use splitsum::report::page::{PageOptions, Told, is_page, write};
@@ -56,6 +56,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         for note in notes(dir) {
             tell(&format!("warning: {note}"));
         }
+        progress::doing(format!("answering the questions of {}", dir.display()));
         let run = Finished::read(dir).map_err(Failure::input)?;
         let answers = answers(&run, arguments.metric.as_deref());
         let written = Written::new(&run, &answers).map_err(Failure::failed)?;

@@ -2,7 +2,7 @@
 
 use super::check_bake::named;
 use super::run::open_device;
-use super::{Failure, print};
+use super::{Failure, print, progress};
 use clap::Args;
 use splitsum::bakes::convention::{PRESETS, Preset};
 use splitsum::bakes::make::{self, Making};
@@ -74,6 +74,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         return execute_for(engine, arguments, &environment, &settings);
     }
     settings.shading.precompute.validate().map_err(|error| Failure::input(format!("--set: {error}")))?;
+    progress::doing("baking");
     let mut pipeline = open_device(arguments.device).map_err(Failure::opening)?;
     std::fs::create_dir_all(&arguments.out)
         .map_err(|error| Failure::input(format!("--out: {} cannot be made: {error}", arguments.out.display())))?;
@@ -129,6 +130,7 @@ fn execute_for(
         level_count: value(PREFILTER_LEVEL_COUNT).map_or(product.chain.level_count(side), Value::count),
     };
     making.check().map_err(Failure::input)?;
+    progress::doing("baking");
     let baked = make::make(&making, &arguments.out).map_err(Failure::input)?;
     for path in &baked.files {
         print(&format!("{}\n", path.display()))?;

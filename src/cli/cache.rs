@@ -4,6 +4,7 @@ use super::tell;
 use clap::Args;
 use splitsum::pipeline::DiskCache;
 use splitsum::run::RenderFault;
+use splitsum::run::estimate::speeds::SPEEDS_FILE;
 use std::env;
 use std::path::PathBuf;
 
@@ -22,9 +23,18 @@ pub struct CacheArguments {
 }
 
 impl CacheArguments {
+    /// The file with the speeds of earlier runs, if there is to be a cache.
+    pub fn speeds(&self) -> Option<PathBuf> {
+        Some(self.dir()?.join(SPEEDS_FILE))
+    }
+
+    fn dir(&self) -> Option<PathBuf> {
+        self.cache.clone().or_else(default_dir).filter(|_| !self.no_cache)
+    }
+
     /// The cache, if there is to be one. A folder that was asked for must work; the default one may not.
     pub fn open(&self) -> Result<Option<DiskCache>, RenderFault> {
-        let Some(dir) = self.cache.clone().or_else(default_dir).filter(|_| !self.no_cache) else { return Ok(None) };
+        let Some(dir) = self.dir() else { return Ok(None) };
         match DiskCache::open(&dir, self.cache_limit << 20) {
             Ok(cache) => Ok(Some(cache)),
             Err(error) if self.cache.is_some() => {

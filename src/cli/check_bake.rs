@@ -1,7 +1,7 @@
 //! `splitsum check-bake`: how wrong the tables are that some tool baked.
 
 use super::bake_scores::{Checked, IRRADIANCE, as_json, as_text, is_doubtful, rows};
-use super::{Failure, print, print_data};
+use super::{Failure, print, print_data, progress};
 use clap::Args;
 use glam::DVec3;
 use splitsum::bakes::check::guess;
@@ -122,6 +122,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     }
     let model = named::<dyn Brdf>("--brdf", &arguments.brdf)?;
     let layout = arguments.layout.as_deref().map(|name| named("--layout", name));
+    progress::doing("reading the bake");
     let bake =
         read(&arguments.files, Reading { layout: layout.transpose()?, brdf: model.name() }).map_err(Failure::input)?;
     thresholds(arguments, &bake)?;
@@ -139,10 +140,12 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         }
         None => Vec::new(),
     };
+    progress::doing("integrating the exact maps");
     // Surfaces of an image are of other widths than the levels.
     let truth = Truth::judging(&environment, kernel, &[&alphas[..], &image::ALPHAS].concat());
     let mut checked = check(&truth, &bake, model, convention, arguments.guess).map_err(Failure::input)?;
     if !arguments.no_image {
+        progress::doing("shading images with the bake");
         checked.image = image::score(&truth, &bake, &checked.convention).map_err(Failure::input)?;
     }
     if arguments.json {
@@ -234,6 +237,7 @@ fn check(
     mut convention: Convention,
     is_guessed: bool,
 ) -> Result<Checked, String> {
+    progress::doing("comparing the axes");
     let mut axes = Vec::new();
     if let Some(map) = &bake.specular {
         axes.push(("prefiltered map", guess::axes(truth, map, &convention)?));
@@ -247,6 +251,7 @@ fn check(
             convention.axes = fits[0].axes;
         }
         if let Some(image) = &bake.dfg {
+            progress::doing("searching the conventions of the DFG table");
             let found = table::search(image, model);
             let best = &found[0];
             (convention.table_axes, convention.table_channels) = (best.axes, best.channels);
@@ -263,6 +268,7 @@ fn check(
             table_way = Some(format!("{}; next {}", way(best), way(&found[1])));
         }
     }
+    progress::doing("scoring levels");
     let levels = match &bake.specular {
         Some(map) => level::score(truth, map, &convention)?,
         None => Vec::new(),
@@ -272,6 +278,7 @@ fn check(
     let spot_check = widest_error
         .max_by(|a, b| a.errors.relmse.total_cmp(&b.errors.relmse))
         .map(|level| truth.spot_check(level.alpha, &[level.worst.direction, DVec3::X, -DVec3::Z]));
+    progress::doing("scoring diffuse maps and the DFG table");
     let mut checked = Checked {
         image: Vec::new(),
         irradiance: bake.irradiance.as_ref().map(|map| level::score_irradiance(truth, map, &convention)),

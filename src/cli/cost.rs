@@ -193,6 +193,7 @@ fn compiled(arguments: &Arguments) -> Result<Vec<Shaded>, Failure> {
     let flags = &arguments.compiled.0;
     let asked = asked(flags)?;
     let program = std::env::current_exe().map_err(Failure::failed)?;
+    super::progress::doing("compiling shaders");
     let found = available(&program).map_err(failure)?;
     let jobs: Vec<Job> = asked.iter().map(|(_, job)| job.clone()).collect();
     let mut shaded = Vec::new();

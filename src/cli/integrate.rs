@@ -1,8 +1,7 @@
 //! `splitsum integrate`: exact answers to a table of queries, without a device.
 
-use super::{Failure, print_data, tell};
+use super::{Failure, print_data, progress, tell};
 use clap::Args;
-use indicatif::{ProgressBar, ProgressStyle};
 use splitsum::brdf::Brdf;
 use splitsum::brdf::MaskingShadowing;
 use splitsum::environment::LoadOptions;
@@ -88,14 +87,10 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     if queries.is_empty() {
         return Err(Failure::nothing_to_do(format!("{}: no query below the header", arguments.queries.display())));
     }
-    // Drawn on a terminal only.
-    let bar = ProgressBar::new(queries.len() as u64).with_style(
-        ProgressStyle::with_template("{bar:30} {pos}/{len}  {elapsed} gone, {eta} left")
-            .expect("the template is well-formed"),
-    );
+    progress::counting("integrating", queries.len());
     let tolerance = Tolerance { relative: arguments.tolerance, ..TOLERANCE };
-    let answers = queries.answer(tolerance, || bar.inc(1));
-    bar.finish_and_clear();
+    let answers = queries.answer(tolerance, progress::one_more);
+    progress::end();
     if let Some(row) = answers.not_finite.first() {
         let (path, count) = (arguments.queries.display(), answers.not_finite.len());
         return Err(Failure::failed(format!(

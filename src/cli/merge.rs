@@ -1,80 +1,77 @@
 //! `splitsum merge`.
 
+use super::progress;
 use super::run::{command_line, conclude};
 use super::stop::STOP;
 use super::{Failure, tell};
 use clap::Args;
-use splitsum::run::RunOptions;
-use splitsum::run::chunk::{Hole, PlanFile, merge};
-use std::fmt::Write;
+use splitsum::environment::LoadOptions;
+use splitsum::run::frozen::{self, EXPERIMENT_FILE};
+use splitsum::run::store::StoreError;
+use splitsum::run::{Merged, RunOptions, merge, provenance};
 use std::path::PathBuf;
 
-/// Makes one run of the chunks of a plan file.
+/// Writes the tables, answers and report of a run that shards made.
 #[derive(Args, Debug)]
 #[command(
-    after_help = "The folder is what `splitsum run` would have left on one machine. What is missing is named with the chunk to run \
-    again, and the exit code is 4. Cells that were done twice on one device must agree.\n\n\
-    Example:\n  splitsum plan sweep.toml --chunk-seconds 60 --out plan.json\n  \
-    splitsum run --plan plan.json --chunk 0 --store shared/sweep     # and every other chunk, anywhere\n  \
-    splitsum merge --plan plan.json --store shared/sweep"
+    after_help = "The folder is then what one `splitsum run` would have left. Exit codes: 0 whole; 1 a record or an image is damaged, and \
+    nothing was written; 2 not a run; 4 cells failed or are missing: each shard to run again is named; 75 a shard is still at work.\n\n\
+    Example:\n  splitsum run sweep.toml --shard 1/2 --out /shared/sweep   (and 2/2, on any machine, in any order)\n  \
+    splitsum merge /shared/sweep"
 )]
 pub struct Arguments {
-    /// The plan file that `splitsum plan --chunk-seconds` wrote.
-    #[arg(long, value_name = "FILE")]
-    plan: PathBuf,
-    /// The folder that the chunks share.
-    #[arg(long, value_name = "DIR")]
-    store: PathBuf,
-    /// Folder of the run to make; the store itself when left out.
-    #[arg(long, value_name = "DIR")]
-    out: Option<PathBuf>,
+    /// The folder that the shards share.
+    #[arg(value_name = "DIR")]
+    dir: PathBuf,
     /// Writes the timed passes to trace.json, which Perfetto opens (needs [timing] in the experiment).
     #[arg(long)]
     trace: bool,
+    /// Sets NaN, infinite and negative texels of environments to 0, as the shards did.
+    #[arg(long)]
+    clamp_invalid: bool,
 }
 
-/// Cells that are named for each hole.
+/// Cells that are named.
 const NAMED_CELLS: usize = 3;
 
 pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
-    let (file, plan) = PlanFile::load(&arguments.plan)?;
-    let options = RunOptions {
-        dir: arguments.out.clone().unwrap_or_else(|| arguments.store.clone()),
-        stop: &STOP,
-        command_line: command_line(),
-        fail_fast: false,
-        trace: arguments.trace,
-    };
-    let merged = merge(&file, &plan, &arguments.store, &options)?;
-    for note in &merged.notes {
-        tell(&format!("warning: {note}"));
+    let dir = &arguments.dir;
+    progress::doing("checking records and images");
+    if provenance::read(dir).map_err(Failure::input)?.is_none() {
+        let why = "holds no run; expected the --out of `splitsum run --shard`".to_owned();
+        return Err(Failure::input(StoreError::Refused { dir: dir.clone(), why }));
     }
+    let options = LoadOptions { clamp_invalid: arguments.clamp_invalid, ..LoadOptions::default() };
+    let (plan, _) = frozen::load(&dir.join(EXPERIMENT_FILE), &[], &options).map_err(Failure::input)?;
+    let options = RunOptions { command_line: command_line(), trace: arguments.trace, ..RunOptions::new(dir, &STOP) };
+    let merged = merge(&plan, &options)?;
+    merged.notes.iter().for_each(|note| tell(&format!("warning: {note}")));
     let failed = conclude(&plan, &merged.outcome)?;
-    if merged.holes.is_empty() {
-        return failed.map_or(Ok(()), Err);
+    let missing = missing(arguments, &merged);
+    match (missing, failed) {
+        (None, failed) => failed.map_or(Ok(()), Err),
+        (Some(text), None) => Err(Failure::cells_failed(text)),
+        (Some(text), Some(failed)) => Err(Failure::cells_failed(format!("{text}\n{}", failed.text))),
     }
-    let cells: usize = merged.holes.iter().map(|hole| hole.cells.len()).sum();
-    let blocks: usize = merged.holes.iter().map(|hole| hole.block_count).sum();
-    let mut text = format!("{cells} of {} cells and {blocks} blocks of timings are missing:\n", plan.cells.len());
-    for hole in &merged.holes {
-        let _ = writeln!(text, "{}", words(hole));
-    }
-    let (plan, store) = (arguments.plan.display(), arguments.store.display());
-    for hole in &merged.holes {
-        let _ = writeln!(text, "to fill it: splitsum run --plan {plan} --chunk {} --store {store}", hole.chunk);
-    }
-    text.extend(failed.map(|failure| failure.text));
-    Err(Failure::cells_failed(text.trim_end().to_owned()))
 }
 
-fn words(hole: &Hole) -> String {
-    let mut what: Vec<String> =
-        hole.cells.iter().take(NAMED_CELLS).map(|(id, label)| format!("{id} {label}")).collect();
-    if let Some(more) = hole.cells.len().checked_sub(NAMED_CELLS).filter(|more| *more > 0) {
-        what.push(format!("{more} more cells"));
+/// What no shard has done, and the commands that do it.
+fn missing(arguments: &Arguments, merged: &Merged) -> Option<String> {
+    let (missing, dir) = (&merged.missing, arguments.dir.display());
+    let cells = missing.cells.len();
+    if cells + missing.timings == 0 {
+        return None;
     }
-    if hole.block_count > 0 {
-        what.push(format!("{} blocks of timings", hole.block_count));
+    let all = merged.outcome.cell_count;
+    let mut lines = vec![format!("{cells} of {all} cells and {} timed configurations are missing:", missing.timings)];
+    lines.extend(missing.cells.iter().take(NAMED_CELLS).map(|label| format!("  {label}")));
+    lines.extend(cells.checked_sub(NAMED_CELLS).filter(|more| *more > 0).map(|more| format!("  {more} more")));
+    let clamp = if arguments.clamp_invalid { " --clamp-invalid" } else { "" };
+    let run = format!("splitsum run {dir}/{EXPERIMENT_FILE}{clamp} --out {dir}");
+    let shards = missing.shards.iter().map(|(shard, end)| format!("shard {shard}, {end}: {run} --shard {shard}"));
+    lines.extend(shards);
+    if missing.shards.is_empty() {
+        lines.push(format!("to render them: {run}"));
     }
-    format!("  chunk {} ({}): {}", hole.chunk, hole.last, what.join("; "))
+    Some(lines.join("\n"))
 }

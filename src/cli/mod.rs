@@ -8,7 +8,6 @@ mod check_bake;
 mod compare;
 mod cost;
 mod devices;
-mod estimate;
 mod flags;
 mod integrate;
 #[cfg(not(feature = "view"))]
@@ -28,7 +27,6 @@ mod view;
 
 use clap::{Parser, Subcommand};
 use splitsum::cost::child::COMMAND;
-use splitsum::run::chunk::ChunkError;
 use splitsum::run::{RenderFault, RunError};
 use splitsum::spelling::printable;
 use std::process::ExitCode;
@@ -132,17 +130,9 @@ impl From<RunError> for Failure {
         match error {
             RunError::DeviceLost(_) => Self::passing(text),
             RunError::NoRenderer(_) => Self::input(text),
+            RunError::Damaged(_) => Self::failed(text),
             RunError::Store(error) if error.is_passing() => Self::passing(text),
             RunError::Store(error) => Self::of(error.is_misuse(), text),
-        }
-    }
-}
-
-impl From<ChunkError> for Failure {
-    fn from(error: ChunkError) -> Self {
-        match error {
-            ChunkError::Run(error) => error.into(),
-            error => Self::of(error.is_misuse(), error),
         }
     }
 }
@@ -169,6 +159,7 @@ pub fn main() -> ExitCode {
         #[cfg(not(feature = "view"))]
         Command::View(_) => later::execute("view"),
     };
+    progress::end();
     match result {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => {
@@ -194,7 +185,7 @@ fn print(text: &str) -> Result<(), Failure> {
 /// Writes to standard output for programs, byte for byte; a closed pipe (`splitsum list | head`) is no failure.
 fn print_data(text: &str) -> Result<(), Failure> {
     use std::io::Write;
-    match std::io::stdout().write_all(text.as_bytes()) {
+    match progress::beside(|| std::io::stdout().write_all(text.as_bytes())) {
         Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => {
             Err(Failure::failed(format!("standard output: {error}")))
         }
@@ -207,7 +198,7 @@ fn print_data(text: &str) -> Result<(), Failure> {
 fn tell(text: &str) {
     use std::io::Write;
     let lines: Vec<String> = text.lines().map(printable).collect();
-    let _ = writeln!(std::io::stderr(), "{}", lines.join("\n"));
+    let _ = progress::beside(|| writeln!(std::io::stderr(), "{}", lines.join("\n")));
 }
 
 /// Lines about an odd but usable input.

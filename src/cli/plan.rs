@@ -1,60 +1,40 @@
 //! `splitsum plan`: what a run would do.
 
 use super::cache::CacheArguments;
-use super::estimate::{Estimated, Question, estimated};
 use super::subject::Subject;
-use super::{Failure, print, print_data, tell};
+use super::{Failure, print, print_data, progress, tell};
 use clap::Args;
 use serde_json::json;
 use splitsum::experiment::fault::Lines;
 use splitsum::experiment::{Cell, Plan};
+use splitsum::pipeline::{DeviceChoice, chosen_device, is_kept};
 use splitsum::run::RunError;
-use splitsum::run::chunk::{PlanFile, Prices};
-use splitsum::run::estimate::{Part, SAMPLES_PER_SECOND, Source};
-use splitsum::run::store::{CELLS_FOLDER, CHUNKS_FOLDER, Store, StoreError};
-use splitsum::run::timing;
+use splitsum::run::estimate::{Forecast, Host, SpeedsFile, file_bytes};
+use splitsum::run::store::{Store, StoreError};
+use splitsum::run::timing::{self, TimingJob};
 use std::collections::BTreeMap;
 use std::fmt::Write;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
-/// Shows the cells of an experiment, what is left out and why, what is done, and what the rest will cost; or cuts it into chunks for several machines.
+/// Shows the cells of an experiment, what is left out and why, what is done, and what the rest will cost.
 #[derive(Args, Debug)]
 #[command(
     allow_negative_numbers = true,
-    mut_arg("out", |out| out.value_name("PATH").help(
-        "Folder of the run to compare with; runs/NAME when left out. With --chunk-seconds: the plan file to write"
-    )),
-    after_help = "Time and disk are estimated from the records of the run's folder and of --from. For work that these do not know, stated \
-    constants stand, scaled by a short probe of the device. Each figure says where it comes from.\n\n\
-    Chunks depend on the experiment, its inputs, --chunk-seconds and --samples-per-second alone: two people get the same.\n\n\
-    Examples:\n  splitsum plan experiments/quick.toml\n  splitsum plan experiments/quick.toml --json | jq '.cells | length'\n  \
-    splitsum plan experiments/quick.toml --chunk-seconds 60 --out plan.json"
+    after_help = "The time is that of the stated work of each step, scaled by what earlier runs took on the device; speeds.json in the cache \
+    folder keeps that. Without an earlier run it is a guess: the speed of a software driver on two cores.\n\n\
+    Examples:\n  splitsum plan experiments/quick.toml\n  splitsum plan experiments/quick.toml --json | jq '.cells | length'"
 )]
 pub struct Arguments {
     #[command(flatten)]
     subject: Subject,
     /// Prints JSON for programs.
-    #[arg(long, conflicts_with = "chunk_seconds")]
+    #[arg(long)]
     json: bool,
-    /// Cuts the experiment into chunks of about this many seconds and writes the plan file --out.
-    #[arg(long, value_name = "S", requires = "out", value_parser = positive)]
-    chunk_seconds: Option<f64>,
-    /// Samples of the method `sampled` that the device draws in a second [default: 6e7, a software driver on two cores].
-    #[arg(long, value_name = "RATE", requires = "chunk_seconds", value_parser = positive)]
-    samples_per_second: Option<f64>,
-    /// Folders whose records tell what cells cost: earlier runs, or the --store of one in chunks.
-    #[arg(long, value_name = "DIR", visible_alias = "store", conflicts_with = "chunk_seconds")]
-    from: Vec<PathBuf>,
     #[command(flatten)]
     cache: CacheArguments,
-    /// Index of the device to estimate for, as `splitsum devices` lists them.
-    #[arg(long, value_name = "N", conflicts_with = "chunk_seconds")]
+    /// Index of the device to predict for, as `splitsum devices` lists them.
+    #[arg(long, value_name = "N")]
     device: Option<usize>,
-}
-
-fn positive(text: &str) -> Result<f64, String> {
-    let number = text.parse().ok().filter(|number: &f64| number.is_finite() && *number > 0.0);
-    number.ok_or_else(|| "expected a number above 0".to_owned())
 }
 
 const DONE: &str = "done";
@@ -72,12 +52,10 @@ fn state(store: &Store, cell: &Cell) -> Result<&'static str, StoreError> {
 }
 
 pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
+    progress::doing("planning");
     let plan = arguments.subject.plan()?;
     for warning in plan.warnings() {
         tell(&format!("warning: {warning}"));
-    }
-    if let (Some(seconds), Some(path)) = (arguments.chunk_seconds, &arguments.subject.out) {
-        return write_chunks(arguments, &plan, seconds, path);
     }
     let dir = arguments.subject.dir(&plan);
     let store = Store::at(&dir);
@@ -91,17 +69,10 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let blocks = jobs.chunk_by(|a, b| a.block == b.block);
     let left: Vec<_> =
         blocks.filter(|block| !block.iter().all(|job| store.has_timing(&job.id))).flatten().cloned().collect();
-    let is_run = |dir: &&PathBuf| dir.join(CELLS_FOLDER).is_dir() || dir.join(CHUNKS_FOLDER).is_dir();
-    if let Some(stranger) = arguments.from.iter().find(|dir| !is_run(dir)) {
-        let stranger = stranger.display();
-        let text =
-            format!("--from: {stranger} holds no run; expected a folder with {CELLS_FOLDER}/ or {CHUNKS_FOLDER}/");
-        return Err(Failure::input(text));
-    }
-    let folders: Vec<PathBuf> = std::iter::once(dir.clone()).chain(arguments.from.iter().cloned()).collect();
-    let (cache, device) = (&arguments.cache, arguments.device);
-    let cost = estimated(&plan, &Question { open: &open, jobs: &left, folders: &folders, cache, device })?;
-    let shown = Shown { plan: &plan, states: &states, timings: [jobs.len(), jobs.len() - left.len()], cost: &cost };
+    let bytes = file_bytes(&plan, &open);
+    let (forecast, source) = forecast(&plan, &open, &left, arguments)?;
+    let timings = [jobs.len(), jobs.len() - left.len()];
+    let shown = Shown { plan: &plan, states: &states, timings, forecast: &forecast, source, bytes };
     match arguments.json {
         true => shown.write_json()?,
         false => print(&shown.as_text(&dir))?,
@@ -112,29 +83,32 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     Ok(())
 }
 
-fn write_chunks(arguments: &Arguments, plan: &Plan, seconds: f64, path: &Path) -> Result<(), Failure> {
-    if plan.cells.is_empty() {
-        return Err(arguments.subject.nothing_to_do());
+/// The forecast of these cells and timings by the speeds of earlier runs, and the device that these are of.
+fn forecast<'p>(
+    plan: &'p Plan,
+    open: &[&Cell],
+    jobs: &[TimingJob],
+    arguments: &Arguments,
+) -> Result<(Forecast<'p>, Option<String>), Failure> {
+    let device = match chosen_device(arguments.device.map_or(DeviceChoice::Default, DeviceChoice::Index)) {
+        Ok(device) => Some(device),
+        Err(error) if arguments.device.is_some() => return Err(Failure::input(error)),
+        Err(_) => None,
+    };
+    let mut cache = arguments.cache.open().map_err(Failure::opening)?;
+    if let (Some(cache), Some(device)) = (&mut cache, &device) {
+        cache.set_device(device);
     }
-    if arguments.subject.clamp_invalid {
-        let text = "--clamp-invalid: a plan file does not keep it; expected environments without invalid texels";
-        return Err(Failure::input(text.to_owned()));
-    }
-    let prices = Prices::stated(arguments.samples_per_second.unwrap_or(SAMPLES_PER_SECOND));
-    let file = PlanFile::new(plan, path.parent().unwrap_or(Path::new("")), seconds, prices);
-    file.write(path)?;
-    let timed: usize = file.chunks.iter().map(|chunk| chunk.timings.len()).sum();
-    let longest = file.chunks.iter().map(|chunk| chunk.seconds).fold(0.0, f64::max);
-    let whole: f64 = file.chunks.iter().map(|chunk| chunk.seconds).sum();
-    print(&format!(
-        "{}: {} cells and {timed} timed configurations in {}, numbered from 0; the longest is reckoned to take {longest:.0} s,\n\
-         all together {whole:.0} s; prices: {}\nWritten to {}\n",
-        file.name,
-        plan.cells.len(),
-        if file.chunks.len() == 1 { "1 chunk".to_owned() } else { format!("{} chunks", file.chunks.len()) },
-        file.prices.basis,
-        path.display()
-    ))
+    let is_kept = |cell: &Cell| {
+        let request = plan.reference_request(&plan.reference_point(&cell.point));
+        cache.as_ref().is_some_and(|cache| is_kept(cache, &request))
+    };
+    let first_of_each: BTreeMap<&str, &Cell> = open.iter().map(|cell| (cell.reference.as_str(), *cell)).collect();
+    let kept = first_of_each.iter().filter(|(_, cell)| is_kept(cell)).map(|(id, _)| id.to_string());
+    let file = arguments.cache.speeds().map(|path| SpeedsFile::read(&path)).unwrap_or_default();
+    let (source, speeds) = file.of(device.as_ref()).map(|(name, speeds)| (name.to_owned(), speeds.clone())).unzip();
+    let host = Host::here(device.map_or("cpu", |device| device.device_type));
+    Ok((Forecast::new(plan, open, jobs, kept, speeds.unwrap_or_default(), host), source))
 }
 
 /// The printed plan.
@@ -143,7 +117,11 @@ struct Shown<'a> {
     states: &'a [&'static str],
     /// Timed configurations, and how many are done.
     timings: [usize; 2],
-    cost: &'a Estimated,
+    forecast: &'a Forecast<'a>,
+    /// The device whose earlier runs say how fast it is.
+    source: Option<String>,
+    /// Of files.
+    bytes: f64,
 }
 
 impl Shown<'_> {
@@ -181,27 +159,22 @@ impl Shown<'_> {
     }
 
     fn cost_lines(&self) -> Vec<String> {
-        let estimate = &self.cost.estimate;
+        let source = match &self.source {
+            Some(device) => format!("by earlier runs on {device}"),
+            None => "a guess, by the speed of a software driver on 2 cores".to_owned(),
+        };
         let mut lines = vec![format!(
-            "at most {:.0} million samples left to draw: about {} and {} of disk",
-            estimate.samples / 1e6,
-            indicatif::HumanDuration(std::time::Duration::from_secs_f64(estimate.seconds)),
-            indicatif::HumanBytes(estimate.bytes as u64),
+            "about {} and {} of disk, {source}",
+            indicatif::HumanDuration(std::time::Duration::from_secs_f64(self.seconds())),
+            indicatif::HumanBytes(self.bytes as u64),
         )];
-        for (part, found) in &estimate.parts {
-            let sources: Vec<&str> = found.sources.keys().map(|source| source.name()).collect();
-            let count = match part {
-                Part::Timing => format!("{:.0} frames and tables", found.count),
-                Part::Ends => String::new(),
-                _ => format!("{:.0}", found.count),
-            };
-            let (name, seconds, sources) = (part.name(), found.seconds, sources.join(", "));
-            lines.push(format!("  {name:16} {count:>24} {seconds:>8.1} s  from {sources}"));
-        }
-        let disk = |source: Source| format!("  {:16} {:>24} {:>10}  from {}", "disk", "", "", source.name());
-        lines.extend(estimate.bytes_source.map(disk));
-        lines.extend(self.cost.notes.iter().map(|note| format!("  {note}")));
+        let line = |(name, count, seconds)| format!("  {name:18} {count:>9.0} {seconds:>10.1} s");
+        lines.extend(self.forecast.parts().into_iter().map(line));
         lines
+    }
+
+    fn seconds(&self) -> f64 {
+        self.forecast.ahead(0.0).seconds
     }
 
     /// One object, its cells first, a line each: they are written as they are made.
@@ -226,14 +199,12 @@ impl Shown<'_> {
 
     /// All but the cells.
     fn rest(&self) -> serde_json::Value {
-        let (plan, estimate) = (self.plan, &self.cost.estimate);
+        let plan = self.plan;
         let exclusions =
             self.excluded().map(|(count, why, place)| json!({ "why": why, "count": count, "place": place }));
-        let parts = estimate.parts.iter().map(|(part, found)| {
-            let sources: serde_json::Map<String, serde_json::Value> =
-                found.sources.iter().map(|(source, seconds)| (source.name().to_owned(), json!(seconds))).collect();
-            (part.name().to_owned(), json!({ "count": found.count, "seconds": found.seconds, "seconds_from": sources }))
-        });
+        let part =
+            |(name, count, seconds): (&str, f64, f64)| (name.to_owned(), json!({ "count": count, "seconds": seconds }));
+        let parts: serde_json::Map<_, _> = self.forecast.parts().into_iter().map(part).collect();
         json!({
             "name": plan.config.name,
             "plan_hash": plan.hash,
@@ -241,14 +212,7 @@ impl Shown<'_> {
             "collapsed": plan.collapsed,
             "timings": self.timings[0],
             "timings_done": self.timings[1],
-            "estimate": {
-                "samples": estimate.samples,
-                "seconds": estimate.seconds,
-                "bytes": estimate.bytes,
-                "bytes_from": estimate.bytes_source.map(|source| source.name()),
-                "parts": parts.collect::<serde_json::Map<_, _>>(),
-                "notes": self.cost.notes,
-            },
+            "estimate": { "seconds": self.seconds(), "bytes": self.bytes, "device": self.source, "parts": parts },
         })
     }
 }

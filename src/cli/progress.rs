@@ -1,61 +1,184 @@
-//! How long work is followed: a bar with the time left on a terminal, one line a step elsewhere.
+//! Signs of life on standard error: what is being done, how far it is, how long it will take. A bar on a terminal, elsewhere a line every few
+//! seconds.
 
-use super::tell;
-use indicatif::{ProgressBar, ProgressStyle};
+use indicatif::{HumanDuration, ProgressBar, ProgressStyle};
 use splitsum::run::Progress;
-use std::io::IsTerminal;
+use splitsum::run::estimate::Ahead;
+use splitsum::spelling::printable;
+use std::io::{IsTerminal, Write};
+use std::sync::{Mutex, MutexGuard, Once, PoisonError};
+use std::time::{Duration, Instant};
 
-/// Progress on standard error.
-#[derive(Debug, Default)]
-pub struct Terminal {
+/// Work that takes less shows nothing.
+const SILENT: Duration = Duration::from_secs(2);
+/// Time between lines; of long work a hundredth of its time.
+const LINES_APART: Duration = Duration::from_secs(5);
+/// Time between two drawings of the bar.
+const TICK: Duration = Duration::from_millis(200);
+/// Length of a bar, in whatever a step is.
+const BAR_LENGTH: u64 = 1000;
+
+static SHOWN: Mutex<Option<Shown>> = Mutex::new(None);
+
+/// Work that is being followed.
+struct Shown {
+    words: String,
+    began: Instant,
+    /// When a line was last written.
+    said: Instant,
+    steps: Option<Steps>,
     bar: Option<ProgressBar>,
+}
+
+/// Work whose number of steps is known.
+struct Steps {
     total: usize,
     done: usize,
+    /// The finished share, and the seconds that were left at `told`.
+    ahead: Ahead,
+    told: Instant,
 }
 
-impl Terminal {
-    fn say(&self, text: &str) {
-        match &self.bar {
-            Some(bar) => bar.suspend(|| tell(text)),
-            None => tell(text),
+fn shown() -> MutexGuard<'static, Option<Shown>> {
+    SHOWN.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Says what is being done from now on.
+pub fn doing(words: impl Into<String>) {
+    follow(words.into(), None);
+}
+
+/// Says what is being done from now on, in this many steps of about equal length; [`one_more`] follows each.
+pub fn counting(words: impl Into<String>, total: usize) {
+    follow(words.into(), Some(Steps { total, done: 0, ahead: Ahead::default(), told: Instant::now() }));
+}
+
+/// Notes the end of a step.
+pub fn one_more() {
+    if let Some(Shown { steps: Some(steps), began, .. }) = &mut *shown() {
+        let (done, left) = (steps.done + 1, steps.total.saturating_sub(steps.done + 1));
+        let seconds = began.elapsed().as_secs_f64() * left as f64 / done as f64;
+        let share = done as f64 / steps.total.max(1) as f64;
+        (steps.done, steps.ahead, steps.told) = (done, Ahead { share, seconds }, Instant::now());
+    }
+}
+
+/// Ends the signs of life.
+pub fn end() {
+    if let Some(Shown { bar: Some(bar), .. }) = shown().take() {
+        bar.finish_and_clear();
+    }
+}
+
+/// Writes to standard output or error while no bar is drawn.
+pub fn beside<T>(write: impl FnOnce() -> T) -> T {
+    match &*shown() {
+        Some(Shown { bar: Some(bar), .. }) => bar.suspend(write),
+        _ => write(),
+    }
+}
+
+fn follow(words: String, steps: Option<Steps>) {
+    static THREAD: Once = Once::new();
+    end();
+    let now = Instant::now();
+    *shown() = Some(Shown { words, began: now, said: now, steps, bar: None });
+    THREAD.call_once(|| {
+        std::thread::spawn(|| {
+            loop {
+                std::thread::sleep(TICK);
+                shown().iter_mut().for_each(Shown::tick);
+            }
+        });
+    });
+}
+
+impl Shown {
+    fn tick(&mut self) {
+        let elapsed = self.began.elapsed();
+        // A run says from the first second how long it will take.
+        let is_due = elapsed >= SILENT || self.steps.as_ref().is_some_and(|steps| steps.ahead.seconds > 0.0);
+        if !std::io::stderr().is_terminal() {
+            let apart = LINES_APART.max(elapsed / 100);
+            let last = self.said.elapsed();
+            if is_due && (last >= apart || self.said == self.began && elapsed >= SILENT) {
+                self.say();
+            }
+        } else if is_due {
+            let message = self.message();
+            let bar = self.bar.get_or_insert_with(|| {
+                let template = if self.steps.is_some() { "{bar:30} {wide_msg}" } else { "{spinner} {wide_msg}" };
+                ProgressBar::new(BAR_LENGTH)
+                    .with_style(ProgressStyle::with_template(template).expect("the template is well-formed"))
+            });
+            if let Some(steps) = &self.steps {
+                bar.set_position((steps.ahead.share * BAR_LENGTH as f64) as u64);
+            }
+            bar.set_message(message);
+            bar.tick();
+        }
+    }
+
+    fn say(&mut self) {
+        self.said = Instant::now();
+        // Nobody may be reading: the work goes on.
+        let _ = writeln!(std::io::stderr(), "{}", printable(&self.message()));
+    }
+
+    fn message(&self) -> String {
+        let gone = self.began.elapsed();
+        match &self.steps {
+            None => format!("{}: {}", self.words, HumanDuration(gone)),
+            Some(Steps { total, done, ahead, told }) => {
+                let left = Duration::from_secs_f64(ahead.seconds.clamp(0.0, 1e9)).saturating_sub(told.elapsed());
+                let percent = 100.0 * ahead.share;
+                format!("[{done}/{total}] {percent:.0} %, about {} left: {}", HumanDuration(left), self.words)
+            }
         }
     }
 }
+
+/// Follows a run.
+#[derive(Debug, Default)]
+pub struct Terminal;
 
 impl Progress for Terminal {
-    fn start(&mut self, total: usize, done: usize) {
-        (self.total, self.done) = (total, done);
+    fn start(&mut self, total: usize, done: usize, ahead: Ahead) {
         if done > 0 {
-            self.say(&format!("{done} of {total} steps are done already"));
+            super::tell(&format!("{done} of {total} steps are done already"));
         }
-        if done < total && std::io::stderr().is_terminal() {
-            let style = ProgressStyle::with_template("{bar:30} {pos}/{len}  {elapsed} gone, {eta} left  {wide_msg}")
-                .expect("the template is well-formed");
-            let bar = ProgressBar::new(total as u64).with_style(style);
-            bar.set_position(done as u64);
-            // Steps of an earlier invocation took no time of this one.
-            bar.reset_eta();
-            self.bar = Some(bar);
+        match done < total {
+            true => follow("starting".to_owned(), Some(Steps { total, done, ahead, told: Instant::now() })),
+            false => doing(END),
         }
     }
 
-    fn step(&mut self, label: &str, failure: Option<&str>) {
-        self.done += 1;
-        if let Some(bar) = &self.bar {
-            bar.set_message(label.to_owned());
-            bar.set_position(self.done as u64);
+    fn step(&mut self, label: &str, failure: Option<&str>, ahead: Ahead) {
+        let is_over = {
+            let mut shown = shown();
+            let Some(followed) = &mut *shown else { return };
+            let is_first = followed.words == "starting";
+            label.clone_into(&mut followed.words);
+            let Some(steps) = &mut followed.steps else { return };
+            (steps.done, steps.ahead, steps.told) = (steps.done + 1, ahead, Instant::now());
+            let is_over = steps.done >= steps.total;
+            if (is_first || is_over) && failure.is_none() && !std::io::stderr().is_terminal() {
+                followed.say();
+            }
+            is_over
+        };
+        if let Some(reason) = failure {
+            super::tell(&format!("{label}: failed: {reason}"));
         }
-        match failure {
-            Some(reason) => self.say(&format!("[{}/{}] {label}: failed: {reason}", self.done, self.total)),
-            None if self.bar.is_none() => self.say(&format!("[{}/{}] {label}", self.done, self.total)),
-            None => {}
-        }
-        if let (Some(bar), true) = (&self.bar, self.done >= self.total) {
-            bar.finish_and_clear();
+        if is_over {
+            doing(END);
         }
     }
 
     fn note(&mut self, text: &str) {
-        self.say(text);
+        super::tell(text);
     }
 }
+
+/// What follows the steps of a run.
+const END: &str = "writing tables and contact sheets";

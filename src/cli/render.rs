@@ -2,7 +2,7 @@
 
 use super::flags::{AxisFlags, Given, SeenFlags};
 use super::run::open_device;
-use super::{Failure, print, tell};
+use super::{Failure, print, progress, tell};
 use clap::Args;
 use splitsum::bakes::given;
 use splitsum::environment::{Environment, LoadOptions};
@@ -83,6 +83,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let curve = settings.curve;
     let given = given::Given::load(&settings.prefiltered, &settings.dfg, here).map_err(Failure::input)?;
     let request = settings.request(&environment, &scene, &view, given);
+    progress::doing("rendering");
     let mut pipeline = open_device(seen.device).map_err(Failure::opening)?;
     let frame = pipeline.render(&request).map_err(|error| Failure::rendering(RenderFault::from(error)))?;
     for term in &frame.convergences {

@@ -1,6 +1,6 @@
 //! `splitsum report`.
 
-use super::{Failure, print, tell};
+use super::{Failure, print, progress, tell};
 use clap::Args;
 use splitsum::metrics::Metric;
 use splitsum::report::page::images::{BUDGET_BYTES, Choice, Window};
@@ -58,6 +58,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     for note in arguments.dirs.iter().flat_map(|dir| notes(dir)) {
         tell(&format!("warning: {note}"));
     }
+    progress::doing("answering the questions");
     let runs: Vec<(Finished, Vec<Answer>)> = arguments
         .dirs
         .iter()
@@ -65,6 +66,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         .collect::<Result<_, _>>()
         .map_err(Failure::input)?;
     let options = PageOptions { out, images, budget: BUDGET_BYTES, metric: arguments.metric.clone() };
+    progress::doing("writing the report");
     print(&line(&write(&options, &Told::of_runs(&runs))?))
 }
 

@@ -1,7 +1,7 @@
 //! `splitsum run`.
 
 use super::cache::CacheArguments;
-use super::progress::Terminal;
+use super::progress::{self, Terminal};
 use super::stop::{self, STOP};
 use super::subject::Subject;
 use super::{Failure, print};
@@ -10,19 +10,18 @@ use splitsum::experiment::Plan;
 use splitsum::pipeline::{DeviceChoice, Options, Pipeline};
 use splitsum::report::page::{PageOptions, Told, write};
 use splitsum::report::write::Written;
-use splitsum::run::chunk::{PlanFile, run_chunk};
-use splitsum::run::store::{FailureRecord, Store};
+use splitsum::run::shards::Shard;
+use splitsum::run::store::Store;
 use splitsum::run::{Outcome, Progress, RenderFault, Renderer, RunError, RunOptions, run};
 use splitsum::study::finished::Finished;
 use splitsum::study::questions::answers;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::time::Instant;
 
 /// Runs an experiment, or what is left of it.
 #[derive(Args, Debug)]
 #[command(
     allow_negative_numbers = true,
-    override_usage = "splitsum run [OPTIONS] <EXPERIMENT>\n       splitsum run --plan <FILE> --chunk <K> --store <DIR> [--device <N>]",
     after_help = "A run that was stopped (Ctrl-C, SIGTERM, a crash, a full disk) goes on where it stopped: give the same command again. One \
     that is finished ends with 0 at once. Cells whose images are gone, or not those that their records name, are done again.\n\n\
     A larger sweep goes on in the folder of a smaller one: give the experiment more values or axes. An experiment that lacks a finished \
@@ -34,21 +33,14 @@ use std::time::Instant;
     splitsum run experiments/quick.toml --set alpha=0.1,0.25,0.5 --set brdf=ggx --out runs/short\n  \
     splitsum run experiments/real.toml --set environment=sky.hdr --set scene=teapot.obj --out runs/teapot\n  \
     splitsum run experiments/ladder.toml --set environment=my.hdr --set brdf=ggx   (where the split sum's error comes from)\n  \
-    splitsum run --plan plan.json --chunk 17 --store shared/sweep"
+    splitsum run sweep.toml --shard 2/4 --out /shared/sweep   (one of four processes; then splitsum merge /shared/sweep)"
 )]
 pub struct Arguments {
     #[command(flatten)]
-    subject: Option<Subject>,
-    /// Runs one chunk of this plan file (see `splitsum plan --chunk-seconds`) instead of a whole experiment.
-    #[arg(long, value_name = "FILE", requires_all = ["chunk", "store"])]
-    #[arg(conflicts_with_all = ["experiment", "out", "overrides", "trace"])]
-    plan: Option<PathBuf>,
-    /// Number of the chunk, from 0.
-    #[arg(long, value_name = "K", requires = "plan", conflicts_with = "experiment")]
-    chunk: Option<usize>,
-    /// The folder that all chunks share; `splitsum merge` makes one run of it.
-    #[arg(long, value_name = "DIR", requires = "plan", conflicts_with = "experiment")]
-    store: Option<PathBuf>,
+    subject: Subject,
+    /// Does part K of N in the folder --out, which all parts share; `splitsum merge` then writes the tables.
+    #[arg(long, value_name = "K/N", requires = "out", conflicts_with = "trace")]
+    shard: Option<Shard>,
     /// Ends the run at the first cell that fails; without it the others are still done.
     #[arg(long)]
     fail_fast: bool,
@@ -63,16 +55,8 @@ pub struct Arguments {
 }
 
 pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
-    match (&arguments.subject, &arguments.plan, arguments.chunk, &arguments.store) {
-        (_, Some(plan), Some(chunk), Some(store)) => execute_chunk(arguments, plan, chunk, store),
-        (Some(subject), ..) => execute_whole(arguments, subject),
-        // The parser lets nothing else through.
-        _ => Err(Failure::input("expected an experiment file, or --plan, --chunk and --store".to_owned())),
-    }
-}
-
-fn execute_whole(arguments: &Arguments, subject: &Subject) -> Result<(), Failure> {
-    let started = Instant::now();
+    let (started, subject) = (Instant::now(), &arguments.subject);
+    progress::doing("reading the experiment");
     let plan = subject.plan()?;
     if plan.cells.is_empty() {
         return Err(subject.nothing_to_do());
@@ -82,36 +66,31 @@ fn execute_whole(arguments: &Arguments, subject: &Subject) -> Result<(), Failure
         return Err(Failure::input(format!("--trace: {file} times nothing; expected a [timing] section")));
     }
     let mut progress = begin(&plan)?;
-    let options = options(arguments, subject.dir(&plan));
-    if let Some(told) = Store::at(&options.dir).told_when_done(&plan).filter(|_| !arguments.trace) {
+    let options = RunOptions {
+        dir: subject.dir(&plan),
+        stop: &STOP,
+        command_line: command_line(),
+        shard: arguments.shard,
+        speeds: arguments.cache.speeds(),
+        fail_fast: arguments.fail_fast,
+        trace: arguments.trace,
+    };
+    let is_whole = arguments.shard.is_none();
+    if let Some(told) = Store::at(&options.dir).told_when_done(&plan).filter(|_| is_whole && !arguments.trace) {
         return print(&told);
     }
     let outcome = run(&plan, &mut opener(arguments), &options, &mut progress)?;
-    let failed = conclude(&plan, &outcome)?;
+    let failed = match arguments.shard {
+        None => conclude(&plan, &outcome)?,
+        Some(_) => cells_failed(&outcome),
+    };
     if let Some(work) = &outcome.work {
         progress.note(&work.line(started.elapsed().as_secs_f64() * 1e3));
     }
-    failed.or_else(|| outcome.is_stopped.then(stopped)).map_or(Ok(()), Err)
-}
-
-fn execute_chunk(arguments: &Arguments, plan_file: &Path, chunk: usize, store: &Path) -> Result<(), Failure> {
-    let (file, plan) = PlanFile::load(plan_file)?;
-    let mut progress = begin(&plan)?;
-    let options = options(arguments, store.to_owned());
-    let outcome = run_chunk(&file, &plan, chunk, &mut opener(arguments), &options, &mut progress)?;
-    let failed = cells_failed(&outcome.failures, file.chunks[chunk].cells.len());
     failed.or_else(|| outcome.is_stopped.then(stopped)).map_or(Ok(()), Err)?;
-    print(&format!("Chunk {chunk} of 0 to {} is done, in {}\n", file.chunks.len() - 1, store.display()))
-}
-
-fn options(arguments: &Arguments, dir: PathBuf) -> RunOptions<'static> {
-    RunOptions {
-        dir,
-        stop: &STOP,
-        command_line: command_line(),
-        fail_fast: arguments.fail_fast,
-        trace: arguments.trace,
-    }
+    let Some(shard) = arguments.shard else { return Ok(()) };
+    let (cells, dir) = (outcome.cell_count, outcome.dir.display());
+    print(&format!("Shard {shard} is done: {cells} of {} cells, in {dir}\n", plan.cells.len()))
 }
 
 /// What the user typed, for the provenance: where the program lies is nobody's business.
@@ -125,7 +104,7 @@ pub fn command_line() -> Vec<String> {
 
 /// Says what is odd about the experiment and takes requests to stop.
 fn begin(plan: &Plan) -> Result<Terminal, Failure> {
-    let mut progress = Terminal::default();
+    let mut progress = Terminal;
     for warning in plan.inputs.warnings().into_iter().chain(plan.warnings()) {
         progress.note(&format!("warning: {warning}"));
     }
@@ -135,12 +114,14 @@ fn begin(plan: &Plan) -> Result<Terminal, Failure> {
 
 /// Answers the questions of a run that has ended, prints the summary and writes the report; the result says which of its cells failed.
 pub fn conclude(plan: &Plan, outcome: &Outcome) -> Result<Option<Failure>, Failure> {
+    progress::doing("answering the questions");
     let run = Finished::read(&outcome.dir).map_err(Failure::failed)?;
     let answers = answers(&run, None);
     let written = Written::new(&run, &answers).map_err(Failure::failed)?;
     written.write().map_err(Failure::failed)?;
     let told = format!("{}Written to {}\n", written.summary, outcome.dir.display());
     print(&told)?;
+    progress::doing("writing the report");
     // The run is kept whatever becomes of its report.
     let options = PageOptions::in_folder(&outcome.dir);
     let report = write(&options, &Told::of_runs(&[(run, answers)]));
@@ -149,12 +130,13 @@ pub fn conclude(plan: &Plan, outcome: &Outcome) -> Result<Option<Failure>, Failu
     if report.is_ok() && outcome.failures.is_empty() && !outcome.is_stopped {
         Store::at(&outcome.dir).mark_done(plan, &(told + &line)).map_err(RunError::from)?;
     }
-    Ok(cells_failed(&outcome.failures, plan.cells.len()))
+    Ok(cells_failed(outcome))
 }
 
-fn cells_failed(failures: &[FailureRecord], cell_count: usize) -> Option<Failure> {
+fn cells_failed(outcome: &Outcome) -> Option<Failure> {
+    let failures = &outcome.failures;
     let lines: Vec<String> = failures.iter().map(|f| format!("  {} {}: {}", f.cell, f.label, f.reason)).collect();
-    let text = format!("{} of {cell_count} cells failed:\n{}", failures.len(), lines.join("\n"));
+    let text = format!("{} of {} cells failed:\n{}", failures.len(), outcome.cell_count, lines.join("\n"));
     (!failures.is_empty()).then_some(Failure::cells_failed(text))
 }
 

@@ -128,6 +128,11 @@ impl Pipeline {
         self.kept.disk = Some(cache);
     }
 
+    /// Whether the cache holds what `request` would render.
+    pub fn has_kept(&self, request: &RenderRequest) -> bool {
+        self.kept.disk.as_ref().is_some_and(|cache| is_kept(cache, request))
+    }
+
     /// What frames shared so far; timing rounds do not count.
     pub fn shared_work(&self) -> &SharedWork {
         &self.kept.work

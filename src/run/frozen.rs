@@ -52,11 +52,6 @@ fn texts(list: &Value) -> Vec<String> {
     list.as_array().into_iter().flatten().filter_map(|text| Some(text.as_str()?.to_owned())).collect()
 }
 
-/// The folder that paths in the file at `path` are relative to, where that is another one than its own.
-pub(super) fn file_dir(path: &Path, text: &str) -> Option<PathBuf> {
-    Frozen::beside(path, text).filter(|frozen| frozen.is_unchanged)?.file_dir
-}
-
 impl Plan {
     /// Reads, checks and expands the experiment at `path`; `overrides` are the texts of `--set`.
     pub fn load(path: &Path, overrides: &[String]) -> Result<Self, ConfigError> {

@@ -2,7 +2,6 @@
 //!
 //! A run ends with tables; `crate::study` answers questions from them.
 
-pub mod chunk;
 pub mod columns;
 pub mod environments;
 pub mod estimate;
@@ -18,6 +17,7 @@ pub mod renderer;
 pub mod rows;
 mod scoring;
 pub mod seal;
+pub mod shards;
 pub mod sheets;
 pub mod statistics;
 pub mod store;
@@ -26,6 +26,6 @@ pub mod timing;
 pub mod timing_ratios;
 pub mod trace;
 
-pub use execute::{MakeRenderer, Outcome, Progress, RunError, RunOptions, Work, run};
+pub use execute::{MakeRenderer, Merged, Outcome, Progress, RunError, RunOptions, Work, merge, run};
 pub use images::{STANDARD_ERROR_LAYER, file_words, write_radiance};
 pub use renderer::{RenderFault, Renderer};

@@ -37,7 +37,12 @@ pub enum ProvenanceError {
 
 /// The provenance of the run in a folder, whoever asks for it; `None` when there is none. It is an object that says its format.
 pub fn read(dir: &Path) -> Result<Option<Value>, ProvenanceError> {
-    let path = dir.join(PROVENANCE_FILE);
+    read_file(&dir.join(PROVENANCE_FILE))
+}
+
+/// As [`read`], of a file.
+pub(super) fn read_file(path: &Path) -> Result<Option<Value>, ProvenanceError> {
+    let path = path.to_owned();
     let bytes = match read_regular(&path, MAX_FILE_BYTES) {
         Ok(bytes) => bytes,
         Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(None),
@@ -53,7 +58,7 @@ pub fn read(dir: &Path) -> Result<Option<Value>, ProvenanceError> {
         None => strange("it has no schema_version"),
         Some(None) => strange("its schema_version is not a whole number"),
         Some(Some(found)) if found > SCHEMA_VERSION.into() => {
-            Err(ProvenanceError::Newer { dir: dir.to_owned(), found })
+            Err(ProvenanceError::Newer { dir: path.parent().unwrap_or(&path).to_owned(), found })
         }
         Some(Some(_)) if !value.get("sessions").is_some_and(Value::is_array) => strange("it has no list of sessions"),
         Some(Some(_)) => Ok(Some(value)),

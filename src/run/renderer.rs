@@ -24,6 +24,10 @@ pub trait Renderer {
     fn device(&self) -> DeviceInfo;
     /// Whether a request can be served, as far as that can be told before any work.
     fn check(&self, request: &RenderRequest) -> Result<(), RenderFault>;
+    /// Whether a cache holds the image of a request.
+    fn has_kept(&self, _: &RenderRequest) -> bool {
+        false
+    }
     /// One radiance image.
     fn render(&mut self, request: &RenderRequest) -> Result<Frame, RenderFault>;
     /// The display image of a radiance image.
@@ -66,6 +70,10 @@ impl Renderer for Pipeline {
 
     fn check(&self, request: &RenderRequest) -> Result<(), RenderFault> {
         Ok(Pipeline::check(self, request)?)
+    }
+
+    fn has_kept(&self, request: &RenderRequest) -> bool {
+        Pipeline::has_kept(self, request)
     }
 
     fn render(&mut self, request: &RenderRequest) -> Result<Frame, RenderFault> {

@@ -8,6 +8,7 @@ use splitsum::experiment::Plan;
 use splitsum::pixels::exr;
 use splitsum::report::page::images::Choice;
 use splitsum::report::page::{PageOptions, Told, write};
+use splitsum::run::estimate::Ahead;
 use splitsum::run::{Progress, RenderFault, Renderer, RunOptions, run};
 use splitsum::study::finished::Finished;
 use splitsum::study::questions::{Answer, answers};
@@ -27,8 +28,8 @@ pub const SIDE: u32 = 24;
 pub struct Quiet;
 
 impl Progress for Quiet {
-    fn start(&mut self, _: usize, _: usize) {}
-    fn step(&mut self, _: &str, _: Option<&str>) {}
+    fn start(&mut self, _: usize, _: usize, _: Ahead) {}
+    fn step(&mut self, _: &str, _: Option<&str>, _: Ahead) {}
     fn note(&mut self, _: &str) {}
 }
 
@@ -45,13 +46,7 @@ pub fn finished_run(dir: &Path, name: &str, broken: Option<&'static str>) -> Pat
     );
     let plan = Plan::from_text(Path::new("hostile.toml"), &text, &[]).unwrap_or_else(|error| panic!("{error}"));
     let stop = AtomicBool::new(false);
-    let options = RunOptions {
-        dir: dir.join(name),
-        stop: &stop,
-        command_line: vec![HOSTILE.to_owned()],
-        fail_fast: false,
-        trace: false,
-    };
+    let options = RunOptions { command_line: vec![HOSTILE.to_owned()], ..RunOptions::new(&dir.join(name), &stop) };
     let log = Rc::new(RefCell::new(Log { broken_method: broken, ..Log::default() }));
     let mut make = || -> Result<Box<dyn Renderer>, RenderFault> { Ok(Box::new(Fake(log.clone()))) };
     run(&plan, &mut make, &options, &mut Quiet).unwrap_or_else(|error| panic!("{error}"));
@@ -75,7 +70,7 @@ pub fn run_of_text(dir: &Path, text: &str, log: Log) -> PathBuf {
     let plan = Plan::from_text(&file, text, &[]).unwrap_or_else(|error| panic!("{error}"));
     let stop = AtomicBool::new(false);
     let fail_fast = log.broken.is_none();
-    let options = RunOptions { dir: dir.to_owned(), stop: &stop, command_line: Vec::new(), fail_fast, trace: false };
+    let options = RunOptions { fail_fast, ..RunOptions::new(dir, &stop) };
     let log = Rc::new(RefCell::new(log));
     let mut make = || -> Result<Box<dyn Renderer>, RenderFault> { Ok(Box::new(Fake(log.clone()))) };
     run(&plan, &mut make, &options, &mut Quiet).unwrap_or_else(|error| panic!("{error}"));

@@ -84,13 +84,7 @@ fn bench() -> Option<Bench> {
     let (Some(first), Some(pipeline)) = (pipeline(), pipeline()) else { return None };
     let dir = tempfile::tempdir().unwrap();
     let (plan, stop) = (plan(), AtomicBool::new(false));
-    let options = RunOptions {
-        dir: dir.path().join("run"),
-        stop: &stop,
-        command_line: Vec::new(),
-        fail_fast: true,
-        trace: false,
-    };
+    let options = RunOptions { fail_fast: true, ..RunOptions::new(&dir.path().join("run"), &stop) };
     let mut first = Some(first);
     let mut make = || -> Result<Box<dyn Renderer>, RenderFault> { Ok(Box::new(first.take().unwrap())) };
     run(&plan, &mut make, &options, &mut Quiet).unwrap_or_else(|error| panic!("{error}"));

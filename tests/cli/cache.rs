@@ -13,6 +13,8 @@ fn run(dir: &Path, out: &str, flags: &[&str]) -> (String, Vec<u8>) {
 
 fn entries(cache: &Path) -> Vec<PathBuf> {
     let mut files: Vec<PathBuf> = std::fs::read_dir(cache).unwrap().map(|entry| entry.unwrap().path()).collect();
+    // Beside the entries stands how fast runs were.
+    files.retain(|file| file.extension().is_some_and(|end| end == "kept"));
     files.sort();
     files
 }

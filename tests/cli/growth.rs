@@ -119,9 +119,8 @@ fn a_merge_of_four_times_the_cells_takes_little_more_memory() {
         return eprintln!("skipped: no Vulkan device");
     }
     let merge_peak = |dir: &Path| {
-        ok(dir, &["plan", "growth.toml", "--chunk-seconds", "1e6", "--out", "plan.json"]);
-        ok(dir, &["run", "--plan", "plan.json", "--chunk", "0", "--store", "store", "--no-cache"]);
-        peak_of(dir, &["merge", "--plan", "plan.json", "--store", "store", "--out", "merged"])
+        ok(dir, &["run", "growth.toml", "--shard", "1/1", "--out", "shared", "--no-cache"]);
+        peak_of(dir, &["merge", "shared"])
     };
     let (Some(few), Some(many)) = (merge_peak(small.path()), merge_peak(large.path())) else {
         return eprintln!("skipped: the system does not tell the memory of a process");

@@ -3,8 +3,6 @@
 mod bad_input;
 mod cache;
 mod check_bake;
-#[cfg(unix)]
-mod chunks;
 mod cost;
 mod end_to_end;
 mod faults;
@@ -15,6 +13,8 @@ mod integrate;
 mod interruptions;
 #[path = "../shared/scratch.rs"]
 mod scratch;
+#[cfg(unix)]
+mod shards;
 mod soak;
 
 use std::path::{Path, PathBuf};

@@ -1,14 +1,14 @@
 //! Runs of experiments. No test needs a device: runs use a renderer made of formulas.
 
-mod chunk;
 mod environments;
-mod estimate;
 pub mod fake;
+mod forecast;
 mod frozen;
 mod grow;
 mod host;
 mod resume;
 pub mod runs;
+mod shards;
 mod sheets;
 mod statistics;
 mod timed;

@@ -245,8 +245,8 @@ impl<'p> Run<'p> {
             match scored {
                 Ok(record) => {
                     self.store.write_cell(&record)?;
-                    self.remember(&record);
-                    progress.step(&self.plan.label(cell), None);
+                    self.remember(cell, &record);
+                    progress.step(&self.plan.label(cell), None, self.ahead());
                 }
                 Err(reason) => self.fail(&[cell], &reason, progress)?,
             }

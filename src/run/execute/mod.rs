@@ -1,19 +1,23 @@
 //! Runs a plan: renders each reference and each radiance once, scores every cell, keeps records, writes tables.
 
 mod cells;
+mod merge;
 mod outcome;
 mod session;
 mod timed;
 
-pub use outcome::{Outcome, RunError, Share, ShareOutcome, Work};
+pub use merge::{Merged, Missing, merge};
+pub use outcome::{Outcome, RunError, Work};
 
-use crate::experiment::plan::{Cell, Plan};
+use crate::experiment::plan::{Cell, Plan, ReferenceGroup};
 use crate::files::holds;
 use crate::run::environments;
+use crate::run::estimate::{Ahead, Forecast, Host, Speeds, SpeedsFile};
 use crate::run::images;
 use crate::run::live::{self, LIVE_FILE};
 use crate::run::renderer::{RenderFault, Renderer};
 use crate::run::scoring::CellFault;
+use crate::run::shards::{Shard, Share};
 use crate::run::sheets;
 use crate::run::store::{CellRecord, FailureRecord, KeptCell, Store};
 use crate::run::tables::{self, CellResult, Results};
@@ -21,8 +25,8 @@ use crate::run::timing::{self, TimingJob, TimingRecord};
 use crate::run::trace;
 use crate::table::csv;
 use blake3::Hash;
-use std::collections::HashMap;
-use std::path::PathBuf;
+use std::collections::{BTreeMap, HashMap};
+use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
@@ -35,18 +39,30 @@ pub struct RunOptions<'a> {
     pub stop: &'a AtomicBool,
     /// The command line, for the provenance.
     pub command_line: Vec<String>,
+    /// The part of the plan to do, where several processes share the folder. Tables are then left to [`merge`].
+    pub shard: Option<Shard>,
+    /// The file with the speeds of earlier runs, which forecast the time of this one.
+    pub speeds: Option<PathBuf>,
     /// Ends the run at the first cell that fails, instead of going on with the others.
     pub fail_fast: bool,
     /// Writes the timed passes as a Chrome trace, `trace.json`.
     pub trace: bool,
 }
 
+impl<'a> RunOptions<'a> {
+    /// A whole run in `dir`, without what can be left out.
+    pub fn new(dir: &Path, stop: &'a AtomicBool) -> Self {
+        let command_line = Vec::new();
+        Self { dir: dir.to_owned(), stop, command_line, shard: None, speeds: None, fail_fast: false, trace: false }
+    }
+}
+
 /// Follows a run.
 pub trait Progress {
     /// The run has `total` steps (cells and timed configurations), `done` of them from earlier.
-    fn start(&mut self, total: usize, done: usize);
+    fn start(&mut self, total: usize, done: usize, ahead: Ahead);
     /// A step ended; `failure` says why it failed.
-    fn step(&mut self, label: &str, failure: Option<&str>);
+    fn step(&mut self, label: &str, failure: Option<&str>, ahead: Ahead);
     /// A line for the user.
     fn note(&mut self, text: &str);
 }
@@ -59,7 +75,7 @@ const TABLE_INTERVAL: Duration = Duration::from_secs(2);
 /// and so rarely that it takes at most this part of the time: they grow with the cells.
 const TABLE_SHARE: u32 = 20;
 
-/// Runs what is not done yet of `plan` in the folder of `options`, then writes the tables and contact sheets.
+/// Runs what is not done yet of `plan` in the folder of `options`, then writes the tables and contact sheets. A shard leaves these to [`merge`].
 pub fn run(
     plan: &Plan,
     make_renderer: &mut MakeRenderer,
@@ -70,23 +86,32 @@ pub fn run(
     let is_begun = Store::at(&options.dir).check_identity(plan)?;
     // A new run leaves nothing behind when there is no device, and one that cannot be finished is not begun.
     let mut renderer = if is_begun { None } else { Some(opened(plan, make_renderer)?) };
-    let store = Store::open(&options.dir, plan)?;
+    let store = match options.shard {
+        Some(shard) => Store::open_shard(&options.dir, plan, shard)?,
+        None => Store::open(&options.dir, plan)?,
+    };
     let mut run = Run::load(plan, store, options)?;
     let is_adopted = run.adopt(progress)?;
     run.forget_changed(progress)?;
-    let steps_left = run.steps_left();
-    progress.start(plan.cells.len() + run.jobs.len(), plan.cells.len() + run.jobs.len() - steps_left);
-    if steps_left > 0 {
+    let (steps, left) = (run.own_cells().count() + run.jobs.len(), run.steps_left());
+    if left > 0 {
         let mut renderer = match renderer.take() {
             Some(renderer) => renderer,
             None => opened(plan, make_renderer)?,
         };
+        run.forecast = Some(run.forecast(renderer.as_ref()));
+        run.clock = Instant::now();
+        progress.start(steps, steps - left, run.ahead());
         run.begin_session(&renderer.device())?;
         let result = run.work(renderer.as_mut(), progress);
         // What is done is kept also when the device was lost.
-        run.write_tables()?;
+        if run.share.is_none() {
+            run.write_tables()?;
+        }
         run.end_session(renderer.as_ref(), started)?;
         result?;
+    } else {
+        progress.start(steps, steps, Ahead { share: 1.0, seconds: 0.0 });
     }
     let has_worked = run.work.is_some();
     run.finish(has_worked || is_adopted)
@@ -101,42 +126,13 @@ fn opened(plan: &Plan, make_renderer: &mut MakeRenderer) -> Result<Box<dyn Rende
     Ok(renderer)
 }
 
-/// Does a share of `plan` in the folder `store`, which must be this process's own. Writes records and images, no tables: those are made
-/// of all shares together.
-pub(super) fn run_share(
-    plan: &Plan,
-    share: &Share,
-    store: Store,
-    make_renderer: &mut MakeRenderer,
-    options: &RunOptions,
-    progress: &mut dyn Progress,
-) -> Result<ShareOutcome, RunError> {
-    let mut run = Run::load(plan, store, options)?;
-    run.jobs.retain(|job| share.timings.contains(&job.id));
-    run.share = Some(share);
-    let steps_left = run.steps_left();
-    progress.start(steps_left, 0);
-    let started = Instant::now();
-    let mut renderer = opened(plan, make_renderer)?;
-    run.begin_session(&renderer.device())?;
-    let result = run.work(renderer.as_mut(), progress);
-    run.end_session(renderer.as_ref(), started)?;
-    result?;
-    Ok(ShareOutcome { failures: run.failures(), is_stopped: run.is_stopped() && run.steps_left() > 0 })
-}
-
-/// Writes tables and contact sheets from the records that stand in the run's folder.
-pub(super) fn tabulate(plan: &Plan, store: Store, options: &RunOptions) -> Result<Outcome, RunError> {
-    Run::load(plan, store, options)?.finish(true)
-}
-
 /// A run in progress.
 struct Run<'p> {
     plan: &'p Plan,
     store: Store,
     options: &'p RunOptions<'p>,
     /// The part of the plan that is this process's; `None` for all of it.
-    share: Option<&'p Share>,
+    share: Option<Share>,
     results: Results,
     jobs: Vec<TimingJob<'p>>,
     timings: Vec<TimingRecord>,
@@ -148,35 +144,47 @@ struct Run<'p> {
     references_read: usize,
     /// [`images::hashes`] of each cell that an earlier invocation finished, by its id. Gone when they are checked.
     recorded_hashes: HashMap<&'p str, Box<[Option<Hash>]>>,
-    /// Records of cells that are there but cannot be used.
-    unusable: Vec<PathBuf>,
+    /// A sentence for each record of a cell that is there but cannot be used.
+    unusable: Vec<String>,
+    /// Finished cells by device.
+    devices: BTreeMap<String, usize>,
+    /// The time that is left, while this invocation works.
+    forecast: Option<Forecast<'p>>,
+    /// When this invocation began to work.
+    clock: Instant,
     /// There when this invocation did something.
     work: Option<Work>,
 }
 
 impl<'p> Run<'p> {
     fn load(plan: &'p Plan, store: Store, options: &'p RunOptions<'p>) -> Result<Self, RunError> {
+        let share = options.shard.map(|shard| Share::of(plan, shard));
         let mut results = Results::new();
         let mut recorded_hashes = HashMap::new();
         let mut unusable = Vec::new();
-        for cell in &plan.cells {
+        let mut devices: BTreeMap<String, usize> = BTreeMap::new();
+        for cell in plan.cells.iter().filter(|cell| is_own(&share, cell)) {
             match store.whole_cell(&cell.id) {
-                Ok(Some(record)) if !record.has_all_scores() => unusable.push(store.cell_path(&cell.id)),
+                Ok(Some(record)) if !record.has_all_scores() => {
+                    unusable.push(format!("{}: lacks the score of some metric", store.cell_path(&cell.id).display()));
+                }
                 Ok(Some(record)) => {
                     recorded_hashes.insert(cell.id.as_str(), images::hashes(plan, cell, &record.files));
                     results.insert(cell.id.clone(), CellResult::Done(Box::new(KeptCell::of(&record))));
+                    *devices.entry(format!("{} ({})", record.device, record.driver)).or_default() += 1;
                 }
                 Ok(None) => {}
-                Err(error) if error.is_unusable_record() => unusable.push(store.cell_path(&cell.id)),
+                Err(error) if error.is_unusable_record() => unusable.push(error.to_string()),
                 Err(error) => return Err(error.into()),
             }
         }
-        let jobs = timing::jobs(plan);
+        let mut jobs = timing::jobs(plan);
+        jobs.retain(|job| share.as_ref().is_none_or(|share| share.timings.contains(&job.id)));
         Ok(Self {
             plan,
             store,
             options,
-            share: None,
+            share,
             results,
             jobs,
             timings: Vec::new(),
@@ -186,6 +194,9 @@ impl<'p> Run<'p> {
             references_read: 0,
             recorded_hashes,
             unusable,
+            devices,
+            forecast: None,
+            clock: Instant::now(),
             work: None,
         })
     }
@@ -196,9 +207,8 @@ impl<'p> Run<'p> {
         let plan = self.plan;
         if let Some(first) = self.unusable.first() {
             progress.note(&format!(
-                "records of cells that are damaged, another cell's or without some metric: {}, the first {}; their cells are done again",
-                self.unusable.len(),
-                first.display()
+                "{} records of finished cells cannot be used, so these cells are rendered again; the first: {first}",
+                self.unusable.len()
             ));
         }
         let hashes = std::mem::take(&mut self.recorded_hashes);
@@ -219,10 +229,14 @@ impl<'p> Run<'p> {
         Ok(())
     }
 
+    /// The cells of this process.
+    fn own_cells(&self) -> impl Iterator<Item = &'p Cell> {
+        self.plan.cells.iter().filter(|cell| is_own(&self.share, cell))
+    }
+
     /// Whether there is nothing to do for a cell: it has its record, or another process does it.
     fn is_done(&self, cell: &Cell) -> bool {
-        let is_ours = self.share.is_none_or(|share| share.cells.contains(&cell.id));
-        !is_ours || matches!(self.results.get(&cell.id), Some(CellResult::Done(_)))
+        !is_own(&self.share, cell) || matches!(self.results.get(&cell.id), Some(CellResult::Done(_)))
     }
 
     fn is_stopped(&self) -> bool {
@@ -230,11 +244,37 @@ impl<'p> Run<'p> {
     }
 
     fn steps_left(&self) -> usize {
-        let cells = self.plan.cells.iter().filter(|cell| !self.is_done(cell)).count();
-        // A block that lacks a record is timed anew as a whole.
+        self.plan.cells.iter().filter(|cell| !self.is_done(cell)).count() + self.open_jobs().len()
+    }
+
+    /// Configurations to time: a block that lacks a record is timed again as a whole.
+    fn open_jobs(&self) -> Vec<TimingJob<'p>> {
         let blocks = self.jobs.chunk_by(|a, b| a.block == b.block);
-        let is_open = |block: &&[TimingJob]| block.iter().any(|job| !self.store.has_timing(&job.id));
-        cells + blocks.filter(is_open).map(<[TimingJob]>::len).sum::<usize>()
+        blocks.filter(|block| !block.iter().all(|job| self.store.has_timing(&job.id))).flatten().cloned().collect()
+    }
+
+    /// The forecast of what is left. References that the cache or the folder has are no work.
+    fn forecast(&self, renderer: &dyn Renderer) -> Forecast<'p> {
+        let device = renderer.device();
+        let open: Vec<&Cell> = self.plan.cells.iter().filter(|cell| !self.is_done(cell)).collect();
+        let is_kept = |group: &ReferenceGroup| {
+            let mut cells = group.radiances.iter().flat_map(|(_, cells)| cells).copied();
+            let first = cells.clone().find(|cell| !self.is_done(cell))?;
+            let request = || self.plan.reference_request(&self.plan.reference_point(&first.point));
+            (cells.any(|cell| self.results.contains_key(&cell.id)) || renderer.has_kept(&request()))
+                .then(|| group.id.to_owned())
+        };
+        let kept: Vec<String> = self.plan.groups().iter().filter_map(is_kept).collect();
+        let file = self.options.speeds.as_ref().map(|path| SpeedsFile::read(path)).unwrap_or_default();
+        let speeds = file.of(Some(&device)).map_or_else(Speeds::default, |(_, speeds)| speeds.clone());
+        Forecast::new(self.plan, &open, &self.open_jobs(), kept, speeds, Host::here(device.device_type))
+    }
+
+    /// What is ahead of this invocation now.
+    fn ahead(&self) -> Ahead {
+        self.forecast
+            .as_ref()
+            .map_or_else(Ahead::default, |forecast| forecast.ahead(self.clock.elapsed().as_secs_f64()))
     }
 
     fn work(&mut self, renderer: &mut dyn Renderer, progress: &mut dyn Progress) -> Result<(), RunError> {
@@ -248,8 +288,7 @@ impl<'p> Run<'p> {
     /// nothing left to make. Without it the report has no such view.
     fn live(&self, renderer: &mut dyn Renderer, progress: &mut dyn Progress) -> Result<(), RunError> {
         let path = self.store.dir().join(LIVE_FILE);
-        let is_ours = self.share.is_none_or(|share| share.has_live);
-        if !is_ours || self.is_stopped() || path.exists() {
+        if !self.makes_live() || self.is_stopped() || path.exists() {
             return Ok(());
         }
         match of_cell(live::record(self.plan, renderer).map_err(CellFault::from))? {
@@ -259,7 +298,15 @@ impl<'p> Run<'p> {
         Ok(())
     }
 
-    fn remember(&mut self, record: &CellRecord) {
+    /// Whether the live view of the report is this process's work.
+    fn makes_live(&self) -> bool {
+        self.share.as_ref().is_none_or(|share| share.has_live)
+    }
+
+    fn remember(&mut self, cell: &Cell, record: &CellRecord) {
+        if let Some(forecast) = &mut self.forecast {
+            forecast.cell(cell, Some(&record.spent));
+        }
         self.results.insert(record.cell.clone(), CellResult::Done(Box::new(KeptCell::of(record))));
     }
 
@@ -269,7 +316,10 @@ impl<'p> Run<'p> {
             let record = FailureRecord { cell: cell.id.clone(), label: label.clone(), reason: reason.to_owned() };
             self.store.write_failure(&record)?;
             self.results.insert(cell.id.clone(), CellResult::Failed(record));
-            progress.step(&label, Some(reason));
+            if let Some(forecast) = &mut self.forecast {
+                forecast.cell(cell, None);
+            }
+            progress.step(&label, Some(reason), self.ahead());
             self.is_halted |= self.options.fail_fast;
         }
         Ok(())
@@ -311,6 +361,10 @@ impl<'p> Run<'p> {
 
     /// Tables and contact sheets of all that is done.
     fn finish(mut self, has_worked: bool) -> Result<Outcome, RunError> {
+        if self.share.is_some() {
+            return Ok(self.outcome());
+        }
+        self.gather_sessions()?;
         for job in &self.jobs {
             self.timings.extend(self.store.timing::<TimingRecord>(&job.id)?);
         }
@@ -339,14 +393,24 @@ impl<'p> Run<'p> {
             sheets::write_sheets(&self.store, self.plan, &self.results)?;
             self.store.write_text(&path, &String::from_utf8_lossy(&index))?;
         }
-        Ok(Outcome {
+        Ok(self.outcome())
+    }
+
+    fn outcome(self) -> Outcome {
+        Outcome {
             dir: self.store.dir().to_owned(),
+            cell_count: self.own_cells().count(),
             failures: self.failures(),
             is_stopped: self.is_stopped() && self.steps_left() > 0,
             work: self.work,
             timings: self.timings,
-        })
+        }
     }
+}
+
+/// Whether a cell is this process's work.
+fn is_own(share: &Option<Share>, cell: &Cell) -> bool {
+    share.as_ref().is_none_or(|share| share.cells.contains(&cell.id))
 }
 
 /// The outer error ends the run, the inner one is the cell's own.

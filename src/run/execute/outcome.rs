@@ -5,7 +5,6 @@ use crate::run::provenance::ProvenanceError;
 use crate::run::renderer::RenderFault;
 use crate::run::store::{FailureRecord, StoreError};
 use crate::run::timing::TimingRecord;
-use std::collections::BTreeSet;
 use std::path::PathBuf;
 
 /// Why a run ended early.
@@ -15,6 +14,12 @@ pub enum RunError {
     Store(#[from] StoreError),
     #[error("the device was lost: {0}; what is done is kept, run the same command again to go on")]
     DeviceLost(String),
+    /// One sentence for each file.
+    #[error(
+        "records or images are damaged or missing, so nothing was merged; run their shards again, which renders them again, then merge:\n{}",
+        .0.join("\n")
+    )]
+    Damaged(Vec<String>),
     /// The renderer could not be made.
     #[error("{0}")]
     NoRenderer(String),
@@ -32,29 +37,12 @@ impl From<RenderFault> for RunError {
     }
 }
 
-/// The part of a plan that one process does.
-#[derive(Debug, Default)]
-pub struct Share {
-    /// Ids of cells.
-    pub cells: BTreeSet<String>,
-    /// Ids of timed configurations, whole blocks.
-    pub timings: BTreeSet<String>,
-    /// Whether it makes what the live view of the whole run needs.
-    pub has_live: bool,
-}
-
-/// The outcome of a share.
-#[derive(Debug, Default)]
-pub struct ShareOutcome {
-    /// Cells without a record, each with its reason.
-    pub failures: Vec<FailureRecord>,
-    pub is_stopped: bool,
-}
-
 /// The outcome of a run.
 #[derive(Debug)]
 pub struct Outcome {
     pub dir: PathBuf,
+    /// Cells of the plan, or of the shard.
+    pub cell_count: usize,
     pub timings: Vec<TimingRecord>,
     /// Cells without a record, each with its reason.
     pub failures: Vec<FailureRecord>,

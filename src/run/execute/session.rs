@@ -3,59 +3,86 @@
 use super::{Progress, Run, RunError, Work, milliseconds};
 use crate::files::holds;
 use crate::pipeline::DeviceInfo;
+use crate::run::estimate::SpeedsFile;
 use crate::run::frozen::EXPERIMENT_FILE;
 use crate::run::live::LIVE_FILE;
 use crate::run::provenance;
 use crate::run::renderer::Renderer;
-use crate::run::store::FAILED_FOLDER;
-use serde_json::json;
+use crate::run::shards::Shard;
+use crate::run::store::{FAILED_FOLDER, SHARDS_FOLDER};
+use serde_json::{Value, json};
 use std::collections::BTreeSet;
 use std::time::Instant;
 
+/// Key of the shard in a session.
+const SHARD: &str = "shard";
+
 impl Run<'_> {
-    /// Makes a run that was begun one of this plan and this text: a larger plan, a changed comment, a lost file. Returns whether it was one of
-    /// another plan.
+    /// Makes the folder one of this plan and this text: a new run, a larger plan, a changed comment, a lost file. Returns whether it held a run
+    /// of another plan.
     pub(super) fn adopt(&self, progress: &mut dyn Progress) -> Result<bool, RunError> {
-        let (plan, dir) = (self.plan, self.store.dir());
-        let Some(found) = provenance::read(dir)? else { return Ok(false) };
-        let is_other = found["plan_hash"] != plan.hash;
+        let found = provenance::read(self.store.dir())?;
+        let is_other = found.as_ref().is_some_and(|found| found["plan_hash"] != self.plan.hash);
         if is_other {
-            let (all, done) = (plan.cells.len(), self.results.len());
+            let (all, done) = (self.own_cells().count(), self.results.len());
             progress.note(&format!("goes on from a run of another plan: {done} of {all} cells are done"));
             // It shows the environments and models of all cells.
-            if done < all {
+            if done < all && self.makes_live() {
                 self.store.remove_file(LIVE_FILE)?;
             }
-            let planned: BTreeSet<&str> = plan.cells.iter().map(|cell| cell.id.as_str()).collect();
+            let planned: BTreeSet<&str> = self.plan.cells.iter().map(|cell| cell.id.as_str()).collect();
             let gone = self.store.ids(FAILED_FOLDER).into_iter().filter(|id| !planned.contains(id.as_str()));
             gone.into_iter().try_for_each(|id| self.store.remove_failure(&id))?;
+        } else if found.is_some() && !holds(&self.store.dir().join(EXPERIMENT_FILE), self.plan.config.text.as_bytes()) {
+            progress.note(&format!("{EXPERIMENT_FILE} was not the experiment of this run; it is written again"));
         }
-        if let Some(value) = provenance::of_now(&found, plan, dir) {
-            self.store.write_json(&self.store.provenance_path(), &value)?;
-        }
-        let (path, text) = (dir.join(EXPERIMENT_FILE), &plan.config.text);
-        if !holds(&path, text.as_bytes()) {
-            if !is_other {
-                progress.note(&format!("{EXPERIMENT_FILE} was not the experiment of this run; it is written again"));
-            }
-            self.store.write_text(&path, text)?;
-        }
+        self.write_own()?;
         Ok(is_other)
     }
 
-    /// Writes the frozen experiment and adds this invocation to the provenance.
+    /// Writes the frozen experiment and the provenance of the folder, unless they are there.
+    pub(super) fn write_own(&self) -> Result<(), RunError> {
+        let (plan, dir) = (self.plan, self.store.dir());
+        let value = match provenance::read(dir)? {
+            Some(found) => provenance::of_now(&found, plan, dir),
+            None => Some(provenance::provenance(plan, dir)),
+        };
+        if let Some(value) = value {
+            self.store.write_json(&self.store.provenance_path(), &value)?;
+        }
+        Ok(self.store.write_text(&dir.join(EXPERIMENT_FILE), &plan.config.text)?)
+    }
+
+    /// Adds this invocation to the provenance, or to the sessions of its shard.
     pub(super) fn begin_session(&self, device: &DeviceInfo) -> Result<(), RunError> {
-        let path = self.store.provenance_path();
+        let path = self.store.sessions_path();
         let mut value =
-            provenance::read(self.store.dir())?.unwrap_or_else(|| provenance::provenance(self.plan, self.store.dir()));
+            provenance::read_file(&path)?.unwrap_or_else(|| provenance::provenance(self.plan, self.store.dir()));
         if let Some(sessions) = value["sessions"].as_array_mut() {
             let mut session = provenance::session(device, &self.options.command_line);
             session["plan_hash"] = json!(self.plan.hash);
+            if let Some(shard) = self.options.shard {
+                session[SHARD] = json!(shard.to_string());
+                session["host"]["name"] = json!(provenance::host_name());
+            }
             sessions.push(session);
         }
-        self.store.write_json(&path, &value)?;
-        self.store.write_text(&self.store.dir().join(EXPERIMENT_FILE), &self.plan.config.text)?;
-        Ok(())
+        Ok(self.store.write_json(&path, &value)?)
+    }
+
+    /// Brings the sessions of shards into the provenance of the run, in the order of their dates.
+    pub(super) fn gather_sessions(&self) -> Result<(), RunError> {
+        let shards = self.store.ids(SHARDS_FOLDER).into_iter().filter_map(|stem| Shard::by_stem(&stem));
+        let Some(mut value) = provenance::read(self.store.dir())? else { return Ok(()) };
+        let list = |value: &Value| value["sessions"].as_array().cloned().unwrap_or_default();
+        let mut sessions = list(&value);
+        sessions.retain(|session| session[SHARD].is_null());
+        for shard in shards {
+            sessions.extend(provenance::read_file(&self.store.shard_path(shard))?.iter().flat_map(list));
+        }
+        sessions.sort_by_cached_key(|session| session["date_utc"].to_string());
+        value["sessions"] = sessions.into();
+        Ok(self.store.write_json(&self.store.provenance_path(), &value)?)
     }
 
     /// Completes this invocation's entry in the provenance.
@@ -65,8 +92,11 @@ impl Run<'_> {
             shared: renderer.shared_work(),
             references_read_back: self.references_read,
         };
-        let path = self.store.provenance_path();
-        let Some(mut value) = provenance::read(self.store.dir())? else { return Ok(()) };
+        if let (Some(path), Some(forecast)) = (&self.options.speeds, &self.forecast) {
+            SpeedsFile::keep(path, &renderer.device(), forecast.own_speeds());
+        }
+        let path = self.store.sessions_path();
+        let Some(mut value) = provenance::read_file(&path)? else { return Ok(()) };
         if let Some(session) = value["sessions"].as_array_mut().and_then(|sessions| sessions.last_mut()) {
             session["wall_s"] = json!(milliseconds(started) / 1e3);
             session["device_s"] = json!(work.waited_ms / 1e3);

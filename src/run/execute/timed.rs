@@ -49,15 +49,18 @@ impl<'p> Run<'p> {
                     // Killed among the new records, an old one would stand beside them as if it were of the same rounds.
                     block.iter().try_for_each(|job| self.store.remove_timing(&job.id))?;
                     for configuration in timed {
-                        let id = configuration.job.id.clone();
-                        let label = format!("timing {}", configuration.words());
-                        self.store.write_timing(&id, &configuration.into_record(&device))?;
-                        progress.step(&label, None);
+                        let (job, label) = (configuration.job.clone(), format!("timing {}", configuration.words()));
+                        let record = configuration.into_record(&device);
+                        self.store.write_timing(&job.id, &record)?;
+                        self.forecast.iter_mut().for_each(|forecast| forecast.timing(&job, Some(&record)));
+                        progress.step(&label, None, self.ahead());
                     }
                 }
                 Err(reason) => {
                     for job in block {
-                        progress.step(&format!("timing {} {}", job.phase, self.plan.label(job.cell)), Some(&reason));
+                        self.forecast.iter_mut().for_each(|forecast| forecast.timing(job, None));
+                        let label = format!("timing {} {}", job.phase, self.plan.label(job.cell));
+                        progress.step(&label, Some(&reason), self.ahead());
                     }
                 }
             }

@@ -12,8 +12,8 @@ pub enum StoreError {
     /// A folder that is none for this run: why, and what to do.
     #[error("{}: {why}", dir.display())]
     Refused { dir: PathBuf, why: String },
-    #[error("{}: another run is at work in it; run the same command again after its end, or give another --out", dir.display())]
-    Busy { dir: PathBuf },
+    #[error("{}: {who} is at work in it; run the same command again after its end, or choose another --out", dir.display())]
+    Busy { dir: PathBuf, who: String },
     #[error("{}: cannot be made: {error}; expected a place where this user may write", path.display())]
     Folder { path: PathBuf, error: std::io::Error },
     #[error("{}: {error}; expected a file that this program wrote (remove it to make it anew)", path.display())]

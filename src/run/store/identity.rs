@@ -4,7 +4,7 @@
 //! that lacks a finished cell is refused.
 
 use super::lock::LOCK_FILE;
-use super::{CELLS_FOLDER, CHUNKS_FOLDER, PLAN_FILE, SUBFOLDERS, Store, StoreError, TIMINGS_FOLDER, is_part};
+use super::{CELLS_FOLDER, SHARDS_FOLDER, SUBFOLDERS, Store, StoreError, TIMINGS_FOLDER, is_part};
 use crate::experiment::axis::AXES;
 use crate::experiment::plan::Plan;
 use crate::files::names_in;
@@ -49,8 +49,8 @@ impl Store {
     /// Fails if a folder without provenance holds files. A run that was stopped before its first file leaves only empty folders.
     fn check_empty(&self) -> Result<(), StoreError> {
         let is_own = |name: &str, is_dir: bool| match is_dir {
-            true => name == CHUNKS_FOLDER || SUBFOLDERS.contains(&name),
-            false => [LOCK_FILE, PLAN_FILE].contains(&name) || is_part(name),
+            true => name == SHARDS_FOLDER || SUBFOLDERS.contains(&name),
+            false => name == LOCK_FILE || is_part(name),
         };
         let is_own = |name: &String| is_own(name, self.dir.join(name).is_dir());
         match names_in(&self.dir).iter().all(is_own) {
@@ -59,7 +59,8 @@ impl Store {
         }
     }
 
-    fn check_nothing_is_lost(&self, found: &Value, plan: &Plan) -> Result<(), StoreError> {
+    /// Fails if the folder holds finished work that `plan` lacks; `found` is its provenance.
+    pub(in crate::run) fn check_nothing_is_lost(&self, found: &Value, plan: &Plan) -> Result<(), StoreError> {
         let lost = self.lost_cells(plan)?;
         if !lost.is_empty() {
             let mut words = words(&lost, plan);

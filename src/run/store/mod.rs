@@ -11,13 +11,12 @@ pub use super::record::{
 pub use fault::StoreError;
 
 use super::seal;
+use super::shards::Shard;
 use crate::experiment::plan::Plan;
-use crate::files::{
-    PLAN_BYTES_MAX, RECORD_BYTES_MAX, content_hash, holds, names_in, open_regular, read_regular, read_text,
-};
+use crate::files::{PLAN_BYTES_MAX, RECORD_BYTES_MAX, holds, names_in, read_regular};
 use crate::pixels::{PART_PREFIX, write_atomically};
 use crate::table::csv;
-use lock::{Lock, lock};
+use lock::Lock;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use std::fs::File;
@@ -29,14 +28,14 @@ use std::sync::Arc;
 #[derive(Clone, Debug)]
 pub struct Store {
     dir: PathBuf,
-    /// Held while a run works in the folder; the system releases it when the process ends, however it ends.
-    lock: Option<Arc<Lock>>,
+    /// The part of the plan that this process does, where several share the folder.
+    shard: Option<Shard>,
+    /// Held while a run works in the folder; the system releases them when the process ends, however it ends.
+    _locks: Arc<Vec<Lock>>,
 }
 
-/// Where the chunks of a plan file are done, when the folder is that of a run in chunks.
-pub const CHUNKS_FOLDER: &str = "chunks";
-/// The plan file of a run in chunks.
-pub const PLAN_FILE: &str = "plan.json";
+/// Sessions and locks of the processes that share the folder.
+pub const SHARDS_FOLDER: &str = "shards";
 
 /// Where `study` puts what the tables say.
 pub const ANSWERS_FOLDER: &str = "answers";
@@ -55,32 +54,34 @@ const SUBFOLDERS: &[&str] = &[CELLS_FOLDER, FAILED_FOLDER, "images", REFERENCES_
 impl Store {
     /// The run's folder as it is, for reading.
     pub fn at(dir: &Path) -> Self {
-        Self { dir: dir.to_owned(), lock: None }
+        Self { dir: dir.to_owned(), shard: None, _locks: Arc::default() }
     }
 
     /// Makes the folder, or checks that the plan may run in it, and locks it.
     pub fn open(dir: &Path, plan: &Plan) -> Result<Self, StoreError> {
-        let mut store = Self::at(dir);
-        store.check_identity(plan)?;
-        make_subfolders(dir)?;
-        store.take()?;
-        // Another run may have made the folder its own between the check and the lock.
-        store.check_identity(plan)?;
+        let store = Self::at(dir).begin(plan)?;
         for folder in ["", ANSWERS_FOLDER].iter().chain(SUBFOLDERS) {
             remove_parts(&dir.join(folder))?;
         }
         Ok(store)
     }
 
-    fn take(&mut self) -> Result<(), StoreError> {
-        self.lock = lock(&self.dir)?.map(Arc::new);
-        Ok(())
+    /// As [`Store::open`], for one of several processes that share the folder.
+    pub fn open_shard(dir: &Path, plan: &Plan, shard: Shard) -> Result<Self, StoreError> {
+        Self { shard: Some(shard), ..Self::at(dir) }.begin(plan)
     }
 
-    /// A folder that only this process writes to, so that it needs no lock.
-    pub fn own(dir: &Path) -> Result<Self, StoreError> {
-        make_subfolders(dir)?;
-        Ok(Self::at(dir))
+    fn begin(mut self, plan: &Plan) -> Result<Self, StoreError> {
+        self.check_identity(plan)?;
+        let shards = self.shard.map(|_| &SHARDS_FOLDER);
+        SUBFOLDERS.iter().chain(shards).try_for_each(|folder| {
+            let path = self.dir.join(folder);
+            std::fs::create_dir_all(&path).map_err(|error| StoreError::Folder { path, error })
+        })?;
+        self._locks = Arc::new(self.locks()?);
+        // Another run may have made the folder its own between the check and the lock.
+        self.check_identity(plan)?;
+        Ok(self)
     }
 
     /// The folder.
@@ -93,6 +94,16 @@ impl Store {
         self.dir.join("provenance.json")
     }
 
+    /// The file with the sessions of this process: `provenance.json`, or that of its shard.
+    pub(super) fn sessions_path(&self) -> PathBuf {
+        self.shard.map_or_else(|| self.provenance_path(), |shard| self.shard_path(shard))
+    }
+
+    /// The file with the sessions of a shard.
+    pub(super) fn shard_path(&self, shard: Shard) -> PathBuf {
+        self.dir.join(SHARDS_FOLDER).join(shard.stem() + ".json")
+    }
+
     /// A file in `images/`.
     pub fn image_path(&self, name: &str) -> PathBuf {
         self.dir.join("images").join(name)
@@ -101,26 +112,6 @@ impl Store {
     /// Removes a file of `images/`, if it is there.
     pub fn remove_image(&self, name: &str) -> Result<(), StoreError> {
         remove(self.image_path(name))
-    }
-
-    /// Makes `to`, a file of the run, the file `from`: by a link, since what is linked is never written in place, or by a copy where links do
-    /// not reach. A copy must have the content hash that is told.
-    pub(super) fn place(&self, from: &Path, to: &Path, hash: Option<&str>) -> Result<(), StoreError> {
-        if from == to {
-            return Ok(());
-        }
-        let io = |error| StoreError::Io { path: to.to_owned(), error };
-        remove(to.to_owned())?;
-        if std::fs::hard_link(from, to).is_ok() {
-            return Ok(());
-        }
-        write_atomically(to, |writer| std::io::copy(&mut open_regular(from)?, writer).map(drop))?;
-        match (hash, content_hash(to).map_err(io)?) {
-            (Some(hash), found) if found != hash => {
-                Err(io(std::io::Error::other("the copy differs from what was copied")))
-            }
-            _ => Ok(()),
-        }
     }
 
     /// Removes a file of the run's folder itself, if it is there.
@@ -155,14 +146,6 @@ impl Store {
         // seal tells a record that was cut off.
         self.write_sealed(&self.cell_path(&record.cell), record)?;
         remove(self.record_path(FAILED_FOLDER, &record.cell))
-    }
-
-    /// Takes over the record of a cell that was finished in another folder.
-    pub(super) fn take_cell(&self, from: &Self, id: &str) -> Result<(), StoreError> {
-        let path = from.cell_path(id);
-        let text = read_text(&path, RECORD_BYTES_MAX).map_err(|error| StoreError::Io { path, error })?;
-        self.write_text(&self.cell_path(id), &text)?;
-        remove(self.record_path(FAILED_FOLDER, id))
     }
 
     /// Why a cell failed the last time it was tried. A record that cannot be used is none.
@@ -337,13 +320,6 @@ fn remove(path: PathBuf) -> Result<(), StoreError> {
         Err(error) if error.kind() != std::io::ErrorKind::NotFound => Err(StoreError::Io { path, error }),
         _ => Ok(()),
     }
-}
-
-fn make_subfolders(dir: &Path) -> Result<(), StoreError> {
-    SUBFOLDERS.iter().try_for_each(|folder| {
-        let path = dir.join(folder);
-        std::fs::create_dir_all(&path).map_err(|error| StoreError::Folder { path, error })
-    })
 }
 
 /// Whether a file is what a killed run leaves half-written.

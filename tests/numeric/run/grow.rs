@@ -5,6 +5,7 @@ use super::runs::{
 };
 use super::whole::EXPERIMENT;
 use splitsum::report::publish::publish;
+use splitsum::run::estimate::Ahead;
 use splitsum::run::store::Store;
 use splitsum::run::{MakeRenderer, Progress, RunError, run, timing};
 use std::collections::BTreeMap;
@@ -167,9 +168,9 @@ struct FirstRecord<'a> {
 }
 
 impl Progress for FirstRecord<'_> {
-    fn start(&mut self, _: usize, _: usize) {}
+    fn start(&mut self, _: usize, _: usize, _: Ahead) {}
 
-    fn step(&mut self, label: &str, _: Option<&str>) {
+    fn step(&mut self, label: &str, _: Option<&str>, _: Ahead) {
         if label.starts_with("timing") && self.seen.is_empty() {
             let path = |id: &String| self.dir.join(format!("timings/{id}.json"));
             self.seen = self.block.iter().filter(|id| path(id).exists()).cloned().collect();

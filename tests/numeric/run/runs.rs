@@ -3,6 +3,7 @@
 use super::fake::{Fake, Log};
 use splitsum::experiment::Plan;
 use splitsum::report::write::Written;
+use splitsum::run::estimate::Ahead;
 use splitsum::run::store::{CELLS_FOLDER, Store, TIMINGS_FOLDER};
 use splitsum::run::{MakeRenderer, Outcome, Progress, RenderFault, Renderer, RunError, RunOptions, run};
 use splitsum::study::finished::Finished;
@@ -28,8 +29,8 @@ pub fn plan(text: &str) -> Plan {
 pub struct Silent;
 
 impl Progress for Silent {
-    fn start(&mut self, _: usize, _: usize) {}
-    fn step(&mut self, _: &str, _: Option<&str>) {}
+    fn start(&mut self, _: usize, _: usize, _: Ahead) {}
+    fn step(&mut self, _: &str, _: Option<&str>, _: Ahead) {}
     fn note(&mut self, _: &str) {}
 }
 
@@ -41,9 +42,9 @@ pub struct Steps<'a> {
 }
 
 impl Progress for Steps<'_> {
-    fn start(&mut self, _: usize, _: usize) {}
+    fn start(&mut self, _: usize, _: usize, _: Ahead) {}
 
-    fn step(&mut self, _: &str, _: Option<&str>) {
+    fn step(&mut self, _: &str, _: Option<&str>, _: Ahead) {
         self.left = self.left.saturating_sub(1);
         if self.left == 0 {
             self.stop.store(true, Ordering::Relaxed);
@@ -114,7 +115,7 @@ impl Bench {
 /// Options of a run in `dir` that traces its timings.
 pub fn options<'a>(dir: &Path, stop: &'a AtomicBool) -> RunOptions<'a> {
     let command_line = vec!["splitsum".to_owned(), "run".to_owned(), "tiny.toml".to_owned()];
-    RunOptions { dir: dir.to_owned(), stop, command_line, fail_fast: false, trace: true }
+    RunOptions { command_line, trace: true, ..RunOptions::new(dir, stop) }
 }
 
 /// Makes fakes that write to one log.
@@ -160,13 +161,25 @@ pub fn assert_like_whole(dir: &Path, plan: &Plan) {
     let whole = tempfile::tempdir().unwrap();
     finished(plan, whole.path());
     let is_alike = |name: &String| {
-        let differs =
-            ["provenance.json", "summary.md", "trace.json", ".lock", "cells/", "timings", "timing_", "answers/"];
+        let differs = [
+            "provenance.json",
+            "summary.md",
+            "trace.json",
+            ".lock",
+            "cells/",
+            "timings",
+            "timing_",
+            "answers/",
+            "shards/",
+        ];
         !differs.iter().any(|start| name.starts_with(start))
     };
     let left = |dir: &Path| contents(dir).into_iter().filter(|(name, _)| is_alike(name)).collect::<BTreeMap<_, _>>();
     let (found, due) = (left(dir), left(whole.path()));
-    assert_eq!(found.keys().collect::<Vec<_>>(), due.keys().collect::<Vec<_>>());
+    let odd = |a: &BTreeMap<String, Vec<u8>>, b: &BTreeMap<String, Vec<u8>>| -> Vec<String> {
+        a.keys().filter(|name| !b.contains_key(*name)).cloned().collect()
+    };
+    assert_eq!([odd(&found, &due), odd(&due, &found)], [[""; 0]; 2], "files that only one of them has");
     for (name, bytes) in &due {
         assert!(found[name] == *bytes, "{name} differs");
     }
@@ -205,13 +218,4 @@ pub fn snapshot(dir: &Path) -> BTreeMap<String, (Vec<u8>, std::time::SystemTime)
 pub fn contents(dir: &Path) -> BTreeMap<String, Vec<u8>> {
     let files = if dir.exists() { snapshot(dir) } else { BTreeMap::new() };
     files.into_iter().map(|(name, (bytes, _))| (name, bytes)).collect()
-}
-
-/// Changes a record as a program would that found something else: with a checksum of its own.
-pub fn rewrite(path: &Path, change: impl FnOnce(&mut serde_json::Value)) {
-    let mut record: serde_json::Value = serde_json::from_slice(&read(path)).unwrap();
-    record.as_object_mut().unwrap().remove("checksum").expect("records carry a checksum");
-    change(&mut record);
-    let text = serde_json::to_string_pretty(&record).unwrap() + "\n";
-    std::fs::write(path, splitsum::run::seal::sealed(&text)).unwrap();
 }

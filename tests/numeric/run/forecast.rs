@@ -1,0 +1,225 @@
+//! The predicted time of a run, with a made clock.
+
+use super::run::EXPERIMENT;
+use super::runs::{Bench, fakes, log, options, plan};
+use splitsum::experiment::{Cell, Plan};
+use splitsum::run::estimate::{Ahead, Forecast, Host, Speeds, SpeedsFile, Steps, Work, file_bytes};
+use splitsum::run::statistics::Random;
+use splitsum::run::store::Spent;
+use splitsum::run::timing::{self, PassSamples, TimingJob, TimingRecord};
+use splitsum::run::{MakeRenderer, Progress, Renderer, RunOptions, run};
+use std::sync::atomic::AtomicBool;
+
+/// Cheap and dear cells in the order of a file that goes from the cheap to the dear; the dearest takes a thousand times as long as the cheapest.
+const SWEEP: &str = r#"
+name = "sweep"
+reference = { samples = 4096 }
+[axes]
+environment = ["builtin:sky", "builtin:studio", "builtin:constant"]
+alpha = { linspace = [0.1, 1.0, 6] }
+brdf = ["ggx", "beckmann", "phong"]
+method = ["sampled", "split-sum"]
+samples = [1, 16, 256, 1024]
+exposure = [1, 4]
+"#;
+const TIMED: &str = "[timing]\nrounds = 40\nwarmup = 2\n";
+const THREADS: f64 = 2.0;
+
+/// How long work takes that is stated to take a second.
+type Truth = fn(kind: &str) -> f64;
+
+/// The seconds that a run of a plan has left after each of its steps, and those that were predicted: first before all steps.
+fn simulated(plan: &Plan, truth: Truth, speeds: Speeds, is_cpu_device: bool) -> (Vec<[f64; 2]>, Speeds) {
+    let jobs = timing::jobs(plan);
+    let cells: Vec<&Cell> =
+        plan.groups().iter().flat_map(|group| group.radiances.iter().flat_map(|(_, cells)| cells.clone())).collect();
+    let host = Host { threads: THREADS as usize, is_cpu_device };
+    let mut forecast = Forecast::new(plan, &cells, &jobs, [], speeds, host);
+    let (mut steps, mut random) = (Steps::new(plan, &jobs, []), Random::new(7));
+    // Within a fifth of what the kind takes.
+    let mut jitter = || 0.8 + 0.4 * random.order(1000)[0] as f64 / 1000.0;
+    let taken = |work: &Work, jitter: f64, kind: &str| -> f64 {
+        let own = work.0.iter().filter(|(name, _)| name.starts_with(kind));
+        own.map(|(name, [_, stated])| stated * truth(name) * jitter).sum()
+    };
+    let mut clock = vec![0.0];
+    let mut said = vec![forecast.ahead(0.0)];
+    let mut end = 0.0;
+    for cell in &cells {
+        let (work, jitter) = (steps.cell(cell), jitter());
+        let ms = |kind: &str| Some(1e3 * taken(&work, jitter, kind)).filter(|ms| *ms > 0.0);
+        let tables = ["mips", "prefilter", "dfg", "sh9", "irradiance"];
+        let of_table = |name: &&str| Some((name.to_string(), ms(&format!("table {name}"))?));
+        let spent = Spent {
+            image_ms: ms("image"),
+            reference_ms: ms("reference"),
+            ladder_ms: None,
+            tables_ms: tables.iter().filter_map(of_table).collect(),
+            display_ms: ms("display").unwrap_or(0.0),
+            score_ms: ms("host score").unwrap_or(0.0),
+        };
+        let device: f64 =
+            ["image", "reference", "table", "display"].iter().map(|kind| taken(&work, jitter, kind)).sum();
+        let beside = taken(&work, jitter, "host score") / THREADS;
+        clock.push(clock[clock.len() - 1] + if is_cpu_device { device + beside } else { device.max(beside) });
+        end += taken(&work, 1.0, "host end");
+        forecast.cell(cell, Some(&spent));
+        said.push(forecast.ahead(clock[clock.len() - 1]));
+    }
+    for job in &jobs {
+        let (work, jitter) = (steps.timing(job), jitter());
+        clock.push(clock[clock.len() - 1] + taken(&work, jitter, "timed"));
+        let counted: f64 = work.0.values().map(|[count, _]| count).sum::<f64>() / work.0.len() as f64;
+        forecast.timing(job, Some(&timed(job, 1e3 * taken(&work, jitter, "timed") / counted)));
+        said.push(forecast.ahead(clock[clock.len() - 1]));
+    }
+    let total = clock[clock.len() - 1] + end;
+    (
+        clock.iter().zip(said).map(|(clock, ahead)| [total - clock, ahead.seconds]).collect(),
+        forecast.own_speeds().clone(),
+    )
+}
+
+/// The record of a configuration whose frames take `ms`.
+fn timed(job: &TimingJob, ms: f64) -> TimingRecord {
+    TimingRecord {
+        cell: job.cell.id.clone(),
+        phase: job.phase.to_owned(),
+        block: job.block.clone(),
+        environment_size: job.environment_size,
+        size: job.size,
+        axes: job.axes.clone(),
+        warmup: 2,
+        rounds: Vec::new(),
+        passes: Vec::<PassSamples>::new(),
+        wall_ms: vec![ms; 3],
+        device: String::new(),
+        device_type: "cpu".to_owned(),
+        driver: String::new(),
+        host: Default::default(),
+    }
+}
+
+/// The largest factor between what was left and what was predicted, from a share of the time on and before its last hundredth.
+fn worst(found: &[[f64; 2]], from: f64) -> f64 {
+    let total = found[0][0];
+    let judged = found.iter().filter(|[left, _]| *left <= (1.0 - from) * total && *left >= 0.01 * total);
+    judged.map(|[left, said]| (said / left).max(left / said)).fold(1.0, f64::max)
+}
+
+#[test]
+fn a_prediction_is_right_within_a_factor_of_one_and_a_half_after_a_tenth_of_the_work() {
+    let truths: [(&str, Truth, bool); 6] = [
+        ("as stated", |_| 1.0, true),
+        ("five times slower", |_| 5.0, true),
+        ("ten times faster", |_| 0.1, true),
+        ("references end early", |kind| if kind.starts_with("reference") { 0.05 } else { 1.0 }, true),
+        ("a fast GPU", |kind| if kind.starts_with("host") { 1.0 } else { 0.004 }, false),
+        ("one model is dear", |kind| if kind.ends_with("phong") { 3.0 } else { 1.0 }, true),
+    ];
+    for text in [SWEEP.to_owned(), format!("{SWEEP}{TIMED}")] {
+        let plan = plan(&text);
+        for (name, truth, is_cpu_device) in truths {
+            let (found, own) = simulated(&plan, truth, Speeds::default(), is_cpu_device);
+            let factor = worst(&found, 0.1);
+            assert!(factor <= 1.5, "{name}: {factor}");
+            // A second run knows the speeds from its first second on, and a busy machine shows soon.
+            let (found, _) = simulated(&plan, truth, own.clone(), is_cpu_device);
+            let factor = worst(&found, 0.0);
+            assert!(factor <= 1.5, "{name}, again: {factor}");
+        }
+        let (_, own) = simulated(&plan, |_| 1.0, Speeds::default(), true);
+        let (found, _) = simulated(&plan, |_| 3.0, own, true);
+        let factor = worst(&found, 0.1);
+        assert!(factor <= 1.5, "a busy machine: {factor}");
+    }
+}
+
+/// Counting cells in place of their work would be far off: this is what the prediction is for.
+#[test]
+fn cells_are_weighed_by_their_work() {
+    let plan = plan(SWEEP);
+    let (found, _) = simulated(&plan, |_| 1.0, Speeds::default(), true);
+    let (total, steps) = (found[0][0], found.len() - 1);
+    let by_count = |(done, [left, _]): (usize, &[f64; 2])| {
+        let said = (total - left) * (steps - done) as f64 / done as f64;
+        [*left, said]
+    };
+    let counted: Vec<[f64; 2]> = found.iter().enumerate().skip(1).map(by_count).collect();
+    assert!(worst(&counted, 0.1) > worst(&found, 0.1));
+    let mut steps = Steps::new(&plan, &[], []);
+    let work: Vec<f64> = plan.cells.iter().map(|cell| steps.cell(cell).stated_s()).collect();
+    assert!(work.iter().fold(0.0, |a: f64, b| a.max(*b)) > 100.0 * work.iter().fold(1e9, |a: f64, b| a.min(*b)));
+}
+
+#[test]
+fn shared_work_counts_once_and_kept_references_not_at_all() {
+    let plan = plan(EXPERIMENT);
+    let cells: Vec<&Cell> = plan.cells.iter().collect();
+    let count = |kept: Vec<String>, word: &str| {
+        let host = Host { threads: 2, is_cpu_device: true };
+        let forecast = Forecast::new(&plan, &cells, &[], kept, Speeds::default(), host);
+        forecast.parts().into_iter().find(|(name, ..)| *name == word).map_or(0.0, |(_, count, _)| count)
+    };
+    // Two models and two alphas, each with a reference, three sample counts and split-sum; two exposures share them.
+    let none = Vec::new;
+    assert_eq!(["references", "images", "scores and files"].map(|part| count(none(), part)), [4.0, 16.0, 32.0]);
+    let kept = || plan.cells.iter().map(|cell| cell.reference.clone()).collect();
+    assert_eq!([count(kept(), "references"), count(kept(), "images")], [0.0, 16.0]);
+    // What the run leaves is near what is stated: the report, which tests do not write, is 10 MB at most.
+    let bench = Bench::finished(EXPERIMENT);
+    let bytes: usize = super::runs::contents(bench.dir.path()).values().map(Vec::len).sum();
+    let stated = file_bytes(&plan, &cells);
+    assert!((0.5..2.0).contains(&(stated / bytes as f64)), "{stated} bytes for {bytes}");
+}
+
+/// What is ahead at each step.
+#[derive(Default)]
+struct Shares(Vec<Ahead>);
+
+impl Progress for Shares {
+    fn start(&mut self, _: usize, _: usize, ahead: Ahead) {
+        self.0.push(ahead);
+    }
+
+    fn step(&mut self, _: &str, _: Option<&str>, ahead: Ahead) {
+        self.0.push(ahead);
+    }
+
+    fn note(&mut self, _: &str) {}
+}
+
+#[test]
+fn a_run_predicts_its_time_and_keeps_its_speeds() {
+    let bench = Bench::new(&format!("{EXPERIMENT}[timing]\nwarmup = 1\nrounds = 3\n"));
+    let cache = tempfile::tempdir().unwrap();
+    let (stop, file) = (AtomicBool::new(false), cache.path().join("speeds.json"));
+    let options = RunOptions { speeds: Some(file.clone()), ..options(bench.dir.path(), &stop) };
+    let mut shares = Shares::default();
+    run(&bench.plan, &mut fakes(&log()) as &mut MakeRenderer, &options, &mut shares).unwrap();
+    let shares = shares.0;
+    assert_eq!(shares.len(), 1 + 32 + 12);
+    assert!(shares[0].share == 0.0 && shares[0].seconds > 0.0);
+    // Tables and pages are still to come.
+    let last = shares[shares.len() - 1];
+    assert!((0.5..1.0).contains(&last.share) && last.seconds > 0.0, "{last:?}");
+
+    let mut device = super::fake::Fake(log()).device();
+    let known = SpeedsFile::read(&file);
+    let (name, speeds) = known.of(Some(&device)).expect("the device is known");
+    assert_eq!((name, known.of(None)), ("fake (formula)", Some((name, speeds))));
+    // The fake says 10 ms for tables and 1.5 ms more than its passes for a frame.
+    assert_ne!(speeds.ratio("timed image sampled none ggx"), speeds.ratio("image sampled none ggx"));
+    // Another model stands for one that no run had, and all work for work that none had.
+    assert_eq!(speeds.ratio("image sampled sh9 beckmann"), speeds.ratio("image sampled sh9"));
+    assert_eq!([speeds.ratio("other work"), Speeds::default().ratio("other work")], [speeds.ratio(""), 1.0]);
+    device.driver = "another".to_owned();
+    assert_eq!(known.of(Some(&device)), None);
+    // Newer runs count more than older ones.
+    let mut newer = Speeds::default();
+    newer.add("image sampled", 4.0, 1.0);
+    (0..20).for_each(|_| SpeedsFile::keep(&file, &device, &newer));
+    assert!((SpeedsFile::read(&file).of(None).unwrap().1.ratio("image sampled sh9 ggx") - 4.0).abs() < 1e-9);
+    std::fs::write(&file, "{").unwrap();
+    assert_eq!(SpeedsFile::read(&file).of(None), None);
+}
