@@ -1,7 +1,7 @@
 //! The predicted time of a run, with a made clock.
 
-use super::run::EXPERIMENT;
 use super::runs::{Bench, fakes, log, options, plan};
+use super::whole::EXPERIMENT;
 use splitsum::experiment::{Cell, Plan};
 use splitsum::run::estimate::{Ahead, Forecast, Host, Speeds, SpeedsFile, Steps, Work, file_bytes};
 use splitsum::run::statistics::Random;
