@@ -10,7 +10,7 @@
 //! left 0.48 to 0.89 of the variance at 1.2 to 1.6 times the cost. As the variance falls with the power 1.5 of the count, both take the
 //! same time to an error mostly within 20 %, either way; the closed form is kept.
 
-use super::{Brdf, g1_rational, sin2_cos2};
+use super::{Brdf, SHORT_TAILED, g1_rational, sin2_cos2};
 use crate::glsl::constants::TILT_MIN;
 use crate::math::erf::{erf_inverse, erfc};
 use crate::math::sampling::direction_from_polar;
@@ -40,6 +40,15 @@ fn projected_area(sin_theta: f64, cos_theta: f64, alpha: f64) -> f64 {
 impl Brdf for Beckmann {
     fn name(&self) -> &'static str {
         "beckmann"
+    }
+
+    fn over_ggx(&self) -> [f64; 2] {
+        SHORT_TAILED
+    }
+
+    /// G2/G1: it draws its own visible normals.
+    fn vndf_weight_max(&self) -> f64 {
+        1.0
     }
 
     fn about(&self) -> &'static str {

@@ -21,6 +21,10 @@ impl Brdf for Ggx {
         "ggx"
     }
 
+    fn over_ggx(&self) -> [f64; 2] {
+        [1.0; 2]
+    }
+
     fn about(&self) -> &'static str {
         "microfacets with long tails (Trowbridge-Reitz); its masking is exact"
     }

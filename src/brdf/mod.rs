@@ -9,6 +9,7 @@
 
 use crate::spelling::{Listed, listed};
 use glam::{DVec2, DVec3};
+use std::f64::consts::E;
 
 mod beckmann;
 mod compensation;
@@ -46,6 +47,13 @@ pub trait Brdf: Sync + std::fmt::Debug {
     fn pdf_vndf_l(&self, v_local: DVec3, h_local: DVec3, alpha: f64) -> f64 {
         ggx::pdf_bounded_l(v_local, h_local, alpha)
     }
+    /// Largest weight of [`Brdf::sample_vndf`] in constant light, `G2 D / (4 n_dot_v pdf_l)`, with the exact masking of the model.
+    fn vndf_weight_max(&self) -> f64 {
+        let [d, area] = self.over_ggx();
+        d * area
+    }
+    /// Largest ratio of `D` to GGX's of the same alpha, and of the areas that a view sees: how far GGX's visible normals may fall short.
+    fn over_ggx(&self) -> [f64; 2];
     /// Half vector by the best known sampler for the model given `v_local` (`v_local.z >= 0`); its density over `l` is
     /// [`Brdf::pdf_visible_l`]. By default the visible normals of GGX of the same alpha: each model that keeps them says how well they serve.
     fn sample_visible(&self, xi: DVec2, v_local: DVec3, alpha: f64) -> DVec3 {
@@ -58,6 +66,9 @@ pub trait Brdf: Sync + std::fmt::Debug {
         ggx::pdf_visible_l(v_local, h_local, alpha)
     }
 }
+
+/// [`Brdf::over_ggx`] of distributions without a long tail: 4/e where their slope is alpha, √π at a grazing view.
+const SHORT_TAILED: [f64; 2] = [4.0 / E, 1.772_453_850_905_516];
 
 /// Every model. Adding one: its file here, `shaders/brdf/<stem>.glsl`, one line here. A stem is the name with `_` for `-`.
 pub static MODELS: &[&dyn Brdf] = &[&Ggx, &Beckmann, &Phong];

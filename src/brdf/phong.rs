@@ -22,7 +22,7 @@
 //! `k = 1/alpha² - 1` and `s = sin² θ_h`, `D / D_ggx = (1 - s)^k (1 + k s)²`, at most `4/e` (near `k s = 1`), so that weights are
 //! bounded. Points of D itself would see only a few of the facets that a grazing view sees.
 
-use super::{Brdf, g1_rational, sin2_cos2};
+use super::{Brdf, SHORT_TAILED, g1_rational, sin2_cos2};
 use crate::math::incomplete_beta::{gamma_ratio_half, incomplete_beta_half};
 use crate::math::sampling::direction_from_polar;
 use glam::{DVec2, DVec3};
@@ -40,6 +40,10 @@ pub fn exponent_from_alpha(alpha: f64) -> f64 {
 impl Brdf for Phong {
     fn name(&self) -> &'static str {
         "phong"
+    }
+
+    fn over_ggx(&self) -> [f64; 2] {
+        SHORT_TAILED
     }
 
     fn about(&self) -> &'static str {

@@ -5,6 +5,7 @@ use super::subject::Subject;
 use super::{Failure, print, print_data, progress, tell};
 use clap::Args;
 use serde_json::json;
+use splitsum::experiment::axis::named::{columns, fields};
 use splitsum::experiment::fault::Lines;
 use splitsum::experiment::{Cell, Plan};
 use splitsum::pipeline::{DeviceChoice, chosen_device, is_kept};
@@ -184,8 +185,8 @@ impl Shown<'_> {
         // A block is one write.
         let mut block = String::new();
         for (place, (cell, state)) in plan.cells.iter().zip(self.states).enumerate() {
-            let columns = plan.columns_of(cell);
-            let axes: BTreeMap<&str, String> = columns.iter().map(|(name, value)| (*name, value.to_string())).collect();
+            let names = |axis: usize| columns(axis).zip(fields(axis, &cell.point[axis]));
+            let axes: BTreeMap<&str, String> = plan.columns.iter().flat_map(|axis| names(*axis)).collect();
             let line = json!({ "id": cell.id, "radiance": cell.radiance, "reference": cell.reference, "state": state, "axes": axes });
             let comma = if place == 0 { "" } else { "," };
             let _ = write!(block, "{comma}\n    {line}");

@@ -1,8 +1,8 @@
 //! Checks of values together: combinations, sizes, lights in their scenes, and exclusions against the axes they speak of.
 
 use super::axis::{
-    ALBEDO, ALPHA, AXES, COMPENSATION, DFG_TABLE, DIFFUSE_METHOD, METALLIC, METHOD, PREFILTER_BY, PREFILTER_SIZE,
-    PREFILTERED, Point, SAMPLES, SCENE, SIZE, index_of,
+    ALBEDO, ALPHA, AXES, COMPENSATION, DFG_TABLE, DIFFUSE_METHOD, METALLIC, METHOD, Named, PREFILTER_BY,
+    PREFILTER_SIZE, PREFILTERED, Point, SAMPLES, SCENE, SIZE, index_of,
 };
 use super::config::{Config, Placed, Sweep};
 use super::fault::{Faults, Place};
@@ -196,7 +196,7 @@ fn idle(config: &Config) -> impl Iterator<Item = (usize, Place, String, bool)> +
         let is_slip = idle.len() == values.len();
         let told = idle
             .into_iter()
-            .map(|placed| (*axis, placed.place.clone(), off_axis(*axis, &placed.value, &known), is_slip));
+            .map(|placed| (*axis, placed.place.clone(), off_axis(config.named(*axis), &placed.value, &known), is_slip));
         told.collect::<Vec<_>>()
     })
 }
@@ -219,7 +219,8 @@ fn values_of(config: &Config, axis: usize) -> Vec<&Value> {
     known
 }
 
-fn off_axis(axis: usize, value: &Value, known: &[&Value]) -> String {
+fn off_axis(named: Named, value: &Value, known: &[&Value]) -> String {
+    let shown = |value: &Value| shown(&named.shown(value));
     let names: Vec<String> = known.iter().map(|value| shown(value)).collect();
     let (wrong, near) = match value {
         Value::Text(text) => {
@@ -227,7 +228,7 @@ fn off_axis(axis: usize, value: &Value, known: &[&Value]) -> String {
         }
         _ => (shown(value), String::new()),
     };
-    format!("exclude.{}: the axis has no value {wrong}{near}; it has {}", AXES[axis].name, names.join(", "))
+    format!("exclude.{}: the axis has no value {wrong}{near}; it has {}", named.name(), names.join(", "))
 }
 
 fn shown(value: &Value) -> String {

@@ -4,7 +4,7 @@
 
 use super::axis::{AXES, METHOD, Named, Point, Reference, SAMPLES, Terms, index_of};
 use super::fault::{Faults, Place};
-use super::toml_tree::{at, checked, entries, parsed, raw, section, texts, unknown_key};
+use super::toml_tree::{at, checked, entries, parsed, raw, section, unknown_key};
 use super::value::{COORDINATE, Kind, Range, Raw, Value};
 use crate::metrics::{HEADLINE, Metric};
 use crate::scene::{CameraKind, Light, Orbit};
@@ -26,9 +26,20 @@ pub struct Placed {
 pub struct Sweep {
     /// Index into [`AXES`].
     pub axis: usize,
+    /// By the name that was written.
+    pub named: Named,
     pub values: Vec<Placed>,
     /// How many values were written; more than `values` holds where some are faulty.
     pub written: usize,
+}
+
+/// A question that is asked of the run.
+#[derive(Clone, Debug)]
+pub struct Ask {
+    pub question: String,
+    pub place: Place,
+    /// The axis whose values make the rows of its answer, as an index into [`AXES`].
+    pub by: Option<(usize, Place)>,
 }
 
 /// Axes that vary together.
@@ -75,7 +86,7 @@ pub struct Config {
     pub name: String,
     pub question: String,
     /// Names of the questions to answer, each with its place; the first one leads. Nothing here knows which names there are.
-    pub asks: Vec<(String, Place)>,
+    pub asks: Vec<Ask>,
     /// Name of the metric that the answers rest on; one of [`crate::metrics::METRICS`].
     pub metric: &'static str,
     /// Where the metric was written.
@@ -118,6 +129,9 @@ pub struct Config {
     /// The folder that files named by `--set` are relative to; the current one when empty.
     pub set_dir: PathBuf,
 }
+
+/// The names of axes.
+pub(super) const AXIS: Kind = Kind::Name { what: "axis", names: axis_names };
 
 /// The key of the metric.
 pub(super) const METRIC_KEY: &str = "metric";
@@ -207,6 +221,11 @@ impl Config {
         self.axes.iter().find(|sweep| sweep.axis == axis)
     }
 
+    /// An axis by the name that the experiment writes it by, if that name has every value.
+    pub fn named(&self, axis: usize) -> Named {
+        self.sweep(axis).map_or(Named::own(axis), |sweep| sweep.named.invertible())
+    }
+
     /// Every value of an axis, swept or not, with its place.
     pub fn values(&self, axis: usize) -> impl Iterator<Item = (&Value, &Place)> {
         let sweep = self.sweep(axis);
@@ -246,7 +265,7 @@ impl Config {
                 Raw::String(question) => self.question = question,
                 _ => faults.add(&at(value), format!("question: {raw} is not text")),
             },
-            "asks" => self.asks = texts(value, key, faults),
+            "asks" => self.read_asks(value, faults),
             METRIC_KEY => {
                 if let Some(found) = check(Kind::one_of::<dyn Metric>()) {
                     let found = <dyn Metric>::listed(found.text());

@@ -49,7 +49,7 @@ impl Config {
                     Err(fault) => faults.add(&place, format!("axes.{name}: {fault}")),
                 }
             }
-            given.push((Sweep { axis, values, written }, place));
+            given.push((Sweep { axis, named, values, written }, place));
         }
         let names: Vec<usize> = given.iter().map(|(sweep, _)| sweep.axis).collect();
         for (sweep, place) in given {

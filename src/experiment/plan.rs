@@ -145,9 +145,13 @@ impl Plan {
 
     /// A label that tells the cell from the others: its values on the axes with more than one value, as `name=value` words for people.
     pub fn label(&self, cell: &Cell) -> String {
-        let words = self.swept().map(|axis| (AXES[axis].name, &cell.point[axis]));
+        let words = self.swept().map(|axis| (self.config.named(axis), &cell.point[axis]));
         let set = words.filter(|(_, value)| **value != Value::Unset);
-        set.map(|(name, value)| format!("{name}={}", short_number(&value.to_string()))).collect::<Vec<_>>().join(" ")
+        let words = set.map(|(named, value)| {
+            let value = named.shown(value).to_string();
+            format!("{}={}", named.name(), short_number(&value))
+        });
+        words.collect::<Vec<_>>().join(" ")
     }
 
     /// A cell's value on an axis as tables show it: of a file that is an environment, its short name.

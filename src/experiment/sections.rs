@@ -1,7 +1,7 @@
 //! The sections of an experiment file beside its axes: exclusions, timing, bias and variance, tables.
 
 use super::axis::{AXES, Named, SAMPLES, is_precompute};
-use super::config::{Config, Exclusion, Placed, Timing, Warmup, axis_names};
+use super::config::{AXIS, Ask, Config, Exclusion, Placed, Timing, Warmup, axis_names};
 use super::fault::Faults;
 use super::toml_tree::{at, checked, checked_as, list, raw, section, table, unknown_key};
 use super::value::{Kind, Raw};
@@ -15,6 +15,47 @@ const REPEATS_DEFAULT: u32 = 16;
 const LADDER_SAMPLES_DEFAULT: u32 = 2048;
 
 impl Config {
+    /// `asks = ["break-even", { question = "effect", by = "f0" }]`
+    pub(super) fn read_asks(&mut self, value: &Spanned<DeValue>, faults: &mut Faults) {
+        let Some(items) = value.get_ref().as_array().filter(|items| !items.is_empty()) else {
+            faults.add(&at(value), format!("asks: {} is not a list of at least one name", raw(value)));
+            return;
+        };
+        for item in items {
+            let mut ask = Ask { question: String::new(), place: at(item), by: None };
+            match raw(item) {
+                Raw::String(question) => ask.question = question,
+                _ if item.get_ref().is_table() => {
+                    let entries = section(item, "asks", &["question", "by"], faults);
+                    if entries.iter().all(|(key, ..)| *key != "question") {
+                        faults.add(&ask.place, "asks.question is missing");
+                    }
+                    for (key, value, _) in entries {
+                        match (key, raw(value)) {
+                            ("question", Raw::String(question)) => (ask.question, ask.place) = (question, at(value)),
+                            ("question", other) => {
+                                faults.add(&at(value), format!("asks.question: {other} is not text"))
+                            }
+                            _ => {
+                                let named = checked(AXIS, "asks.by", value, faults).and_then(|v| Named::find(v.text()));
+                                ask.by = named.map(|named| (named.axis, at(value)));
+                            }
+                        }
+                    }
+                }
+                other => {
+                    faults
+                        .add(&at(item), format!("asks: {other} is neither a name nor {{ question = ..., by = ... }}"));
+                }
+            }
+            if self.asks.iter().any(|known| known.question == ask.question) {
+                faults.add(&ask.place, format!("asks: {} is listed twice", ask.question));
+            } else if !ask.question.is_empty() {
+                self.asks.push(ask);
+            }
+        }
+    }
+
     pub(super) fn read_exclusions(&mut self, value: &Spanned<DeValue>, faults: &mut Faults) {
         for item in list(value, "exclude", faults) {
             let mut exclusion = Exclusion { conditions: Vec::new(), why: String::new(), place: at(item) };

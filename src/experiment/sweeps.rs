@@ -1,7 +1,7 @@
 //! `[axes]` and `[[zip]]`: lists, ranges, and axes that vary together.
 
 use super::axis::{AXES, ENVIRONMENT, Named, Point};
-use super::config::{Config, Placed, Sweep, Zip, axis_names};
+use super::config::{AXIS, Config, Placed, Sweep, Zip, axis_names};
 use super::fault::Faults;
 use super::inputs::short_names;
 use super::toml_tree::{at, checked, checked_as, entries, list, raw, section, table, unknown_key};
@@ -71,12 +71,11 @@ impl Config {
                 }
                 _ => faults.add(&at(value), format!("{name}: {} is not a list of values", raw(value))),
             }
-            self.axes.push(Sweep { axis, values, written });
+            self.axes.push(Sweep { axis, named, values, written });
         }
     }
 
     pub(super) fn read_zips(&mut self, value: &Spanned<DeValue>, faults: &mut Faults) {
-        let kind = Kind::Name { what: "axis", names: axis_names };
         for item in list(value, "zip", faults) {
             let mut zip = Zip { axes: Vec::new(), place: at(item) };
             let mut written = 0;
@@ -84,7 +83,7 @@ impl Config {
                 zip.place = place;
                 for name in value.get_ref().as_array().into_iter().flatten() {
                     written += 1;
-                    let named = checked(kind, "zip.axes", name, faults).and_then(|v| Named::find(v.text()));
+                    let named = checked(AXIS, "zip.axes", name, faults).and_then(|v| Named::find(v.text()));
                     zip.axes.extend(named.map(|named| named.axis));
                 }
             }

@@ -112,25 +112,6 @@ pub fn list<'t, 'i>(value: &'t Spanned<DeValue<'i>>, name: &str, faults: &mut Fa
     }
 }
 
-/// The texts of a list of distinct ones, each with its place; an empty list is a fault.
-pub fn texts(value: &Spanned<DeValue>, name: &str, faults: &mut Faults) -> Vec<(String, Place)> {
-    let mut texts: Vec<(String, Place)> = Vec::new();
-    let Some(items) = value.get_ref().as_array().filter(|items| !items.is_empty()) else {
-        faults.add(&at(value), format!("{name}: {} is not a list of at least one name", raw(value)));
-        return texts;
-    };
-    for item in items {
-        match raw(item) {
-            Raw::String(text) if texts.iter().any(|(known, _)| *known == text) => {
-                faults.add(&at(item), format!("{name}: {text} stands twice"));
-            }
-            Raw::String(text) => texts.push((text, at(item))),
-            other => faults.add(&at(item), format!("{name}: {other} is not text")),
-        }
-    }
-    texts
-}
-
 /// The value as written, before it is checked. A whole number of more than 64 bits is infinite.
 pub fn raw(value: &Spanned<DeValue>) -> Raw {
     Raw::deserialize(ValueDeserializer::from(value.clone())).unwrap_or(Raw::Float(f64::INFINITY))

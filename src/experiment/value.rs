@@ -68,6 +68,17 @@ impl fmt::Display for Value {
 }
 
 impl Value {
+    /// A number, a count, the product of a pair or the value of a grey; nothing for names and colours.
+    pub fn size(&self) -> Option<f64> {
+        match self {
+            Self::Number(x) => Some(*x),
+            Self::Count(n) => Some(f64::from(*n)),
+            Self::Pair([w, h]) => Some(f64::from(*w) * f64::from(*h)),
+            Self::Color([r, g, b]) if r == g && g == b => Some(f64::from(*r)),
+            _ => None,
+        }
+    }
+
     /// The number of a value whose kind is [`Kind::Number`].
     pub fn number(&self) -> f64 {
         match self {

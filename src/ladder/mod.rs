@@ -14,7 +14,6 @@ pub mod radiance;
 pub use attribution::{Attribution, StepNumbers};
 
 use crate::metrics::VIEWS;
-use crate::pixels::{GrayImage, RgbImage};
 use crate::shade::method::{ladder as rungs, ladder_texels, split_sum};
 use crate::shade::{Diffuse, Method};
 use game::Coalition;
@@ -128,13 +127,4 @@ pub fn of_diffuse(diffuse: &Diffuse) -> Option<&'static Ladder> {
         () if diffuse.sh9.is_some() => Some(&SH9),
         () => Some(&IRRADIANCE_MAP),
     }
-}
-
-/// The difference of an image to the one before it, over the root of `r² + ε`, mean over channels. All have one size.
-pub fn signed_step([own, before, reference]: [&RgbImage; 3], epsilon: f64) -> GrayImage {
-    GrayImage::from_fn(own.width, own.height, |x, y| {
-        let [own, before, r] = [own, before, reference].map(|image| image.get(x, y).map(f64::from));
-        let mean: f64 = (0..3).map(|c| (own[c] - before[c]) / (r[c] * r[c] + epsilon).sqrt() / 3.0).sum();
-        mean as f32
-    })
 }

@@ -254,3 +254,13 @@ pub(super) fn column_and_row(pixel: usize, width: u32) -> [u32; 2] {
     let width = width as usize;
     [(pixel % width) as u32, (pixel / width) as u32]
 }
+
+/// The difference of an image to the one before it, over the root of `r² + ε`, mean over channels. All have one size.
+pub fn signed_step([own, before, reference]: [&RgbImage; 3], epsilon: Epsilon) -> GrayImage {
+    GrayImage::from_fn(own.width, own.height, |x, y| {
+        let [own, before, r] = [own, before, reference].map(|image| image.get(x, y).map(f64::from));
+        let mean: f64 =
+            (0..3).map(|c| (own[c] - before[c]) / (r[c] * r[c] + epsilon.beside_square()).sqrt() / 3.0).sum();
+        mean as f32
+    })
+}

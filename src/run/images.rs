@@ -3,7 +3,9 @@
 use super::store::Store;
 use super::tables::{CellResult, Results, Rows};
 use crate::environment::BUILTIN_PREFIX;
-use crate::experiment::axis::{ALPHA, AXES, Axis, BRDF, DIFFUSE_METHOD, ENVIRONMENT, METHOD, Point, SAMPLES, SCENE};
+use crate::experiment::axis::{
+    ALPHA, AXES, Axis, BRDF, DIFFUSE_METHOD, ENVIRONMENT, METHOD, Named, Point, SAMPLES, SCENE,
+};
 use crate::experiment::plan::{Cell, Plan};
 use crate::files::content_hash;
 use crate::pipeline::Frame;
@@ -23,8 +25,8 @@ const SLUG_LENGTH: usize = 120;
 
 /// A value as people say it: builtins without their prefix, files without folder and extension, numbers in a few digits. Tables for
 /// programs hold the value whole.
-pub fn short_text(axis: usize, point: &Point) -> String {
-    short_value(&AXES[axis], &point[axis].to_string()).into_owned()
+pub fn short_text(named: Named, point: &Point) -> String {
+    short_value(named.entry(), &named.shown(&point[named.axis]).to_string()).into_owned()
 }
 
 /// As [`short_text`], of a value as tables hold it.
@@ -43,7 +45,7 @@ const NAMING: [usize; 7] = [ENVIRONMENT, SCENE, BRDF, ALPHA, METHOD, DIFFUSE_MET
 /// The values of a point that begin a file name.
 fn slug(point: &Point) -> String {
     let words: Vec<String> =
-        NAMING.iter().map(|&axis| short_text(axis, point)).filter(|word| !word.is_empty()).collect();
+        NAMING.iter().map(|&axis| short_text(Named::own(axis), point)).filter(|word| !word.is_empty()).collect();
     file_words(&words.join("_"))
 }
 

@@ -3,7 +3,7 @@
 use super::images::short_text;
 use super::live_model::{LiveModel, models};
 use super::renderer::{RenderFault, Renderer};
-use crate::experiment::axis::{BRDF, ENVIRONMENT, ENVIRONMENT_CLIP, Point};
+use crate::experiment::axis::{BRDF, ENVIRONMENT, ENVIRONMENT_CLIP, Named, Point};
 use crate::experiment::plan::Plan;
 use crate::experiment::value::Value;
 use crate::pipeline::{LightTables, RenderRequest};
@@ -154,7 +154,7 @@ fn of_environment(point: &Point, request: &RenderRequest, tables: &LightTables) 
     let largest = tables.environment.iter().chain(&tables.prefiltered).flat_map(|level| level.data.iter().flatten());
     let scale = half_scale(largest.fold(0.0, |a: f32, b| a.max(*b)));
     let clip = point[ENVIRONMENT_CLIP].to_string();
-    let name = short_text(ENVIRONMENT, point);
+    let name = short_text(Named::own(ENVIRONMENT), point);
     LiveEnvironment {
         label: if clip.is_empty() { name } else { format!("{name} (clipped at 2^{clip})") },
         scale,

@@ -83,7 +83,7 @@ pub struct LivePart {
 pub fn models(plan: &Plan) -> Vec<LiveModel> {
     let mut models: Vec<LiveModel> = Vec::new();
     for cell in &plan.cells {
-        let label = short_text(axis::SCENE, &cell.point);
+        let label = short_text(axis::Named::own(axis::SCENE), &cell.point);
         if models.len() < SCENE_COUNT && models.iter().all(|known| known.label != label) {
             let kept: usize = models.iter().flat_map(|known| &known.parts).map(|part| part.triangle_count).sum();
             models.push(model(&label, &plan.request(&cell.point), TRIANGLES_MAX - kept));

@@ -93,7 +93,7 @@ pub fn provenance(plan: &Plan, dir: &Path) -> Value {
         "schema_version": SCHEMA_VERSION,
         "name": plan.config.name,
         "question": plan.config.question,
-        "asks": plan.config.asks.iter().map(|(name, _)| name).collect::<Vec<_>>(),
+        "asks": plan.config.asks.iter().map(|ask| &ask.question).collect::<Vec<_>>(),
         "metric": plan.config.metric,
         "experiment_file": plan.config.path.display().to_string(),
         "experiment_hash": experiment_hash(&plan.config.text),

@@ -61,15 +61,16 @@ pub type Rows = (Vec<String>, Vec<Vec<Field>>);
 /// `errors.csv`: one row a cell that was tried.
 pub fn errors(plan: &Plan, results: &Results) -> (Vec<String>, impl Iterator<Item = Result<Vec<Field>, StoreError>>) {
     let names = metric_names();
-    let mut columns = cell_columns(plan);
+    let [first, last] = parted(plan);
+    let mut columns: Vec<String> = std::iter::once(CELL.name.to_owned()).chain(axis_columns(&first)).collect();
     columns.extend(names.iter().map(|name| name.to_string()));
     let floored = floored_names();
     columns.extend(BiasVariance::NAMES.map(str::to_owned));
     columns.extend(floored.iter().map(|name| format!("{name}_noise_floor")));
-    columns.extend(names_of(&ERRORS[BiasVariance::NAMES.len()..]));
+    columns.extend(names_of(&ERRORS[BiasVariance::NAMES.len()..]).chain(axis_columns(&last)));
     let number_count = names.len() + BiasVariance::NAMES.len() + floored.len();
     let row = move |cell: &Cell| {
-        let mut row = cell_fields(plan, cell);
+        let mut row = [vec![Field::from(cell.id.as_str())], axis_fields(plan, &first, cell)].concat();
         let (stop, verdict) = match results.get(&cell.id)? {
             CellResult::Done(kept) => {
                 let numbers = kept.scores.iter().chain(&kept.bias_variance).chain(&kept.noise_floors);
@@ -83,6 +84,7 @@ pub fn errors(plan: &Plan, results: &Results) -> (Vec<String>, impl Iterator<Ite
         };
         row.extend(stop_fields(stop));
         row.extend([verdict, DIFFUSE_WEIGHT].map(Field::from));
+        row.extend(axis_fields(plan, &last, cell));
         Some(Ok(row))
     };
     (columns, plan.cells.iter().filter_map(row))
@@ -95,16 +97,18 @@ pub fn errors_by_n_dot_v(
     store: &Store,
 ) -> (Vec<String>, impl Iterator<Item = Result<Vec<Field>, StoreError>>) {
     let names = metric_names();
-    let mut columns = cell_columns(plan);
+    let [first, last] = parted(plan);
+    let mut columns: Vec<String> = std::iter::once(CELL.name.to_owned()).chain(axis_columns(&first)).collect();
     columns.extend(names_of(BINS));
-    columns.extend(names.iter().map(|name| name.to_string()));
+    columns.extend(names.iter().map(|name| name.to_string()).chain(axis_columns(&last)));
     let done = plan.cells.iter().filter(|cell| matches!(results.get(&cell.id), Some(CellResult::Done(_))));
     let rows = move |cell: &Cell| {
         let bins = store.cell(&cell.id).map(|record| record.map_or_else(Vec::new, |record| record.bins));
         let row = |bin: BinRecord| {
-            let mut row = cell_fields(plan, cell);
+            let mut row = [vec![Field::from(cell.id.as_str())], axis_fields(plan, &first, cell)].concat();
             row.extend([bin.lo.into(), bin.hi.into(), Field::Integer(bin.pixel_count as u64)]);
             row.extend(score_fields(&bin.scores, &names));
+            row.extend(axis_fields(plan, &last, cell));
             Ok(row)
         };
         match bins {
@@ -198,14 +202,20 @@ fn finite(number: f64) -> Field {
     Some(number).filter(|number| number.is_finite()).into()
 }
 
-fn cell_columns(plan: &Plan) -> Vec<String> {
-    std::iter::once(CELL.name).chain(plan.columns.iter().flat_map(|&axis| columns(axis))).map(str::to_owned).collect()
+/// The axes of a plan in the order of its file: those that tell cells apart, and those with one value, whose columns come last.
+fn parted(plan: &Plan) -> [Vec<usize>; 2] {
+    let swept: Vec<usize> = plan.swept().collect();
+    let (first, last) = plan.columns.iter().partition(|axis| swept.contains(axis));
+    [first, last]
 }
 
-fn cell_fields(plan: &Plan, cell: &Cell) -> Vec<Field> {
-    let values = plan.columns.iter().flat_map(|&axis| fields(axis, &plan.shown(cell, axis)));
-    let values = values.map(|text| text_field(&text));
-    std::iter::once(Field::from(cell.id.as_str())).chain(values).collect()
+fn axis_columns(axes: &[usize]) -> impl Iterator<Item = String> {
+    axes.iter().flat_map(|&axis| columns(axis)).map(str::to_owned)
+}
+
+fn axis_fields(plan: &Plan, axes: &[usize], cell: &Cell) -> Vec<Field> {
+    let values = axes.iter().flat_map(|&axis| fields(axis, &plan.shown(cell, axis)));
+    values.map(|text| text_field(&text)).collect()
 }
 
 fn text_field(text: &str) -> Field {

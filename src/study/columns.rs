@@ -31,7 +31,8 @@ pub fn page() -> String {
         let _ = write!(text, "\n### {file}\n\n{about}\n\n");
         text += &of_columns(columns);
     }
-    text += "\n## Tables of answers\n\nEach answered question has its table in `answers/`. Its first columns are the axes that tell its rows apart.\n";
+    text += "\n## Tables of answers\n\nEach answered question has its table in `answers/`. Its first columns are the axes that tell its rows \
+             apart; `environment`, `brdf`, `alpha` and `f0` are there even with one value if rows are single cases.\n";
     for question in QUESTIONS {
         let _ = write!(text, "\n### answers/{}.csv\n\n{}\n\n", question.name, question.asks);
         text += &of_columns(question.columns);

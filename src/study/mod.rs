@@ -3,5 +3,6 @@
 pub mod columns;
 pub mod finished;
 pub mod frame;
+pub mod names;
 pub mod questions;
 pub mod table;

@@ -2,7 +2,8 @@
 
 pub use crate::run::columns::{Column, column};
 
-use crate::experiment::axis::AXES;
+use crate::experiment::axis::Named;
+use crate::experiment::axis::named::columns;
 use crate::experiment::value::Value;
 use crate::table::csv::{self, Cell};
 use crate::table::markdown::{Align, MarkdownTable, significant};
@@ -25,6 +26,15 @@ impl From<&Value> for Cell {
     }
 }
 
+/// The cells of values on these axes, in the columns of [`Table::new`].
+pub fn axis_cells(axes: &[usize], key: &[Value]) -> Vec<Cell> {
+    let cells = |(&axis, value): (&usize, &Value)| {
+        let usual = Named::usual(axis);
+        [Some(value.into()), usual.is_second().then(|| (&usual.shown(value)).into())].into_iter().flatten()
+    };
+    axes.iter().zip(key).flat_map(cells).collect()
+}
+
 /// Cells of a row from whatever makes one.
 macro_rules! cells {
     ($($cell:expr),* $(,)?) => { vec![$(crate::table::csv::Cell::from($cell)),*] };
@@ -35,13 +45,10 @@ pub(super) use cells;
 const DIGITS: usize = 3;
 
 impl Table {
-    /// An empty table: the axes of these indices, then further columns.
-    pub fn new(axes: &[usize], columns: &[Column]) -> Self {
-        let axes = axes.iter().map(|&axis| AXES[axis].name);
-        Self {
-            columns: axes.chain(columns.iter().map(|column| column.name)).map(str::to_owned).collect(),
-            rows: Vec::new(),
-        }
+    /// An empty table: the axes of these indices by all their names, then further columns.
+    pub fn new(axes: &[usize], own: &[Column]) -> Self {
+        let axes = axes.iter().flat_map(|&axis| columns(axis));
+        Self::with_names(axes.chain(own.iter().map(|column| column.name)))
     }
 
     /// With column names of its own, as digests have.

@@ -7,6 +7,7 @@ mod figure;
 mod finished;
 mod frame;
 mod lights;
+mod naming;
 pub mod page;
 mod page_live;
 mod paper;

@@ -212,6 +212,8 @@ const LIST: &[Axis] = &[
         spelling: Some(Spelling {
             name: "perceptual_roughness",
             about: "roughness of every material as files store it; alpha is its square",
+            plural: "roughnesses",
+            symbol: Symbol::Before("roughness"),
             kind: Kind::Number(Range::closed(PERCEPTUAL_ROUGHNESS_MIN, 1.0)),
             to_axis: |v| Value::Number(decimal(brdf::alpha_from_perceptual_roughness(v.number()))),
             of_axis: Some(|v| Value::Number(decimal(brdf::perceptual_roughness_from_alpha(v.number())))),
@@ -229,6 +231,8 @@ const LIST: &[Axis] = &[
         spelling: Some(Spelling {
             name: "ior",
             about: "index of refraction of every dielectric; it gives f0",
+            plural: "indices of refraction",
+            symbol: Symbol::Before("ior"),
             kind: Kind::Number(Range::closed(1.0, 10.0)),
             to_axis: |v| Value::Color([brdf::f0_from_ior(v.number()) as f32; 3]),
             of_axis: None,

@@ -189,6 +189,26 @@ pub enum Symbol {
     After(&'static str, &'static str),
 }
 
+impl Symbol {
+    /// A value with the word: `alpha 0.25`, `5 lv`, `ggx`.
+    pub fn label(self, value: &str) -> String {
+        match self {
+            Self::None => value.to_owned(),
+            Self::Before(word) if word.ends_with('^') => format!("{word}{value}"),
+            Self::Before(word) => format!("{word} {value}"),
+            Self::After(word, _) => format!("{value} {word}"),
+        }
+    }
+
+    /// A value with the words of a sentence: `5 levels`.
+    pub fn said(self, value: &str) -> String {
+        match self {
+            Self::After(_, words) => format!("{value} {words}"),
+            _ => self.label(value),
+        }
+    }
+}
+
 /// One sweepable parameter.
 pub struct Axis {
     /// Name in files, on the command line and in tables.
@@ -277,24 +297,6 @@ impl Axis {
     /// Whether another value means another linear image.
     pub fn changes_radiance(&self) -> bool {
         self.part != Part::Display
-    }
-
-    /// A value with the axis's word: `alpha 0.25`, `5 lv`, `ggx`.
-    pub fn label(&self, value: &str) -> String {
-        match self.symbol {
-            Symbol::None => value.to_owned(),
-            Symbol::Before(word) if word.ends_with('^') => format!("{word}{value}"),
-            Symbol::Before(word) => format!("{word} {value}"),
-            Symbol::After(word, _) => format!("{value} {word}"),
-        }
-    }
-
-    /// A value with the axis's words in a sentence: `5 levels`.
-    pub fn said(&self, value: &str) -> String {
-        match self.symbol {
-            Symbol::After(_, words) => format!("{value} {words}"),
-            _ => self.label(value),
-        }
     }
 }
 

@@ -1,14 +1,19 @@
 //! Axes by the names that people write. An axis may have a second name, whose values stand for its own: a point holds the axis's value only.
 
-use super::{AXES, Axis};
+use super::{AXES, Axis, Symbol};
 use crate::experiment::value::{Kind, Raw, Value};
 use crate::spelling::suggestion;
 
 /// A second name of an axis, with values of its own.
+#[derive(Debug)]
 pub struct Spelling {
     pub name: &'static str,
     /// One phrase, as [`Axis::about`].
     pub about: &'static str,
+    /// Word for several values.
+    pub plural: &'static str,
+    /// Word beside a value in labels.
+    pub symbol: Symbol,
     pub kind: Kind,
     /// The axis's value that a value stands for.
     pub to_axis: fn(&Value) -> Value,
@@ -17,7 +22,7 @@ pub struct Spelling {
 }
 
 /// An axis by one of its names.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 pub struct Named {
     /// Index into [`AXES`].
     pub axis: usize,
@@ -29,8 +34,13 @@ impl Named {
     pub fn all() -> impl Iterator<Item = Self> {
         AXES.iter().enumerate().flat_map(|(axis, entry)| {
             let second = entry.spelling.as_ref().map(|spelling| Self { axis, spelling: Some(spelling) });
-            std::iter::once(Self { axis, spelling: None }).chain(second)
+            std::iter::once(Self::own(axis)).chain(second)
         })
+    }
+
+    /// The axis by its own name.
+    pub fn own(axis: usize) -> Self {
+        Self { axis, spelling: None }
     }
 
     /// The axis of that name.
@@ -53,10 +63,24 @@ impl Named {
         self.spelling.map_or(self.entry().name, |spelling| spelling.name)
     }
 
-    /// The name by which people set an axis: the second one, where every value has such.
+    /// The name by which people set an axis: the second one, if every value has one.
     pub fn usual(axis: usize) -> Self {
-        let spelling = AXES[axis].spelling.as_ref().filter(|spelling| spelling.of_axis.is_some());
-        Self { axis, spelling }
+        Self { axis, spelling: AXES[axis].spelling.as_ref() }.invertible()
+    }
+
+    /// This name if it can write every value of the axis, else the axis's own.
+    pub fn invertible(self) -> Self {
+        Self { spelling: self.spelling.filter(|spelling| spelling.of_axis.is_some()), ..self }
+    }
+
+    /// Word for several values.
+    pub fn plural(self) -> &'static str {
+        self.spelling.map_or(self.entry().plural, |spelling| spelling.plural)
+    }
+
+    /// Word beside a value in labels.
+    pub fn symbol(self) -> Symbol {
+        self.spelling.map_or(self.entry().symbol, |spelling| spelling.symbol)
     }
 
     /// An axis's value as this name writes it.

@@ -85,7 +85,7 @@ fn case<'r, 'f>(told: &Told, frame: &'r Frame<'f>, lead: Option<usize>) -> Optio
 /// The words of a case on the axes of a role.
 pub fn words(row: &Row, axes: &[PageAxis], role: Role) -> String {
     let word = |axis: &PageAxis| {
-        let text = row.cell.point.0[axis.index?].to_string();
+        let text = axis.text(row.cell)?;
         let place = axis.values.iter().position(|value| *value == text)?;
         Some(axis.words[place].clone())
     };

@@ -2,14 +2,13 @@
 
 use super::images::{DESIGN, ImageSet};
 use super::told::{Told, score};
-use crate::experiment::axis::{AXES, Part, SCENE};
+use crate::experiment::axis::{AXES, Named, Part, SCENE, SIZE};
 use crate::experiment::value::{Kind, Value};
 use crate::metrics::{METRICS, Metric, verdict};
 use crate::run::tables::FAILED;
 use crate::scene::is_design;
 use crate::study::finished::FinishedCell;
-use crate::study::frame::axis;
-use crate::study::questions::words::{self, label};
+use crate::study::names::Names;
 use crate::table::colormap::{NAN_COLOR, OFF_MASK_COLOR, Palette, RELATIVE_ERROR, Range, SIGNED_ERROR};
 use crate::table::csv::Cell;
 use serde::ser::{Serialize, SerializeMap, Serializer};
@@ -45,12 +44,24 @@ pub struct PageAxis {
     pub labels: Vec<String>,
     /// The same, saying what they are: "alpha 0.25 (roughness 0.5)".
     pub words: Vec<String>,
-    /// Index of `AXES`; nothing for the axis of runs.
+    /// By the name that the first run uses; nothing for the axis of runs.
     #[serde(skip)]
-    pub index: Option<usize>,
+    pub named: Option<Named>,
     /// Whether every cell has its one value, so that the rows have no column of it.
     #[serde(skip)]
     pub is_constant: bool,
+}
+
+impl PageAxis {
+    /// Index of [`AXES`]; nothing for the axis of runs.
+    fn index(&self) -> Option<usize> {
+        self.named.map(|named| named.axis)
+    }
+
+    /// A cell's value, as [`Self::values`] has it.
+    pub fn text(&self, cell: &FinishedCell) -> Option<String> {
+        self.named.map(|named| named.shown(&cell.point[named.axis]).to_string())
+    }
 }
 
 /// The axes of the runs' cells: the runs, then those of `AXES` that any cell has a value on.
@@ -58,18 +69,20 @@ pub fn axes(runs: &[Told]) -> Vec<PageAxis> {
     let labels: Vec<String> = runs.iter().map(|run| run.label.clone()).collect();
     let role = if runs.len() > 1 { Role::Variant } else { Role::Fixed };
     let (values, words) = (labels.clone(), labels.clone());
-    let of_runs = PageAxis { name: RUN_AXIS, role, values, labels, words, index: None, is_constant: true };
-    std::iter::once(of_runs).chain((0..AXES.len()).filter_map(|index| page_axis(runs, index))).collect()
+    let of_runs = PageAxis { name: RUN_AXIS, role, values, labels, words, named: None, is_constant: true };
+    let names = runs.first().map(|run| Names::of(run.finished));
+    let axes = names.iter().flat_map(|names| (0..AXES.len()).filter_map(|index| page_axis(runs, names, index)));
+    std::iter::once(of_runs).chain(axes).collect()
 }
 
-fn page_axis(runs: &[Told], index: usize) -> Option<PageAxis> {
+fn page_axis(runs: &[Told], names: &Names, index: usize) -> Option<PageAxis> {
     let cells = runs.iter().flat_map(|run| &run.finished.cells);
     let found = cells.clone().map(|cell| &cell.point.0[index]).filter(|value| **value != Value::Unset);
     // By their texts: a cell's value is looked up by its text.
     let mut seen = Vec::new();
     let mut distinct: Vec<&Value> = Vec::new();
     for value in found {
-        let text = value.to_string();
+        let text = names.shown(index, value).to_string();
         if !seen.contains(&text) {
             seen.push(text);
             distinct.push(value);
@@ -82,28 +95,25 @@ fn page_axis(runs: &[Told], index: usize) -> Option<PageAxis> {
         (_, Part::Display) => Role::Display,
         _ => Role::Variant,
     };
-    let labels = labels(index, &distinct);
-    let words = distinct.iter().zip(&labels).map(|(value, label)| word(index, value, label)).collect();
+    let labels = labels(names, index, &distinct);
+    let words = distinct.iter().zip(&labels).map(|(value, label)| word(names, index, value, label)).collect();
     let is_constant = role == Role::Fixed && cells.clone().all(|cell| cell.point.0[index] != Value::Unset);
-    Some(PageAxis { name: AXES[index].name, role, values: seen, labels, words, index: Some(index), is_constant })
+    let (name, named) = (names.name(index), Some(names.named(index)));
+    Some(PageAxis { name, role, values: seen, labels, words, named, is_constant })
 }
 
 /// Short texts, whole where two would be equal.
-fn labels(index: usize, values: &[&Value]) -> Vec<String> {
-    let labels: Vec<String> = values.iter().map(|value| words::short(index, value)).collect();
+fn labels(names: &Names, index: usize, values: &[&Value]) -> Vec<String> {
+    let labels: Vec<String> = values.iter().map(|value| names.short(index, value)).collect();
     let is_double = |label: &String| labels.iter().filter(|other| *other == label).count() > 1;
     let whole = |(value, label): (&&Value, &String)| if is_double(label) { value.to_string() } else { label.clone() };
     values.iter().zip(&labels).map(whole).collect()
 }
 
 /// A value with what it is: "5 lv", "alpha 0.25 (roughness 0.5)", "bias 1 (filament)".
-fn word(index: usize, value: &Value, short: &str) -> String {
-    let word = label(&[index], std::slice::from_ref(value)).replace(&words::short(index, value), short);
-    let roughness = roughness(index, value).map(|roughness| format!("roughness {roughness}"));
-    match roughness.or_else(|| number_name(index, value)) {
-        Some(beside) => format!("{word} ({beside})"),
-        None => word,
-    }
+fn word(names: &Names, index: usize, value: &Value, short: &str) -> String {
+    let word = names.heading(index, value).replace(&names.short(index, value), short);
+    number_name(index, value).map_or_else(|| word.clone(), |name| format!("{word} ({name})"))
 }
 
 /// The name of a number, where its axis has names for some, as for the level biases of engines; 0 needs none.
@@ -113,29 +123,16 @@ fn number_name(index: usize, value: &Value) -> Option<String> {
     Some(known.0.to_owned())
 }
 
-/// Steps a unit of a roughness that people read.
-const ROUGHNESS_STEPS: f64 = 1e3;
-
-/// The perceptual roughness of an alpha, short: alpha is its square.
-pub fn roughness(index: usize, value: &Value) -> Option<String> {
-    match value {
-        Value::Number(alpha) if index == axis("alpha") => {
-            Some(((alpha.sqrt() * ROUGHNESS_STEPS).round() / ROUGHNESS_STEPS).to_string())
-        }
-        _ => None,
-    }
-}
-
 /// Whether some scene is a design.
 fn has_design(axes: &[PageAxis]) -> bool {
-    axes.iter().any(|axis| axis.index == Some(SCENE) && axis.values.iter().any(|name| is_design(name)))
+    axes.iter().any(|axis| axis.index() == Some(SCENE) && axis.values.iter().any(|name| is_design(name)))
 }
 
 /// What all cells share and no default says: "size 128x128, diffuse none".
 pub fn shared(axes: &[PageAxis]) -> String {
     let says = |axis: &&PageAxis| {
-        let Some(index) = axis.index.filter(|_| axis.role == Role::Fixed) else { return false };
-        index == crate::study::frame::axis("size") || (AXES[index].default)().to_string() != axis.values[0]
+        let Some(index) = axis.index().filter(|_| axis.role == Role::Fixed) else { return false };
+        index == SIZE || (AXES[index].default)().to_string() != axis.values[0]
     };
     let word = |axis: &PageAxis| {
         let word = format!("{} {}", axis.name.replace('_', " "), axis.labels[0]);
@@ -209,7 +206,7 @@ impl Model<'_> {
         };
         let own = [json!(run), json!(cell.id), json!(own), json!(reference), json!(verdict), number(floor)];
         let place = |axis: &PageAxis| {
-            let text = cell.point.0[axis.index.filter(|_| !axis.is_constant)?].to_string();
+            let text = axis.text(cell).filter(|_| !axis.is_constant)?;
             Some(axis.values.iter().position(|value| *value == text))
         };
         let places = axes.iter().filter_map(place).map(|place| json!(place));

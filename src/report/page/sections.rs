@@ -1,15 +1,11 @@
 //! Answers as the page shows them: one section each, with the very SVG that stands in `answers/`.
 
 use super::lead::rests_on_cpu_times;
-use super::model::{field, roughness};
+use super::model::field;
 use super::told::{Told, link};
-use crate::experiment::axis::AXES;
-use crate::experiment::value::Value;
 use crate::figure::svg::{WIDTHS, svg};
-use crate::study::frame::axis;
 use crate::study::questions::Answer;
 use crate::study::table::{Table, shown};
-use crate::table::csv::Cell;
 use serde_json::{Value as Json, json};
 use std::path::Path;
 
@@ -76,21 +72,9 @@ fn height(svg: &str) -> u32 {
 
 /// A small table for people: heads with whether they are set flush right, and rows of texts.
 fn digest(table: &Table) -> Json {
-    let alpha = axis("alpha");
-    let has_roughness = table.columns.iter().any(|name| name == "perceptual_roughness");
-    let is_alpha = |column: usize| !has_roughness && table.columns[column] == AXES[alpha].name;
-    let text = |(column, cell): (usize, &Cell)| {
-        let text = shown(cell);
-        let number = text.parse().ok().filter(|_| is_alpha(column));
-        let beside = number.and_then(|number| roughness(alpha, &Value::Number(number)));
-        beside.map_or(text.clone(), |beside| format!("{text} ({beside})"))
-    };
-    let rows: Vec<Vec<String>> = table.rows.iter().map(|row| row.iter().enumerate().map(text).collect()).collect();
+    let rows: Vec<Vec<String>> = table.rows.iter().map(|row| row.iter().map(shown).collect()).collect();
     let starts_with_digit = |text: &String| text.starts_with(|c: char| c.is_ascii_digit() || c == '-');
-    let head = |(column, name): (usize, &String)| {
-        let text = if is_alpha(column) { format!("{name} (perceptual roughness)") } else { name.replace('_', " ") };
-        json!({ "text": text, "is_number": column > 0 && rows.iter().any(|row| starts_with_digit(&row[column])) })
-    };
+    let head = |(column, name): (usize, &String)| json!({ "text": name.replace('_', " "), "is_number": column > 0 && rows.iter().any(|row| starts_with_digit(&row[column])) });
     // Heads wrap, cells do not.
     let width = |(column, name): (usize, &String)| {
         let words = name.split(['_', ' ']).map(|word| word.chars().count());

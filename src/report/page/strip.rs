@@ -6,9 +6,9 @@ use super::model::{PageAxis, Role};
 use super::told::Told;
 use crate::color::luminance;
 use crate::experiment::axis::METHOD;
+use crate::ladder::SPLIT_SUM;
 use crate::ladder::attribution::covariance_share;
-use crate::ladder::{SPLIT_SUM, signed_step};
-use crate::metrics::Epsilon;
+use crate::metrics::{Epsilon, signed_step};
 use crate::pixels::{GrayImage, RgbImage};
 use crate::shade::REFERENCE;
 use crate::study::frame::{Frame, Row};
@@ -45,7 +45,7 @@ pub fn strip(told: &Told, frame: &Frame, axes: &[PageAxis]) -> Option<Json> {
     let (mut before, mut largest) = (reference.rgb.clone(), (0.0, 0));
     for (row, own) in rows.into_iter().zip(images) {
         let share = share_of_image([&own, &before, &end, &reference.rgb], &mask, epsilon);
-        let step = signed_step([&own, &before, &reference.rgb], epsilon.beside_square());
+        let step = signed_step([&own, &before, &reference.rgb], epsilon);
         let size: f32 = step.data.iter().map(|x| x * x).sum();
         if size > largest.0 {
             largest = (size, frames.len());

@@ -14,7 +14,7 @@ use super::tables::{CellResult, DISPLAY_HEADLINE, HEADLINE, Results};
 use crate::experiment::axis::{AXES, METHOD, POINT_SET, SAMPLES, SCENE, Sheet};
 use crate::experiment::plan::{Cell, Plan};
 use crate::files::names_in;
-use crate::ladder::signed_step;
+use crate::metrics::signed_step;
 use crate::pixels::{PixelsError, Rgb8Image, exr, png};
 use crate::table::colormap::{FLIP_ERROR, RELATIVE_ERROR, SIGNED_ERROR};
 use crate::table::markdown::significant;
@@ -46,12 +46,12 @@ pub fn write_sheets(store: &Store, plan: &Plan, results: &Results) -> Result<(),
         let mut pages: Vec<Rgb8Image> = Vec::new();
         for (part, columns) in parts.iter().enumerate() {
             let of = if parts.len() > 1 { format!(", part {} of {}", part + 1, parts.len()) } else { String::new() };
-            let title = format!("{} {}", plan.config.name, words(&sheet_axes, cells[0], " "));
+            let title = format!("{} {}", plan.config.name, words(plan, &sheet_axes, cells[0], " "));
             let tile = tile_size(image, columns.len() + 1);
             let content = Content { store, plan, results, columns, column_axes: &column_axes, tile };
             pages.extend(content.sheet(&cells, format!("{}{of}", title.trim_end())).pages());
         }
-        let name = words(&sheet_axes, cells[0], "_").replace(['/', ':'], "-");
+        let name = words(plan, &sheet_axes, cells[0], "_").replace(['/', ':'], "-");
         let name = if name.is_empty() { plan.config.name.clone() } else { name };
         let page_path = |page: usize| {
             let number = if pages.len() > 1 { format!("_{:02}", page + 1) } else { String::new() };
@@ -143,7 +143,7 @@ impl Content<'_> {
         let mut columns = vec![Head { label: "reference".to_owned(), starts_group: false }];
         for (index, column) in self.columns.iter().enumerate() {
             let cell = column[0];
-            let label = words(self.column_axes, cell, " ");
+            let label = words(self.plan, self.column_axes, cell, " ");
             let method = format!("{} {}", cell.point[METHOD], cell.point[SAMPLES]).trim_end().to_owned();
             let starts_group = index == 0 || cell.point[METHOD] != self.columns[index - 1][0].point[METHOD];
             columns.push(Head { label: if label.is_empty() { method } else { label }, starts_group });
@@ -177,7 +177,9 @@ impl Content<'_> {
         for shared in in_rows(cells, &radiance_axes) {
             let displays = in_rows(&shared, &row_axes);
             for row in &displays {
-                let value = |axis: usize| short_text(axis, rows::teller(row.iter().map(|cell| &cell.point), axis));
+                let value = |axis: usize| {
+                    short_text(self.plan.config.named(axis), rows::teller(row.iter().map(|cell| &cell.point), axis))
+                };
                 let lines = row_axes.iter().map(|&axis| format!("{} {}", AXES[axis].name, value(axis)));
                 rows.push(self.row(&lines.collect::<Vec<_>>().join("\n"), true, row, Kind::Display));
                 if has_flip {
@@ -272,15 +274,16 @@ impl Content<'_> {
         let before = before.map_or(reference.clone(), |before| linear_files(self.plan, before)[0].clone());
         let read = |name: String| exr::read(&self.store.image_path(&name));
         let (own, before, reference) = (read(own)?, read(before)?, read(reference)?);
-        let epsilon = self.plan.request(&cell.point).epsilon().beside_square();
+        let epsilon = self.plan.request(&cell.point).epsilon();
         let map = signed_step([&own.rgb, &before.rgb, &reference.rgb], epsilon);
         let mask = reference.alpha.unwrap_or_else(|| map.map(|_| 1.0));
         Ok(SIGNED_ERROR.image(&map, &mask))
     }
 }
 
-fn words(axes: &[usize], cell: &Cell, separator: &str) -> String {
-    let words = axes.iter().map(|&axis| short_text(axis, &cell.point)).filter(|word| !word.is_empty());
+fn words(plan: &Plan, axes: &[usize], cell: &Cell, separator: &str) -> String {
+    let words = axes.iter().map(|&axis| short_text(plan.config.named(axis), &cell.point));
+    let words = words.filter(|word| !word.is_empty());
     words.collect::<Vec<_>>().join(separator)
 }
 

@@ -5,6 +5,8 @@ use super::estimate::geometric_mean;
 use super::{Frame, Key, Row, by, distinct_in_order, fits};
 use crate::experiment::axis::METHOD;
 use crate::experiment::value::Value;
+use crate::study::table::axis_cells;
+use crate::table::csv::Cell;
 
 /// A sampling method in one case.
 #[derive(Clone, Debug)]
@@ -99,6 +101,13 @@ pub struct Beside<'r, 'f> {
 }
 
 impl Beside<'_, '_> {
+    /// Values of the case on any axes, as cells of a table; an axis that one of the two does not use is the other's.
+    pub fn cells(&self, axes: &[usize]) -> Vec<Cell> {
+        let [first, second] = [self.curve.first(), self.fixed].map(|row| row.key(axes));
+        let key: Key = first.into_iter().zip(second).map(|(a, b)| if a == Value::Unset { b } else { a }).collect();
+        axis_cells(axes, &key)
+    }
+
     /// The sampling method and the other.
     pub fn names(&self) -> [String; 2] {
         [self.curve.method.to_string(), self.fixed.text(METHOD)]

@@ -11,8 +11,10 @@ use crate::spelling::Listed;
 pub use shape::Shape;
 
 use super::finished::{Bin, Finished, FinishedCell};
+use super::names::Names;
+use super::table::axis_cells;
 use crate::experiment::axis::{
-    AXES, DIFFUSE_METHOD, ENVIRONMENT, ENVIRONMENT_CLIP, METHOD, Part, Point, SAMPLES, SCENE, index_of,
+    ALPHA, AXES, BRDF, DIFFUSE_METHOD, ENVIRONMENT, ENVIRONMENT_CLIP, F0, METHOD, Part, Point, SAMPLES, SCENE, index_of,
 };
 use crate::experiment::value::Value;
 use crate::metrics::{HEADLINE, Metric, Space, Verdict, verdict};
@@ -46,6 +48,9 @@ pub struct Frame<'f> {
     pub rows: Vec<Row<'f>>,
     /// The metric of the run's questions.
     pub metric: &'static dyn Metric,
+    pub names: Names,
+    /// The axis whose values make the rows of a digest, if the experiment names one.
+    by: Option<usize>,
 }
 
 /// The axis of that name, as an index of [`AXES`]. For names that this program wrote itself.
@@ -59,7 +64,22 @@ impl<'f> Frame<'f> {
         let own = run.config.as_ref().map_or(HEADLINE, |config| config.metric);
         let metric = <dyn Metric>::listed(metric_name.unwrap_or(own));
         let rows = distinct(run);
-        Self { shape: Shape::of_rows(run, &rows), run, rows, metric }
+        Self { shape: Shape::of_rows(run, &rows), run, rows, metric, names: Names::of(run), by: None }
+    }
+
+    /// The frame with digests by this axis, if there is one.
+    pub fn told_by(self, by: Option<usize>) -> Self {
+        Self { by, ..self }
+    }
+
+    /// The frame of another run or metric with the digests of this one.
+    pub fn like<'g>(&self, run: &'g Finished, metric: &str) -> Frame<'g> {
+        Frame::new(run, Some(metric)).told_by(self.by)
+    }
+
+    /// The axis whose values make the rows of digests and the steps of figures: alpha, unless the experiment names another one.
+    pub fn row_axis(&self) -> usize {
+        self.by.unwrap_or(ALPHA)
     }
 
     /// The name of the metric: a column of every table.
@@ -104,6 +124,12 @@ impl<'f> Frame<'f> {
     pub fn case_axes(&self) -> Vec<usize> {
         let own = self.swept(&[Part::Case, Part::Parameter, Part::Table, Part::Method]);
         own.into_iter().filter(|axis| *axis != METHOD).collect()
+    }
+
+    /// The axes of every answer's table, swept or not: those that tell cases apart, and what an error depends on most.
+    pub fn table_axes(&self) -> Vec<usize> {
+        let (own, always) = (self.case_axes(), [ENVIRONMENT, BRDF, ALPHA, F0]);
+        (0..AXES.len()).filter(|axis| own.contains(axis) || always.contains(axis)).collect()
     }
 
     /// Scenes that tell nothing in the metric of the questions: beside a design, pictures in a metric of radiance, since they prefer parts
@@ -176,7 +202,7 @@ impl Row<'_> {
 
     /// Its values on these axes, as cells of a table.
     pub fn cells(&self, axes: &[usize]) -> Vec<Cell> {
-        axes.iter().map(|&axis| (&self.point[axis]).into()).collect()
+        axis_cells(axes, &self.key(axes))
     }
 
     /// The value on an axis, as text for tables.
@@ -310,7 +336,7 @@ pub fn values<'r, 'f: 'r>(rows: impl IntoIterator<Item = &'r Row<'f>>, axis: usi
 
 /// Numbers ascending, anything else in the order given.
 pub fn ascending(mut values: Vec<Value>) -> Vec<Value> {
-    values.sort_by(|a, b| size_of(a).partial_cmp(&size_of(b)).unwrap_or(std::cmp::Ordering::Equal));
+    values.sort_by(|a, b| a.size().partial_cmp(&b.size()).unwrap_or(std::cmp::Ordering::Equal));
     values
 }
 
@@ -321,19 +347,8 @@ pub fn grouped_ascending<'r, 'f: 'r, T>(
     row: impl Fn(&T) -> &'r Row<'f>,
 ) -> Vec<(Value, Vec<T>)> {
     let mut groups = grouped(items, |item| row(item).point[of].clone());
-    groups.sort_by(|(a, _), (b, _)| size_of(a).partial_cmp(&size_of(b)).unwrap_or(std::cmp::Ordering::Equal));
+    groups.sort_by(|(a, _), (b, _)| a.size().partial_cmp(&b.size()).unwrap_or(std::cmp::Ordering::Equal));
     groups
-}
-
-/// A number, a count, or the product of a pair; nothing for names and colours.
-pub fn size_of(value: &Value) -> Option<f64> {
-    match value {
-        Value::Number(x) => Some(*x),
-        Value::Count(n) => Some(f64::from(*n)),
-        Value::Pair([w, h]) => Some(f64::from(*w) * f64::from(*h)),
-        Value::Color([r, g, b]) if r == g && g == b => Some(f64::from(*r)),
-        _ => None,
-    }
 }
 
 /// The cells with each distinct image once. Of equal images the first with a score stands for all.

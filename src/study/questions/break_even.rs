@@ -90,25 +90,19 @@ pub(super) fn pairs<'r, 'f>(all: Vec<Beside<'r, 'f>>) -> Vec<([String; 2], Vec<C
 fn answer(frame: &Frame) -> Option<Finding> {
     let (axes, images) = (frame.case_axes(), frame.images());
     let pairs = pairs(beside(frame, &images, &axes));
-    let mut table = Table::new(&axes, QUESTION.columns);
+    let mut table = Table::new(&frame.table_axes(), QUESTION.columns);
     add_cases(frame, &pairs, [0.0, 1.0], &mut table);
     let (names, cases) = pairs.first()?;
     let tried = tried(cases);
     let numbers = numbers(cases);
-    let scope = numbers.scope(&axes);
+    let scope = numbers.scope(frame);
     let groups = by_condition(frame, numbers);
     let views = views(frame, &images, &axes, &mut table);
     let words = |middle: &Estimate| counted(middle.value, &tried) + &interval_words(middle, |n| counted(n, &tried));
     let of: Vec<usize> = conditions(frame).collect();
-    let heads = of.iter().flat_map(|of| [Some(AXES[*of].name), (*of == ALPHA).then_some(ROUGHNESS)]);
-    let heads: Vec<&str> = heads.flatten().collect();
-    let mut rows: Vec<(Vec<Cell>, Numbers)> = Vec::new();
-    for (key, own) in &groups {
-        let cells = of.iter().zip(key).flat_map(|(of, value)| {
-            [Some(Cell::from(short(*of, value))), (*of == ALPHA).then(|| roughness(value).into())]
-        });
-        rows.push((cells.flatten().collect(), own.clone()));
-    }
+    let heads = frame.names.heads(&of);
+    let rows: Vec<(Vec<Cell>, Numbers)> =
+        groups.iter().map(|(key, own)| (frame.names.head(&of, key), own.clone())).collect();
     let digest = if views.is_empty() {
         by_light(frame, &heads, &rows, &words)
     } else {
@@ -134,7 +128,7 @@ fn answer(frame: &Frame) -> Option<Finding> {
 fn add_cases(frame: &Frame, pairs: &[([String; 2], Vec<Case>)], seen: [f64; 2], table: &mut Table) {
     for ([sampled, fixed], case) in pairs.iter().flat_map(|(names, cases)| cases.iter().map(move |case| (names, case)))
     {
-        let mut row: Vec<Cell> = case.of.key.iter().map(Cell::from).collect();
+        let mut row = case.of.cells(&frame.table_axes());
         row.extend(cells![seen[0], seen[1], sampled.as_str(), fixed.as_str(), case.break_even]);
         row.extend(cells![case.of.curve.tried()[1], case.crossing(), case.of.error, case.is_resolved(frame)]);
         table.row(row);
@@ -171,10 +165,10 @@ fn views(frame: &Frame, images: &[&Row], axes: &[usize], table: &mut Table) -> V
     }
     let view = |seen: [f64; 2]| {
         let run = frame.run.seen_at(seen)?;
-        let own = Frame::new(&run, Some(frame.metric_name()));
+        let own = frame.like(&run, frame.metric_name());
         let images = own.images();
         let pairs = pairs(beside(&own, &images, axes));
-        add_cases(&own, &pairs, seen, table);
+        add_cases(frame, &pairs, seen, table);
         let (_, cases) = pairs.first()?;
         let medians = by_condition(&own, numbers(cases)).into_iter();
         let medians = medians.filter_map(|(key, own)| Some((key, own.estimate()?.value))).collect();
@@ -183,27 +177,27 @@ fn views(frame: &Frame, images: &[&Row], axes: &[usize], table: &mut Table) -> V
     VIEWS.into_iter().filter_map(view).collect()
 }
 
-/// One panel a model and F0, a line an alpha: the median over environments by n·v.
+/// One panel a condition, a line a value of [`Frame::row_axis`]: the median over environments by n·v.
 fn view_figure(frame: &Frame, views: &[View], tried: &[u32]) -> Option<Figure> {
     let of: Vec<usize> = conditions(frame).collect();
     let keys = &views.first()?.medians;
     let rest = |key: &Key| -> String {
         let (axes, values): (Vec<usize>, Vec<Value>) =
-            of.iter().copied().zip(key.iter().cloned()).filter(|(axis, _)| *axis != ALPHA).unzip();
-        label(&axes, &values)
+            of.iter().copied().zip(key.iter().cloned()).filter(|(axis, _)| *axis != frame.row_axis()).unzip();
+        frame.names.label(&axes, &values)
     };
-    let alpha = |key: &Key| {
-        let own = of.iter().zip(key).find(|(axis, _)| **axis == ALPHA);
-        own.map_or(String::new(), |(axis, value)| label(&[*axis], std::slice::from_ref(value)))
+    let line_of = |key: &Key| {
+        let own = of.iter().zip(key).find(|(axis, _)| **axis == frame.row_axis());
+        own.map_or(String::new(), |(axis, value)| frame.names.one(*axis, value))
     };
-    let series = distinct_in_order(keys.iter().map(|(key, _)| alpha(key)));
+    let series = distinct_in_order(keys.iter().map(|(key, _)| line_of(key)));
     let largest = f64::from(*tried.last()?);
     let line = |key: &Key| {
         let dot = |(x, view): (usize, &View)| {
             let median = view.median(key)?;
-            let tip = format!("{}: {} samples · {}", view.head(), counted(median, tried), label(&of, key));
+            let tip = format!("{}: {} samples · {}", view.head(), counted(median, tried), frame.names.label(&of, key));
             let at = [x as f64, up(median, tried).min(2.0 * largest)];
-            Some(Mark::new(Form::Dot(at), step(&series, &alpha(key)) as usize).tip(tip))
+            Some(Mark::new(Form::Dot(at), step(&series, &line_of(key)) as usize).tip(tip))
         };
         joined(views.iter().enumerate().filter_map(dot).collect())
     };
@@ -242,11 +236,14 @@ fn view_sentence(frame: &Frame, [sampled, fixed]: &[String; 2], views: &[View], 
     ))
 }
 
-/// The axes of which each value has its own answer: those of the surface that part most, and whatever makes another method.
+/// Axes of the surface that part most.
+pub(super) const SURFACE: [usize; 3] = [ALPHA, BRDF, F0];
+
+/// The axes of which each value has its own answer: those of the rows and of the surface, and whatever makes another method.
 pub(super) fn conditions(frame: &Frame) -> impl Iterator<Item = usize> {
-    let surface = [ALPHA, BRDF, F0].into_iter().filter(|of| frame.shape.is_swept(*of));
-    let ways = frame.swept(&[Part::Method, Part::Parameter, Part::Table]).into_iter();
-    surface.chain(ways.filter(|of| *of != METHOD))
+    let ways = frame.swept(&[Part::Method, Part::Parameter, Part::Table]).into_iter().filter(|of| *of != METHOD);
+    let all = std::iter::once(frame.row_axis()).chain(SURFACE).chain(ways);
+    distinct_in_order(all.filter(|of| frame.shape.is_swept(*of))).into_iter()
 }
 
 /// The cases at each value of these axes, ascending.
@@ -304,11 +301,11 @@ fn sentence(
     words: &dyn Fn(&Estimate) -> String,
 ) -> Option<String> {
     let of: Vec<usize> = conditions(frame).collect();
-    let at = |key: &Key| label(&of, key).replace(" · ", ", ");
+    let at = |key: &Key| frame.names.label(&of, key).replace(" · ", ", ");
     let all = || groups.iter().filter_map(|(key, own)| Some((at(key), own.estimate()?)));
     let least = all().reduce(|a, b| if b.1.value < a.1.value { b } else { a })?;
     let most = all().reduce(|a, b| if b.1.value > a.1.value { b } else { a })?;
-    let place = groups[0].1.place(", in the median environment");
+    let place = groups[0].1.place(frame, ", in the median environment");
     let to_beat = format!("to beat `{fixed}` in `{}`{place}", frame.metric_name());
     let [low, high] = [&least, &most].map(|(_, middle)| words(&Estimate { interval: None, ..*middle }));
     if low == high {
@@ -335,7 +332,7 @@ fn figure(frame: &Frame, axes: &[usize], pairs: &[([String; 2], Vec<Case>)]) -> 
     let name = |case: &Case| {
         let rest = axes.iter().zip(&case.of.key).filter(|(axis, _)| is_named(**axis));
         let (axes, key): (Vec<usize>, Vec<Value>) = rest.map(|(axis, value)| (*axis, value.clone())).unzip();
-        label(&axes, &key)
+        frame.names.label(&axes, &key)
     };
     let rows = distinct_in_order(pairs.iter().flat_map(|(_, cases)| cases).map(name));
     let panel = |([sampled, fixed], cases): &([String; 2], Vec<Case>)| {
@@ -349,14 +346,15 @@ fn figure(frame: &Frame, axes: &[usize], pairs: &[([String; 2], Vec<Case>)]) -> 
             for (key, own) in by_condition(frame, numbers(cases)) {
                 let Some(first) = cases.iter().find(|case| case.of.fixed.key(&of) == key) else { continue };
                 let at = |n: f64| [up(n, &tried).min(2.0 * largest), step(&rows, &name(first))];
-                let tip = label(&of, &key);
+                let tip = frame.names.label(&of, &key);
                 marks.extend(own.marks(place(first.of.fixed), at, (&tip, &words)));
             }
             return (format!("{sampled} over {fixed}"), marks);
         }
         marks.extend(cases.iter().map(|case| {
             let x = case.break_even.map_or(2.0 * largest, f64::from);
-            let tip = format!("{}: {} samples", label(axes, &case.of.key), counted(case.number(&tried), &tried));
+            let label = frame.names.label(axes, &case.of.key);
+            let tip = format!("{label}: {} samples", counted(case.number(&tried), &tried));
             dot([x, step(&rows, &name(case))], place(case.of.fixed), tip, case.of.fixed)
         }));
         (format!("{sampled} over {fixed}"), marks)
@@ -373,7 +371,7 @@ fn figure(frame: &Frame, axes: &[usize], pairs: &[([String; 2], Vec<Case>)]) -> 
         y: Along::Steps("", rows.clone()),
         series: match models {
             [] => vec![QUESTION.name.to_owned()],
-            models => models.iter().map(|model| AXES[BRDF].label(&model.to_string())).collect(),
+            models => models.iter().map(|model| frame.names.one(BRDF, model)).collect(),
         },
     }
     .figure()

@@ -3,7 +3,7 @@
 //! The break-even of `break_even`, for every pair of methods, by width of the lobe: the median over environments with its interval. On the
 //! scene `design` bands of n·v have their own. Beside pictures it is told by FLIP, too, which scores what an eye sees.
 
-use super::break_even::{by_condition, conditions, counted, lacks as lacks_pair, numbers, pairs, tried, up};
+use super::break_even::{SURFACE, by_condition, conditions, counted, lacks as lacks_pair, numbers, pairs, tried, up};
 use super::numbers::middle_marks;
 use super::prelude::*;
 use super::{FIXED, SAMPLED, UPPER};
@@ -76,27 +76,33 @@ fn answer(frame: &Frame) -> Option<Finding> {
     let images = frame.images();
     let mut all = middles(frame, WHOLE);
     if frame.metric.description().space == Space::Linear && frame.run.has_pictures() {
-        all.extend(middles(&Frame::new(frame.run, Some(DISPLAY_HEADLINE)), WHOLE));
+        all.extend(middles(&frame.like(frame.run, DISPLAY_HEADLINE), WHOLE));
     }
     if images.iter().all(|row| is_design(&row.text(SCENE))) {
         let seen = VIEWS.iter().filter_map(|seen| Some((*seen, frame.run.seen_at(*seen)?)));
-        all.extend(seen.flat_map(|(seen, run)| middles(&Frame::new(&run, Some(frame.metric_name())), seen)));
+        all.extend(seen.flat_map(|(seen, run)| middles(&frame.like(&run, frame.metric_name()), seen)));
     }
     let axes: Vec<usize> = conditions(frame).collect();
-    let mut table = Table::new(&axes, QUESTION.columns);
+    let columns = distinct_in_order(SURFACE.into_iter().chain(axes.iter().copied()));
+    let mut table = Table::new(&columns, QUESTION.columns);
+    let cells = |key: &Key| {
+        let only = |axis: usize| frame.shape.values[axis].first().cloned().unwrap_or(Value::Unset);
+        let value = |of: &usize| axes.iter().position(|axis| axis == of).map_or_else(|| only(*of), |i| key[i].clone());
+        axis_cells(&columns, &columns.iter().map(value).collect::<Key>())
+    };
     for own in &all {
         let ends = own.all.interval.map_or([None; 2], |ends| ends.map(Some)).map(|end| end.filter(|n| n.is_finite()));
         let count = Some(up(own.all.value, &own.tried)).filter(|n| n.is_finite());
         let [sampled, fixed] = &own.names;
         let head = cells![own.metric, own.seen[0], own.seen[1], fixed.as_str(), sampled.as_str()];
         let numbers = cells![count, ends[0], ends[1], own.tried.last().copied()];
-        table.row([own.key.iter().map(Cell::from).collect(), head, numbers].concat());
+        table.row([cells(&own.key), head, numbers].concat());
     }
     let cases = pairs(beside(frame, &images, &frame.case_axes())).into_iter().flat_map(|(_, cases)| cases);
-    let scope = numbers(&cases.collect::<Vec<_>>()).scope(&frame.case_axes());
+    let scope = numbers(&cases.collect::<Vec<_>>()).scope(frame);
     Some(Finding {
         sentence: sentence(&all)? + &scope.replacen("Over", "Medians over", 1),
-        digest: Some(digest(&axes, &all)),
+        digest: Some(digest(frame, &axes, &all)),
         table,
         figure: figure(frame, &axes, &all),
     })
@@ -125,15 +131,17 @@ fn sentence(all: &[Middle]) -> Option<String> {
     Some(grouped(whole, |middle| middle.metric).into_iter().enumerate().filter_map(of_metric).collect())
 }
 
-/// A row a score, condition but alpha, and pair, a column an alpha. Of the bands of n·v the first and the last, for the first pair and the
+/// A row a score, condition, and pair, a column a value of [`Frame::row_axis`]. Of the bands of n·v the first and the last, for the first pair and the
 /// last.
-fn digest(axes: &[usize], all: &[Middle]) -> Table {
-    let others: Vec<usize> = (0..axes.len()).filter(|i| axes[*i] != ALPHA).collect();
-    let alpha = |own: &Middle| axes.iter().position(|axis| *axis == ALPHA).map(|i| own.key[i].clone());
-    let widths = ascending(distinct_in_order(all.iter().filter_map(alpha)));
-    let heads = widths.iter().map(|width| heading(ALPHA, width));
+fn digest(frame: &Frame, axes: &[usize], all: &[Middle]) -> Table {
+    let of = frame.row_axis();
+    let others: Vec<usize> = (0..axes.len()).filter(|i| axes[*i] != of).collect();
+    let width_of = |own: &Middle| axes.iter().position(|axis| *axis == of).map(|i| own.key[i].clone());
+    let widths = ascending(distinct_in_order(all.iter().filter_map(width_of)));
+    let heads = widths.iter().map(|width| frame.names.heading(of, width));
     let heads: Vec<String> = if widths.is_empty() { vec!["samples a pixel".to_owned()] } else { heads.collect() };
-    let names = others.iter().map(|i| AXES[axes[*i]].name).chain(["without samples", "sampling"]).map(str::to_owned);
+    let names =
+        others.iter().map(|i| frame.names.name(axes[*i])).chain(["without samples", "sampling"]).map(str::to_owned);
     let mut table = Table::with_names(std::iter::once("score".to_owned()).chain(names).chain(heads));
     let ends = [&all[0].names, &all[all.len() - 1].names];
     let is_end = |own: &Middle| [VIEWS[0], VIEWS[VIEWS.len() - 1]].contains(&own.seen) && ends.contains(&&own.names);
@@ -147,7 +155,7 @@ fn digest(axes: &[usize], all: &[Middle]) -> Table {
     rows.sort_by_key(|((score, rest, _), _)| order.iter().position(|own| own.0 == *score && own.1 == *rest));
     for ((score, rest, [sampled, fixed]), own) in rows {
         let mut row = cells![score];
-        row.extend(others.iter().zip(&rest).map(|(i, value)| Cell::from(short(axes[*i], value))));
+        row.extend(others.iter().zip(&rest).map(|(i, value)| Cell::from(frame.names.short(axes[*i], value))));
         row.extend(cells![fixed, sampled]);
         let words = |own: &&Middle| own.words(own.all.value) + &interval_words(&own.all, |n| own.words(n));
         match &widths[..] {
@@ -155,7 +163,7 @@ fn digest(axes: &[usize], all: &[Middle]) -> Table {
             widths => row.extend(
                 widths
                     .iter()
-                    .map(|width| Cell::from(own.iter().find(|own| alpha(own).as_ref() == Some(width)).map(words))),
+                    .map(|width| Cell::from(own.iter().find(|own| width_of(own).as_ref() == Some(width)).map(words))),
             ),
         }
         table.row(row);
@@ -163,14 +171,15 @@ fn digest(axes: &[usize], all: &[Middle]) -> Table {
     table
 }
 
-/// A panel a metric, condition but alpha, and way to sample: the whole image, a line a method without samples.
+/// A panel a metric, condition, and way to sample: the whole image, a line a method without samples.
 fn figure(frame: &Frame, axes: &[usize], all: &[Middle]) -> Option<Figure> {
-    let widths = frame.shape.values[ALPHA].clone();
+    let (of, names) = (frame.row_axis(), &frame.names);
+    let widths = frame.shape.values[of].clone();
     let series = distinct_in_order(all.iter().map(|own| own.names[1].clone()));
     let title = |own: &&Middle| {
-        let rest = axes.iter().zip(&own.key).filter(|(axis, _)| **axis != ALPHA);
+        let rest = axes.iter().zip(&own.key).filter(|(axis, _)| **axis != of);
         let (axes, values): (Vec<usize>, Vec<Value>) = rest.map(|(axis, value)| (*axis, value.clone())).unzip();
-        [own.metric.to_owned(), label(&axes, &values), own.names[0].clone()]
+        [own.metric.to_owned(), names.label(&axes, &values), own.names[0].clone()]
             .map(|part| part.replace(" · ", ", "))
             .join(", ")
     };
@@ -178,15 +187,15 @@ fn figure(frame: &Frame, axes: &[usize], all: &[Middle]) -> Option<Figure> {
     let panel = |(name, own): (String, Vec<&Middle>)| {
         let line = |(fixed, own): (String, Vec<&Middle>)| {
             let marks = own.into_iter().flat_map(|own| {
-                let alpha = axes.iter().position(|axis| *axis == ALPHA);
-                let x = alpha.map_or(0.0, |i| step(&widths, &own.key[i]));
+                let place = axes.iter().position(|axis| *axis == of);
+                let x = place.map_or(0.0, |i| step(&widths, &own.key[i]));
                 let at = |n: f64| [x, up(n, &own.tried).min(2.0 * largest)];
                 let words = |all: &Estimate| own.words(all.value) + &interval_words(all, |n| own.words(n));
                 middle_marks(
                     &own.all,
                     step(&series, &fixed) as usize,
                     at,
-                    (&format!("{fixed}, {}", label(axes, &own.key)), &words),
+                    (&format!("{fixed}, {}", names.label(axes, &own.key)), &words),
                 )
             });
             joined(marks.collect())
@@ -203,7 +212,7 @@ fn figure(frame: &Frame, axes: &[usize], all: &[Middle]) -> Option<Figure> {
     Chart {
         title: "Samples a pixel from which on sampling errs less",
         note: format!("median{INTERVAL}; beyond the line: not up to the largest tried count"),
-        x: Along::Steps(AXES[ALPHA].name, widths.iter().map(|width| short(ALPHA, width)).collect()),
+        x: Along::Steps(names.name(of), widths.iter().map(|width| names.short(of, width)).collect()),
         y: Along::Log("samples a pixel"),
         panels: panels.into_iter().map(panel).collect(),
         series: series.clone(),

@@ -1,11 +1,11 @@
 //! Figures of questions: small multiples whose panels share their scales, and maps of tiles.
 
 use super::numbers::{Numbers, is_formula};
-use super::words::{count, short};
+use super::words::count;
 use crate::experiment::axis::{AXES, ENVIRONMENT};
 use crate::experiment::value::Value;
 use crate::figure::{Figure, Mark, Panel, Ramp, Scale, Series, Shape as Form};
-use crate::study::frame::Row;
+use crate::study::frame::{Frame, Row};
 
 /// Panels of a figure; the table has the others.
 const PANELS_MAX: usize = 12;
@@ -89,6 +89,7 @@ pub fn only(rows: &[&Row]) -> Option<String> {
 
 /// Panels of environments by name; after one of all of them where these are summed up, and then the formulas last.
 pub fn light_panels(
+    frame: &Frame,
     all: &Numbers,
     summed: impl Fn() -> Vec<Mark>,
     mut lights: Vec<(Value, Vec<Mark>)>,
@@ -98,7 +99,8 @@ pub fn light_panels(
         lights.sort_by_key(|(light, _)| is_formula(light));
     }
     let first = first.map(|all| (count(all.n, "", AXES[ENVIRONMENT].plural), summed()));
-    let name = |light: &Value| if *light == Value::Unset { String::new() } else { short(ENVIRONMENT, light) };
+    let name =
+        |light: &Value| if *light == Value::Unset { String::new() } else { frame.names.short(ENVIRONMENT, light) };
     first.into_iter().chain(lights.into_iter().map(|(light, marks)| (name(&light), marks))).collect()
 }
 

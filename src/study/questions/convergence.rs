@@ -68,23 +68,30 @@ fn answer(frame: &Frame) -> Option<Finding> {
     let (axes, images) = (frame.case_axes(), frame.images());
     let fixed = without_samples(&images);
     let falls: Vec<Fall> = curves(frame, &images, &axes).into_iter().map(Fall::of).collect();
-    let columns = [&axes[..], &[METHOD, SAMPLES]].concat();
-    let mut table = Table::new(&columns, QUESTION.columns);
+    let columns = frame.table_axes();
+    let of_row = [&columns[..], &[METHOD, SAMPLES]].concat();
+    let mut table = Table::new(&of_row, QUESTION.columns);
     for (fall, point) in falls.iter().flat_map(|fall| fall.curve.points.iter().map(move |point| (fall, point))) {
-        let mut row: Vec<Cell> = fall.curve.key.iter().chain([&fall.curve.method]).map(Cell::from).collect();
-        row.extend(cells![point.samples, point.error, frame.noise_floor(point.rows[0]), point.is_resolved]);
+        let mut row = fall.curve.first().cells(&columns);
+        row.extend(cells![
+            &fall.curve.method,
+            point.samples,
+            point.error,
+            frame.noise_floor(point.rows[0]),
+            point.is_resolved
+        ]);
         row.extend(cells![point.bias_share(), fall.line.map(|line| line.slope)]);
         row.extend(cells![fall.line.map(|line| line.standard_error), fall.stops_at]);
         table.row(row);
     }
     for row in &fixed {
         let own = cells![frame.error(row), frame.noise_floor(row), frame.is_resolved(row)];
-        table.row([row.cells(&columns), own, vec![Cell::Missing; 4]].concat());
+        table.row([row.cells(&of_row), own, vec![Cell::Missing; 4]].concat());
     }
     let fitted: Vec<&Fall> = falls.iter().filter(|fall| fall.line.is_some()).collect();
     let by_method = grouped(fitted, |fall| fall.curve.method.clone());
     Some(Finding {
-        sentence: sentence(frame, &axes, &by_method.first()?.1)?,
+        sentence: sentence(frame, &by_method.first()?.1)?,
         table,
         digest: Some(digest(frame, &by_method).without_empty()),
         figure: figure(frame, &axes, &falls, &fixed),
@@ -105,7 +112,7 @@ fn lights(falls: &[&Fall], all: &Numbers) -> usize {
 /// Factors that differ by less are told as one.
 const CHANGE_MIN: f64 = 1.1;
 
-fn sentence(frame: &Frame, axes: &[usize], falls: &[&Fall]) -> Option<String> {
+fn sentence(frame: &Frame, falls: &[&Fall]) -> Option<String> {
     let doublings = doublings(falls);
     let middle = doublings.estimate()?;
     let text = format!(
@@ -114,20 +121,24 @@ fn sentence(frame: &Frame, axes: &[usize], falls: &[&Fall]) -> Option<String> {
         falls.first()?.curve.method,
         number(middle.value),
         interval_words(&middle, number),
-        doublings.place(", in the median environment"),
+        doublings.place(frame, ", in the median environment"),
         number(-middle.value.log2()),
-        doublings.extremes("the factor", CHANGE_MIN, number)
+        doublings.extremes(frame, "the factor", CHANGE_MIN, number)
     );
     let stops = |fall: &&Fall| fall.stops_at.is_some() && doublings.weighs(fall.curve.first());
     let stopping: Vec<&Fall> = falls.iter().copied().filter(stops).collect();
     let from = stopping.iter().filter_map(|fall| fall.stops_at).min();
     let end = match (from, lights(falls, &doublings)) {
-        (None, _) => doublings.scope(axes),
+        (None, _) => doublings.scope(frame),
         (Some(least), 1) => {
             let samples = count(least as usize, "sample", "samples");
-            let at = values(stopping.iter().map(|fall| fall.curve.first()), ALPHA);
-            let at: Vec<String> = at.iter().map(|alpha| short(ALPHA, alpha)).collect();
-            let at = if frame.shape.is_swept(ALPHA) { format!(" at alpha {}", listed(&at)) } else { String::new() };
+            let of = frame.row_axis();
+            let at = values(stopping.iter().map(|fall| fall.curve.first()), of);
+            let at: Vec<String> = at.iter().map(|value| frame.names.short(of, value)).collect();
+            let at = match frame.shape.is_swept(of) {
+                true => format!(" at {} {}", frame.names.name(of), listed(&at)),
+                false => String::new(),
+            };
             format!(" It stops falling{at}, from {samples} on.")
         }
         (Some(least), n) => {
@@ -139,10 +150,10 @@ fn sentence(frame: &Frame, axes: &[usize], falls: &[&Fall]) -> Option<String> {
     Some(text + &end)
 }
 
-/// By method and alpha: slope, factor of a doubling, where it stops, and bias at the largest count.
+/// By method and [`Frame::row_axis`]: slope, factor of a doubling, where it stops, and bias at the largest count.
 fn digest(frame: &Frame, by_method: &[(Value, Vec<&Fall>)]) -> Table {
-    let is_by_alpha = frame.shape.is_swept(ALPHA);
-    let widths = [AXES[ALPHA].name, ROUGHNESS].into_iter().filter(|_| is_by_alpha);
+    let of = frame.row_axis();
+    let heads = if frame.shape.is_swept(of) { frame.names.heads(&[of]) } else { Vec::new() };
     let names = [
         "slope",
         "a doubling divides by",
@@ -151,19 +162,17 @@ fn digest(frame: &Frame, by_method: &[(Value, Vec<&Fall>)]) -> Table {
         "stops at, median",
         "bias share at most samples",
     ];
-    let mut table = Table::with_names([AXES[METHOD].name].into_iter().chain(widths).chain(names));
+    let mut table = Table::with_names([AXES[METHOD].name].into_iter().chain(heads.iter().copied()).chain(names));
     for (method, own) in by_method {
-        let widths = values(own.iter().map(|fall| fall.curve.first()), ALPHA);
-        for width in widths.iter().map(Some).filter(|_| is_by_alpha).chain([None]) {
-            let is_own = |fall: &&&Fall| width.is_none_or(|width| fall.curve.first().point[ALPHA] == *width);
+        let widths = values(own.iter().map(|fall| fall.curve.first()), of);
+        for width in widths.iter().map(Some).filter(|_| !heads.is_empty()).chain([None]) {
+            let is_own = |fall: &&&Fall| width.is_none_or(|width| fall.curve.first().point[of] == *width);
             let group: Vec<&Fall> = own.iter().filter(is_own).copied().collect();
             let Some(factor) = doublings(&group).estimate() else { continue };
             let mut row = cells![method];
-            if is_by_alpha {
-                row.extend(cells![
-                    width.map_or(ALL.to_owned(), |value| short(ALPHA, value)),
-                    width.and_then(roughness)
-                ]);
+            if !heads.is_empty() {
+                let head = |value| frame.names.head(&[of], std::slice::from_ref(value));
+                row.extend(width.map_or_else(|| all_head(&heads), head));
             }
             let stops = group.iter().filter_map(|fall| Some((fall.curve.first(), fall.stops_at?.into())));
             let stops = Numbers::new(stops, Middle::Median).estimate();
@@ -181,12 +190,12 @@ fn digest(frame: &Frame, by_method: &[(Value, Vec<&Fall>)]) -> Table {
 const FLOOR_WITHIN: f64 = 100.0;
 const FLOOR: &str = "noise floor";
 
-/// Small multiples by alpha and environment; lines of one panel and method differ in the other axes of cases. Where environments are
-/// summed up, by alpha alone: one line a method.
+/// Small multiples by [`Frame::row_axis`] and environment; lines of one panel and method differ in the other axes of cases. Where environments are
+/// summed up, without the latter: one line a method.
 fn figure(frame: &Frame, axes: &[usize], falls: &[Fall], fixed: &[&Row]) -> Option<Figure> {
     let errors = falls.iter().flat_map(|fall| fall.curve.points.iter().map(|point| (fall.curve.first(), point.error)));
     let is_summed = Numbers::new(errors, Middle::GeometricMean).is_summed();
-    let is_panel = |of: &usize| *of == ALPHA || (*of == ENVIRONMENT && !is_summed);
+    let is_panel = |of: &usize| *of == frame.row_axis() || (*of == ENVIRONMENT && !is_summed);
     let of_panel: Vec<usize> = axes.iter().copied().filter(is_panel).collect();
     let sampled = distinct_in_order(falls.iter().map(|fall| fall.curve.method.to_string()));
     let errors = falls.iter().flat_map(|fall| &fall.curve.points).map(|point| point.error);
@@ -208,12 +217,13 @@ fn figure(frame: &Frame, axes: &[usize], falls: &[Fall], fixed: &[&Row]) -> Opti
             }
             let floors = own.iter().filter_map(|fall| Some((fall.curve.first(), floor(fall)?)));
             marks.extend(rule(FLOOR, Numbers::new(floors, Middle::GeometricMean), index(FLOOR)));
-            return (label(&of_panel, &key), marks);
+            return (frame.names.label(&of_panel, &key), marks);
         }
         for fall in &own {
             let dots = fall.curve.points.iter().filter(|point| point.error > 0.0).map(|point| {
                 let row = point.rows[0];
-                let tip = format!("{}: {} · {}", frame.way(row), number(point.error), label(axes, &fall.curve.key));
+                let label = frame.names.label(axes, &fall.curve.key);
+                let tip = format!("{}: {} · {label}", frame.way(row), number(point.error));
                 dot([f64::from(point.samples), point.error], index(&row.text(METHOD)), tip, row)
             });
             marks.extend(joined(dots.collect()));
@@ -227,7 +237,7 @@ fn figure(frame: &Frame, axes: &[usize], falls: &[Fall], fixed: &[&Row]) -> Opti
             let rule = Mark::new(Form::HorizontalRule(floor), index(FLOOR));
             marks.push(rule.tip(format!("{FLOOR}: {}", number(floor))));
         }
-        (label(&of_panel, &key), marks)
+        (frame.names.label(&of_panel, &key), marks)
     };
     let panels = grouped(falls, |fall| fall.curve.first().key(&of_panel)).into_iter().map(panel).collect();
     let figure = Chart {

@@ -2,7 +2,7 @@
 //!
 //! For a swept axis of methods, of their parameters or of their tables, its first value is the base. Each image with another value is
 //! paired with the image that has the base and agrees on all other axes ([`pair`]). The *effect* is the ratio of their errors: below 1 the
-//! value is better than the base. It is told as the geometric mean over environments, by alpha; where it is below 1 here and above 1 there,
+//! value is better than the base. It is told as the geometric mean over environments, by alpha or the axis that the experiment names; where it is below 1 here and above 1 there,
 //! it is told along that axis and never averaged over it. A pair of which both errors are within the reference's noise tells nothing and is
 //! left out of the mean. A sentence names values of two axes only if some image has both.
 
@@ -98,7 +98,7 @@ fn answer(frame: &Frame) -> Option<Finding> {
     let images = frame.images();
     let all: Vec<OfAxis> =
         frame.swept(&WAYS).into_iter().filter_map(|axis| OfAxis::new(frame, &images, axis)).collect();
-    let mut axes = frame.case_axes();
+    let mut axes = frame.table_axes();
     axes.extend([METHOD, SAMPLES, POINT_SET].iter().filter(|known| !axes.contains(known)).collect::<Vec<_>>());
     let mut table = Table::new(&axes, QUESTION.columns);
     for (of, effect) in all.iter().flat_map(|of| of.effects.iter().map(move |effect| (of, effect))) {
@@ -107,7 +107,7 @@ fn answer(frame: &Frame) -> Option<Finding> {
     }
     let lead = all.first()?;
     let told = lead.effects.iter().filter(|effect| effect.is_resolved).map(|effect| (effect.row, effect.ratio));
-    let scope = Numbers::ratios(told).scope(&frame.case_axes());
+    let scope = Numbers::ratios(told).scope(frame);
     let (mut named, mut sentences): (Vec<(usize, Value)>, Vec<String>) = (Vec::new(), Vec::new());
     for of in &all {
         let best = of.best();
@@ -130,17 +130,17 @@ fn sentence(frame: &Frame, of: &OfAxis, best: Option<&Best>) -> String {
     let Some((value, numbers, ratio)) = best else {
         return format!("`{}` changes nothing that stands clear of the reference's noise.", AXES[of.axis].name);
     };
-    let [name, base] = [value, &of.base].map(|value| format!("`{}`", said(of.axis, value)));
+    let [name, base] = [value, &of.base].map(|value| format!("`{}`", frame.names.said(of.axis, value)));
     let metric = frame.metric_name();
     if let Some((along, groups)) = numbers.change_of_sign(frame) {
-        let ([better, worse], along) = (sides(along, &groups), AXES[along].name);
+        let ([better, worse], along) = (sides(frame, along, &groups), frame.names.name(along));
         return format!("{name} has less `{metric}` than {base} at {along} {better}, and more at {worse}.");
     }
     let (times, interval) = (number(ratio.value), interval_words(ratio, number));
     let wins = match numbers.wins() {
         [_, 1] => match numbers.less() {
-            [less, n] if less > 0 && less < n => format!("{}; less in {less} of {n} images", numbers.place("")),
-            _ => numbers.place(""),
+            [less, n] if less > 0 && less < n => format!("{}; less in {less} of {n} images", numbers.place(frame, "")),
+            _ => numbers.place(frame, ""),
         },
         [0, n] => format!("; more under each of {n} {}{}", AXES[ENVIRONMENT].plural, of.unresolved(n)),
         [wins, n] => format!("; less under {wins} of {n} {}{}", AXES[ENVIRONMENT].plural, of.unresolved(n)),
@@ -158,7 +158,7 @@ fn sentence(frame: &Frame, of: &OfAxis, best: Option<&Best>) -> String {
     }
 }
 
-/// By alpha and environment where one value is judged; else one row a value.
+/// By [`Frame::row_axis`] and environment if one value is judged; else one row a value.
 fn digest(frame: &Frame, all: &[OfAxis]) -> Table {
     let words = &with_interval;
     let told: Vec<_> = all.iter().map(|of| (of, of.told())).collect();
@@ -167,13 +167,14 @@ fn digest(frame: &Frame, all: &[OfAxis]) -> Table {
     {
         return numbers.digest(frame, words);
     }
-    let widths = values(all.iter().flat_map(|of| &of.effects).map(|effect| effect.row), ALPHA);
-    let heads = widths.iter().map(|width| heading(ALPHA, width));
-    let names = ["axis", "value", "base"].map(str::to_owned).into_iter().chain(heads);
-    let mut table = Table::with_names(names.chain([ALL, "wins under"].map(str::to_owned)));
+    let (along, names) = (frame.row_axis(), &frame.names);
+    let widths = values(all.iter().flat_map(|of| &of.effects).map(|effect| effect.row), along);
+    let heads = widths.iter().map(|width| names.heading(along, width));
+    let first = ["axis", "value", "base"].map(str::to_owned).into_iter().chain(heads);
+    let mut table = Table::with_names(first.chain([ALL, "wins under"].map(str::to_owned)));
     for (of, value, numbers) in told.iter().flat_map(|(of, own)| own.iter().map(move |(value, n)| (of, value, n))) {
-        let mut row = cells![AXES[of.axis].name, short(of.axis, value), short(of.axis, &of.base)];
-        row.extend(widths.iter().map(|width| numbers.at(ALPHA, width).cell(frame, &|all| number(all.value))));
+        let mut row = cells![AXES[of.axis].name, names.short(of.axis, value), names.short(of.axis, &of.base)];
+        row.extend(widths.iter().map(|width| numbers.at(along, width).cell(frame, &|all| number(all.value))));
         row.push(numbers.pooled(frame).map(|all| words(&all)).into());
         let [wins, n] = numbers.wins();
         row.push(format!("{wins} of {n}").into());
@@ -182,18 +183,20 @@ fn digest(frame: &Frame, all: &[OfAxis]) -> Table {
     table.without_empty()
 }
 
-/// One panel an environment, after their mean: the ratio by alpha, a colour a value.
+/// One panel an environment, after their mean: the ratio by [`Frame::row_axis`], a colour a value.
 fn figure(frame: &Frame, of: &OfAxis) -> Option<Figure> {
     let judged = distinct_in_order(of.effects.iter().map(|effect| effect.value.clone()));
-    let widths = values(of.effects.iter().map(|effect| effect.row), ALPHA);
+    let (along, names) = (frame.row_axis(), &frame.names);
+    let widths = values(of.effects.iter().map(|effect| effect.row), along);
     let panel = |(light, own): (Value, Vec<&Effect>)| {
         let mut marks = vec![Mark::neutral(Form::HorizontalRule(1.0))];
         for (value, own) in grouped(own, |effect| effect.value.clone()) {
-            let mut by_width = grouped(own, |effect| effect.row.point[ALPHA].clone());
+            let mut by_width = grouped(own, |effect| effect.row.point[along].clone());
             by_width.sort_by(|(a, _), (b, _)| step(&widths, a).total_cmp(&step(&widths, b)));
             let dots = by_width.iter().map(|(width, own)| {
                 let ratio = geometric_mean(&own.iter().map(|effect| effect.ratio).collect::<Vec<_>>());
-                let tip = format!("{}, {}: {} times", said(of.axis, &value), said(ALPHA, width), number(ratio));
+                let tip =
+                    format!("{}, {}: {} times", names.said(of.axis, &value), names.said(along, width), number(ratio));
                 dot([step(&widths, width), ratio], step(&judged, &value) as usize, tip, own[0].row)
             });
             marks.extend(joined(dots.collect()));
@@ -204,9 +207,9 @@ fn figure(frame: &Frame, of: &OfAxis) -> Option<Figure> {
     let summed = || {
         let line = |(value, own): &(Value, Numbers)| {
             let dots = widths.iter().flat_map(|width| {
-                let name = format!("{}, {}", said(of.axis, value), said(ALPHA, width));
+                let name = format!("{}, {}", names.said(of.axis, value), names.said(along, width));
                 let at = |ratio: f64| [step(&widths, width), ratio];
-                own.at(ALPHA, width).marks(step(&judged, value) as usize, at, (&name, &with_interval))
+                own.at(along, width).marks(step(&judged, value) as usize, at, (&name, &with_interval))
             });
             joined(dots.collect())
         };
@@ -218,13 +221,13 @@ fn figure(frame: &Frame, of: &OfAxis) -> Option<Figure> {
         title: &format!("Effect of {}", AXES[of.axis].name),
         note: format!(
             "Error over that of {}; below 1 is better{}",
-            short(of.axis, &of.base),
+            names.short(of.axis, &of.base),
             if lead.is_summed() { INTERVAL } else { "" }
         ),
-        x: Along::Steps(AXES[ALPHA].name, widths.iter().map(|width| short(ALPHA, width)).collect()),
+        x: Along::Steps(names.name(along), widths.iter().map(|width| names.short(along, width)).collect()),
         y: Along::Log(&format!("{} over that of the base", frame.metric_name())),
-        panels: light_panels(&lead, summed, lights),
-        series: judged.iter().map(|value| said(of.axis, value)).collect(),
+        panels: light_panels(frame, &lead, summed, lights),
+        series: judged.iter().map(|value| names.said(of.axis, value)).collect(),
     }
     .figure()
 }

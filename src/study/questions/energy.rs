@@ -55,9 +55,9 @@ fn lacks(shape: &Shape) -> Option<&'static str> {
 /// The balance of one image.
 struct Balance<'r, 'f> {
     row: &'r Row<'f>,
-    /// What tells it apart, without alpha: "ggx · separable".
+    /// What tells it apart, without the value on [`Frame::row_axis`]: "ggx · separable".
     name: String,
-    alpha: Value,
+    width: Value,
     change: f64,
     /// Half its 95 % interval.
     half: Option<f64>,
@@ -66,22 +66,22 @@ struct Balance<'r, 'f> {
     most: (f64, [f64; 2]),
 }
 
-/// Swept axes that tell the ways of scattering apart, without alpha.
+/// Swept axes that tell the ways of scattering apart, without that of the columns.
 fn key_axes(frame: &Frame) -> Vec<usize> {
     let parts = [Part::Case, Part::Method, Part::Count, Part::Parameter, Part::Table];
-    frame.swept(&parts).into_iter().filter(|known| *known != ALPHA).collect()
+    frame.swept(&parts).into_iter().filter(|known| *known != frame.row_axis()).collect()
 }
 
 fn answer(frame: &Frame) -> Option<Finding> {
-    let axes = key_axes(frame);
+    let (axes, of) = (key_axes(frame), frame.row_axis());
     let balance = |row| {
         let of_row: &Row = row;
         let bins = of_row.cell.bins.iter().filter_map(|bin| Some((bin.scores.get(CHANGE)?, [bin.lo, bin.hi])));
         let bins = || bins.clone().filter(|(change, _)| change.is_finite());
         Some(Balance {
             row,
-            name: label(&axes, &of_row.key(&axes)),
-            alpha: of_row.point[ALPHA].clone(),
+            name: frame.names.label(&axes, &of_row.key(&axes)),
+            width: of_row.point[of].clone(),
             change: of_row.score(CHANGE).filter(|change| change.is_finite())?,
             half: of_row.cell.noise_floors.get(CHANGE).map(|noise| NORMAL_95 * noise),
             least: bins().min_by(|a, b| a.0.total_cmp(&b.0))?,
@@ -90,16 +90,21 @@ fn answer(frame: &Frame) -> Option<Finding> {
     };
     let images = frame.images().into_iter().filter(|row| !row.has_no_method());
     let all: Vec<Balance> = images.filter_map(balance).collect();
-    let columns = [&axes[..], &[ALPHA]].concat();
+    let columns = distinct_in_order([BRDF, MASKING].into_iter().chain(axes.iter().copied()).chain([of]));
     let mut table = Table::new(&columns, QUESTION.columns);
     for one in &all {
         let [lo, hi] = [-1.0, 1.0].map(|side| one.half.map(|half| one.change + side * half));
         let bins = [one.least, one.most].map(|(change, [lo, hi])| cells![change, lo, hi.min(1.0)]).concat();
         table.row([one.row.cells(&columns), cells![one.change, lo, hi], bins].concat());
     }
-    let alphas = values(all.iter().map(|one| one.row), ALPHA);
-    let sentence = sentence(&alphas, &all)?;
-    Some(Finding { sentence, table, digest: Some(digest(&alphas, &all)), figure: figure(&axes, &alphas, &all) })
+    let widths = values(all.iter().map(|one| one.row), of);
+    let sentence = sentence(frame, &widths, &all)?;
+    Some(Finding {
+        sentence,
+        table,
+        digest: Some(digest(frame, &widths, &all)),
+        figure: figure(frame, &axes, &widths, &all),
+    })
 }
 
 /// What is neither empty nor alone, joined: "ggx, separable, alpha 1".
@@ -107,48 +112,46 @@ fn place<const N: usize>(words: [&str; N]) -> String {
     words.into_iter().filter(|word| !word.is_empty()).collect::<Vec<_>>().join(", ").replace(" · ", ", ")
 }
 
-fn width(alpha: &Value) -> String {
-    label(&[ALPHA], std::slice::from_ref(alpha))
-}
-
-fn sentence(alphas: &[Value], all: &[Balance]) -> Option<String> {
+fn sentence(frame: &Frame, widths: &[Value], all: &[Balance]) -> Option<String> {
+    let width = |value: &Value| frame.names.one(frame.row_axis(), value);
     let by_change = |a: &&Balance, b: &&Balance| a.change.total_cmp(&b.change);
     let named = |one: &Balance| match place([&one.name]) {
         name if name.is_empty() => percent(one.change),
         name => format!("{} ({name})", percent(one.change)),
     };
-    let at = |alpha: &Value| {
-        let own = || all.iter().filter(|one| one.alpha == *alpha);
+    let at = |value: &Value| {
+        let own = || all.iter().filter(|one| one.width == *value);
         let (worst, best) = (own().min_by(by_change)?, own().max_by(by_change)?);
         let range = if own().count() == 1 { named(worst) } else { format!("{} to {}", named(worst), named(best)) };
-        Some((if width(alpha).is_empty() { String::new() } else { format!(" at {}", width(alpha)) }, range))
+        Some((if width(value).is_empty() { String::new() } else { format!(" at {}", width(value)) }, range))
     };
     // The ends of the sweep stand for it; the digest has all of it.
-    let (last, range) = at(alphas.last()?)?;
+    let (last, range) = at(widths.last()?)?;
     let mut text = format!("In a white furnace{last} energy changes by {range}.");
-    if let Some((first, range)) = alphas.first().filter(|_| alphas.len() > 1).and_then(at) {
+    if let Some((first, range)) = widths.first().filter(|_| widths.len() > 1).and_then(at) {
         text += &format!(" It changes by {range}{first}.");
     }
     let strongest = all.iter().max_by(|a, b| a.most.0.total_cmp(&b.most.0))?;
     let (change, bin) = strongest.most;
     let bin = format!("n·v {}", ends(bin));
-    let where_most = place([&strongest.name, &width(&strongest.alpha), &bin]);
+    let where_most = place([&strongest.name, &width(&strongest.width), &bin]);
     Some(match change > MEANT {
         true => text + &format!(" Most is created by {where_most}: {}.", percent(change)),
         false => text + " None creates energy at any n·v.",
     })
 }
 
-/// One row a way of scattering, one column an alpha, and what creates energy.
-fn digest(alphas: &[Value], all: &[Balance]) -> Table {
-    let heads = alphas.iter().map(width);
+/// One row a way of scattering, one column a value of [`Frame::row_axis`], and what creates energy.
+fn digest(frame: &Frame, widths: &[Value], all: &[Balance]) -> Table {
+    let width = |value: &Value| frame.names.one(frame.row_axis(), value);
+    let heads = widths.iter().map(width);
     let last = ["creates most", "where"].map(str::to_owned);
     let mut table = Table::with_names(std::iter::once("surface".to_owned()).chain(heads).chain(last));
     for (name, own) in grouped(all, |one| one.name.clone()) {
-        let of = |alpha: &Value| own.iter().find(|one| one.alpha == *alpha).map(|one| with_half(one));
+        let of = |value: &Value| own.iter().find(|one| one.width == *value).map(|one| with_half(one));
         let most = own.iter().max_by(|a, b| a.most.0.total_cmp(&b.most.0)).filter(|one| one.most.0 > MEANT);
-        let bin = most.map(|one| format!("{} n·v {}", width(&one.alpha), ends(one.most.1)).trim().to_owned());
-        let row = std::iter::once(Cell::from(name)).chain(alphas.iter().map(|alpha| of(alpha).into()));
+        let bin = most.map(|one| format!("{} n·v {}", width(&one.width), ends(one.most.1)).trim().to_owned());
+        let row = std::iter::once(Cell::from(name)).chain(widths.iter().map(|value| of(value).into()));
         table.row(row.chain(cells![most.map(|one| percent(one.most.0)), bin]).collect());
     }
     table
@@ -160,30 +163,31 @@ fn with_half(one: &Balance) -> String {
     format!("{}{half}", percent(one.change))
 }
 
-/// One panel a masking, one line a model: the change over alpha.
-fn figure(axes: &[usize], alphas: &[Value], all: &[Balance]) -> Option<Figure> {
+/// One panel a masking, one line a model: the change over [`Frame::row_axis`].
+fn figure(frame: &Frame, axes: &[usize], widths: &[Value], all: &[Balance]) -> Option<Figure> {
+    let (of, names) = (frame.row_axis(), &frame.names);
     let rest: Vec<usize> = axes.iter().copied().filter(|axis| *axis != BRDF).collect();
     let models = distinct_in_order(all.iter().map(|one| one.row.text(BRDF)));
     let marks = |one: &&&Balance| {
-        let (x, y) = (step(alphas, &one.alpha), one.change);
+        let (x, y) = (step(widths, &one.width), one.change);
         let series = step(&models, &one.row.text(BRDF)) as usize;
-        let tip = format!("{} · {}: {}", one.name, width(&one.alpha), with_half(one));
+        let tip = format!("{} · {}: {}", one.name, names.one(of, &one.width), with_half(one));
         let whisker = |half| Mark::new(Form::Whisker([x, y - half], [x, y + half]), series);
         (dot([x, y], series, tip, one.row), one.half.map(whisker))
     };
     let panel = |(key, own): (Key, Vec<&Balance>)| {
         let mut found = vec![Mark::neutral(Form::HorizontalRule(0.0))];
         for (_, mut line) in grouped(&own, |one| one.name.clone()) {
-            line.sort_by(|a, b| step(alphas, &a.alpha).total_cmp(&step(alphas, &b.alpha)));
+            line.sort_by(|a, b| step(widths, &a.width).total_cmp(&step(widths, &b.width)));
             let (dots, whiskers): (Vec<Mark>, Vec<Option<Mark>>) = line.iter().map(marks).unzip();
             found.extend(joined(dots).into_iter().chain(whiskers.into_iter().flatten()));
         }
-        (label(&rest, &key), found)
+        (names.label(&rest, &key), found)
     };
     Chart {
         title: "Energy in a white furnace",
         note: "energy that leaves over energy that arrives, minus 1; above 0 energy is created".to_owned(),
-        x: Along::Steps(AXES[ALPHA].name, alphas.iter().map(|alpha| short(ALPHA, alpha)).collect()),
+        x: Along::Steps(names.name(of), widths.iter().map(|width| names.short(of, width)).collect()),
         y: Along::Linear("change of energy"),
         panels: grouped(all, |one| one.row.key(&rest)).into_iter().map(panel).collect(),
         series: models.clone(),

@@ -60,8 +60,7 @@ fn answer(frame: &Frame) -> Option<Finding> {
     let is_fixed = |case: &&Case| case.row.samples().is_none() && !(has_methods && case.row.has_no_method());
     let largest = || all.iter().reduce(|a, b| if b.row.samples() > a.row.samples() { b } else { a });
     let lead = &all.iter().find(is_fixed).or_else(largest)?.way;
-    let axes = frame.case_axes();
-    let columns = [&axes[..], &[METHOD, SAMPLES]].concat();
+    let columns = [&frame.table_axes()[..], &[METHOD, SAMPLES]].concat();
     let mut table = Table::new(&columns, QUESTION.columns);
     for case in &all {
         let floor = frame.noise_floor(case.row);
@@ -69,10 +68,10 @@ fn answer(frame: &Frame) -> Option<Finding> {
         table.row([case.row.cells(&columns), own].concat());
     }
     Some(Finding {
-        sentence: sentence(frame, &axes, lead, &all)?,
+        sentence: sentence(frame, lead, &all)?,
         digest: Some(digest(frame, lead, &all)),
         table,
-        figure: figure(frame, &axes, &all),
+        figure: figure(frame, &all),
     })
 }
 
@@ -80,10 +79,10 @@ fn numbers<'r, 'f>(cases: &[Case<'r, 'f>], way: &str) -> Numbers<'r, 'f> {
     Numbers::new(cases.iter().filter(|case| case.way == way).map(|case| (case.row, case.error)), Middle::GeometricMean)
 }
 
-/// The leading method by alpha and environment; without alpha, every method by environment.
+/// The leading method by [`Frame::row_axis`] and environment; if that has one value, every method by environment.
 fn digest(frame: &Frame, lead: &str, all: &[Case]) -> Table {
     let words = |mean: &Estimate| with_rms(frame, mean.value) + &interval_words(mean, number);
-    if frame.shape.is_swept(ALPHA) {
+    if frame.shape.is_swept(frame.row_axis()) {
         return numbers(all, lead).digest(frame, &words);
     }
     let ways = distinct_in_order(all.iter().map(|case| case.way.clone()));
@@ -94,12 +93,12 @@ fn digest(frame: &Frame, lead: &str, all: &[Case]) -> Table {
 /// Errors that differ by less than this factor are told as one.
 const CHANGE_MIN: f64 = 2.0;
 
-fn sentence(frame: &Frame, axes: &[usize], lead: &str, all: &[Case]) -> Option<String> {
+fn sentence(frame: &Frame, lead: &str, all: &[Case]) -> Option<String> {
     let errors = numbers(all, lead);
     let (mean, first) = (errors.estimate()?, all.iter().find(|case| case.way == lead)?.row);
     let scope = match mean.n {
         1 => {
-            let [scene, light] = [SCENE, ENVIRONMENT].map(|of| short(of, &first.point[of]));
+            let [scene, light] = [SCENE, ENVIRONMENT].map(|of| frame.names.short(of, &first.point[of]));
             format!(", on {scene} under {light}")
         }
         n => format!(", the geometric mean of {n} {}", AXES[ENVIRONMENT].plural),
@@ -110,10 +109,10 @@ fn sentence(frame: &Frame, axes: &[usize], lead: &str, all: &[Case]) -> Option<S
     // The range of the environments is told next.
     let interval = mean.told_interval().map_or_else(String::new, |_| interval_words(&mean, number));
     let text = format!("`{lead}` errs by a `{}` of {value}{interval}{rms}{scope}.", frame.metric_name());
-    let extremes = errors.extremes("it", CHANGE_MIN, |error| with_rms(frame, error));
+    let extremes = errors.extremes(frame, "it", CHANGE_MIN, |error| with_rms(frame, error));
     let end = match all.iter().any(|case| case.way == lead && case.is_resolved) {
         false => " The reference's own noise shows in it: the true error may be smaller.".to_owned(),
-        true => errors.scope(axes),
+        true => errors.scope(frame),
     };
     Some(text + &extremes + &end)
 }
@@ -121,18 +120,18 @@ fn sentence(frame: &Frame, axes: &[usize], lead: &str, all: &[Case]) -> Option<S
 /// Ways of one method that differ in their sample count: the fewest, the middle one and the most.
 const COUNTS_SHOWN: usize = 3;
 
-/// Dots by alpha, else by way, one panel an environment, after their mean.
-fn figure(frame: &Frame, axes: &[usize], all: &[Case]) -> Option<Figure> {
+/// Dots by [`Frame::row_axis`] if its values are numbers, else by way; one panel an environment, after their mean.
+fn figure(frame: &Frame, all: &[Case]) -> Option<Figure> {
     let ways = shown_ways(all);
     let shown = all.iter().filter(|case| ways.contains(&case.way));
-    let is_by_alpha = frame.shape.is_swept(ALPHA);
+    let (of, axes) = (frame.row_axis(), frame.case_axes());
+    let size = |value: &Value| frame.names.shown(of, value).size().filter(|size| *size > 0.0);
+    let is_by_size = frame.shape.is_swept(of) && frame.shape.values[of].iter().all(|value| size(value).is_some());
     let mark = |case: &Case| {
         let series = ways.iter().position(|way| *way == case.way)?;
-        let x = match case.row.point[ALPHA] {
-            Value::Number(alpha) if is_by_alpha => alpha,
-            _ => step(&ways, &case.way),
-        };
-        let tip = format!("{}: {} · {}", case.way, with_rms(frame, case.error), label(axes, &case.row.key(axes)));
+        let x = size(&case.row.point[of]).filter(|_| is_by_size).unwrap_or(step(&ways, &case.way));
+        let label = frame.names.label(&axes, &case.row.key(&axes));
+        let tip = format!("{}: {} · {label}", case.way, with_rms(frame, case.error));
         Some(dot([x, case.error], series, tip, case.row))
     };
     let panel = |(light, own): (Value, Vec<&Case>)| {
@@ -143,16 +142,14 @@ fn figure(frame: &Frame, axes: &[usize], all: &[Case]) -> Option<Figure> {
     let summed = || {
         let of_way = |(series, way): (usize, &String)| {
             let own = numbers(all, way);
-            let widths = if is_by_alpha { own.values(ALPHA) } else { vec![Value::Unset] };
-            let marks = widths.iter().flat_map(|width| match width {
-                Value::Number(alpha) => own.at(ALPHA, width).marks(
-                    series,
-                    |error| [*alpha, error],
-                    (&format!("{way}, alpha {alpha}"), &words),
-                ),
-                _ => own.marks(series, |error| [series as f64, error], (way, &words)),
+            if !is_by_size {
+                return own.marks(series, |error| [series as f64, error], (way, &words));
+            }
+            let marks = own.values(of).into_iter().flat_map(|value| {
+                let (x, name) = (size(&value).unwrap_or(f64::NAN), format!("{way}, {}", frame.names.one(of, &value)));
+                own.at(of, &value).marks(series, |error| [x, error], (&name, &words))
             });
-            if is_by_alpha { joined(marks.collect()) } else { marks.collect() }
+            joined(marks.collect())
         };
         ways.iter().enumerate().flat_map(of_way).collect()
     };
@@ -168,9 +165,9 @@ fn figure(frame: &Frame, axes: &[usize], all: &[Case]) -> Option<Figure> {
             }
             false => format!("{}; each dot is an image{left_out}", frame.metric_name()),
         },
-        x: if is_by_alpha { Along::Log(AXES[ALPHA].name) } else { Along::Steps("", ways.clone()) },
+        x: if is_by_size { Along::Log(frame.names.name(of)) } else { Along::Steps("", ways.clone()) },
         y: Along::Log(frame.metric_name()),
-        panels: light_panels(&lead, summed, lights),
+        panels: light_panels(frame, &lead, summed, lights),
         series: ways.clone(),
     }
     .figure()

@@ -7,11 +7,11 @@
 //! They are told by environment, model, alpha, f0 and n·v, from `steps.csv`. Means are over environments with Student's interval; where
 //! environments disagree about the sign, their range stands instead.
 
-use crate::spelling::Listed;
 use super::prelude::*;
 use crate::ladder::{BANDS, of_diffuse};
 use crate::metrics::ALL_VIEWS;
-use crate::shade::{REFERENCE, Diffuse};
+use crate::shade::{Diffuse, REFERENCE};
+use crate::spelling::Listed;
 use crate::study::finished::StepRow;
 use crate::table::csv::rounded;
 
@@ -97,11 +97,13 @@ fn told<'r, 'f>(images: &[&'r Row<'f>]) -> Vec<Told<'r, 'f>> {
     images.iter().flat_map(|row| of_image(row)).collect()
 }
 
-/// The images of one model, f0 and whatever else is no light, at one alpha and in one band of n·v.
+/// The images of one model, f0 and whatever else is not light, at one value of [`Frame::row_axis`] and in one band of n·v.
 struct Group<'r, 'f> {
     /// "ggx · F0 1".
     name: String,
-    alpha: Value,
+    width: Value,
+    /// "alpha 0.25 (roughness 0.5)".
+    heading: String,
     seen: [f64; 2],
     own: Vec<Told<'r, 'f>>,
 }
@@ -132,21 +134,23 @@ impl<'r, 'f> Group<'r, 'f> {
     }
 
     fn place(&self) -> String {
-        joined_words(&[self.name.clone(), heading(ALPHA, &self.alpha)])
+        joined_words(&[self.name.clone(), self.heading.clone()])
     }
 }
 
 fn groups<'r, 'f>(frame: &Frame, told: &[Told<'r, 'f>]) -> Vec<Group<'r, 'f>> {
     // The scene is the design for all of them.
+    let of = frame.row_axis();
     let others: Vec<usize> =
-        frame.case_axes().into_iter().filter(|of| ![ALPHA, ENVIRONMENT, SCENE].contains(of)).collect();
+        frame.case_axes().into_iter().filter(|other| ![of, ENVIRONMENT, SCENE].contains(other)).collect();
     let of_name = |(key, own): (Key, Vec<Told<'r, 'f>>)| {
-        let name = label(&others, &key);
-        let by_alpha = grouped_ascending(own, ALPHA, |told| told.row).into_iter();
-        by_alpha.flat_map(move |(alpha, own)| {
+        let name = frame.names.label(&others, &key);
+        let by_width = grouped_ascending(own, of, |told| told.row).into_iter();
+        by_width.flat_map(move |(width, own)| {
             let group = |seen: [f64; 2]| {
                 let own: Vec<_> = own.iter().filter(|told| told.step.seen == seen).copied().collect();
-                Group { name: name.clone(), alpha: alpha.clone(), seen, own }
+                let heading = frame.names.heading(of, &width);
+                Group { name: name.clone(), width: width.clone(), heading, seen, own }
             };
             let all = std::iter::once(ALL_VIEWS).chain(BANDS).map(group);
             all.filter(|group| !group.own.is_empty()).collect::<Vec<_>>()
@@ -159,12 +163,12 @@ fn answer(frame: &Frame) -> Option<Finding> {
     let images = frame.images();
     let told = told(&images);
     if told.is_empty() && images.iter().any(|row| !row.cell.steps.is_empty()) {
-        let table = Table::new(&frame.case_axes(), QUESTION.columns);
+        let table = Table::new(&frame.table_axes(), QUESTION.columns);
         return Some(Finding { sentence: NOTHING.to_owned(), table, digest: None, figure: None });
     }
     let groups = groups(frame, &told);
     let steps: Vec<&str> = distinct_in_order(told.iter().map(|told| told.step.step.as_str()));
-    let axes = frame.case_axes();
+    let axes = frame.table_axes();
     let mut table = Table::new(&axes, QUESTION.columns);
     // Each environment over all views; by view only where nothing else tells of it.
     for group in &groups {
@@ -182,10 +186,8 @@ fn answer(frame: &Frame) -> Option<Finding> {
             let Some(Estimate { value, interval: Some([lo, hi]), .. }) = group.share(step) else { continue };
             let mean = |of| group.numbers(step, of).estimate().map(|all| rounded(all.value, DIGITS));
             let [value, lo, hi] = [value, lo, hi].map(|share| rounded(share, DIGITS));
-            let head = axes.iter().map(|&of| match of {
-                ENVIRONMENT => ALL.into(),
-                _ => (&group.own[0].row.point[of]).into(),
-            });
+            let mut key = group.own[0].row.key(&axes);
+            axes.iter().zip(&mut key).filter(|(of, _)| **of == ENVIRONMENT).for_each(|(_, value)| *value = ALL.into());
             let own = cells![group.seen[0], group.seen[1], *step, value, lo, hi];
             let rest = cells![
                 mean(|told| told.step.first_in),
@@ -194,12 +196,12 @@ fn answer(frame: &Frame) -> Option<Finding> {
                 mean(|told| told.error),
                 mean(|told| told.step.step_error)
             ];
-            table.row(head.chain(own).chain(rest).collect());
+            table.row([axis_cells(&axes, &key), own, rest].concat());
         }
     }
     Some(Finding {
         sentence: sentence(frame, &groups, &steps, &told)?,
-        digest: Some(digest(&groups, &steps)),
+        digest: Some(digest(frame, &groups, &steps)),
         figure: figure(&groups, &steps),
         table,
     })
@@ -238,7 +240,7 @@ fn sentence(frame: &Frame, groups: &[Group], steps: &[&str], told: &[Told]) -> O
         text += &format!(" Noise of what is drawn moves no share over all views by more than {}.", percent(noise));
     }
     let lights = Numbers::new(told.iter().map(|told| (told.row, 1.0)), Middle::GeometricMean);
-    Some(text + &lights.scope(&frame.case_axes()))
+    Some(text + &lights.scope(frame))
 }
 
 /// A step in a sentence.
@@ -265,13 +267,16 @@ fn share_words(share: &Estimate) -> String {
     format!("{}{half}", percent(rounded(share.value)))
 }
 
-/// One row an alpha over all views, then one an end of n·v with the range over alphas.
-fn digest(groups: &[Group], steps: &[&str]) -> Table {
-    let heads = ["case", AXES[ALPHA].name, ROUGHNESS, "n·v"].into_iter().map(str::to_owned);
+/// One row a value of [`Frame::row_axis`] over all views, then one an end of n·v with the range over these values.
+fn digest(frame: &Frame, groups: &[Group], steps: &[&str]) -> Table {
+    let of = [frame.row_axis()];
+    let rows = frame.names.heads(&of);
+    let heads = std::iter::once("case").chain(rows.iter().copied()).chain(["n·v"]).map(str::to_owned);
     let mut table = Table::with_names(heads.chain(steps.iter().map(|step| step.to_string())));
     for (name, own) in grouped(groups, |group| group.name.clone()) {
         for group in own.iter().filter(|group| group.seen == ALL_VIEWS) {
-            let head = cells![name.as_str(), short(ALPHA, &group.alpha), roughness(&group.alpha), ALL];
+            let row = frame.names.head(&of, std::slice::from_ref(&group.width));
+            let head = [cells![name.as_str()], row, cells![ALL]].concat();
             let shares = steps.iter().map(|step| Cell::from(group.share(step).as_ref().map(share_words)));
             table.row(head.into_iter().chain(shares).collect());
         }
@@ -283,25 +288,30 @@ fn digest(groups: &[Group], steps: &[&str]) -> Table {
                 let ends = ends.map(|share| if share.abs() < NOISE { 0.0 } else { share });
                 Cell::from((means().next().is_some()).then(|| range_words(ends, |x| number(100.0 * x)) + " %"))
             };
-            let head = cells![name.as_str(), ALL, Cell::Missing, format!("{} to {}", seen[0], seen[1])];
+            let seen = format!("{} to {}", seen[0], seen[1]);
+            let head = [cells![name.as_str()], all_head(&rows), cells![seen]].concat();
             table.row(head.into_iter().chain(steps.iter().map(range)).collect());
         }
     }
     table.without_empty()
 }
 
-/// Bars of shares by alpha, a panel a model: to the right of 0 what adds error, to the left what cancels it. Over all views, which grazing
+/// Bars of shares by [`Frame::row_axis`], a panel a model: to the right of 0 what adds error, to the left what cancels it. Over all views, which grazing
 /// ones lead, then facing the viewer.
 fn figure(groups: &[Group], steps: &[&str]) -> Option<Figure> {
-    let alphas = ascending(distinct_in_order(groups.iter().map(|group| group.alpha.clone())));
+    let widths = ascending(distinct_in_order(groups.iter().map(|group| group.width.clone())));
+    let heading = |width: &Value| {
+        let own = groups.iter().find(|group| group.width == *width);
+        own.map_or_else(String::new, |group| group.heading.clone())
+    };
     let marks = |group: &Group| {
-        let (y, mut ends) = (step(&alphas, &group.alpha), [0.0, 0.0]);
+        let (y, mut ends) = (step(&widths, &group.width), [0.0, 0.0]);
         let bar = |i: usize| {
             let share = group.share(steps[i])?;
             let end = &mut ends[usize::from(share.value < 0.0)];
             let base = *end;
             *end += share.value;
-            let tip = format!("{}: {} · {}", steps[i], share_words(&share), heading(ALPHA, &group.alpha));
+            let tip = format!("{}: {} · {}", steps[i], share_words(&share), group.heading);
             let bar = Mark::new(Form::HorizontalBar { y, base, to: base + share.value }, i).tip(tip);
             let whisker = share.interval.map(|ends| ends.map(|share| [base + share, y]));
             Some((share.value, bar, whisker.map(|[lo, hi]| Mark::neutral(Form::Whisker(lo, hi)))))
@@ -333,7 +343,7 @@ fn figure(groups: &[Group], steps: &[&str]) -> Option<Figure> {
         },
         note: "share of relmse by step".to_owned() + pooled + "; left of 0 a step cancels error" + whiskers,
         x: Along::Linear("share of the error"),
-        y: Along::Steps("", alphas.iter().map(|alpha| heading(ALPHA, alpha)).collect()),
+        y: Along::Steps("", widths.iter().map(heading).collect()),
         panels: grouped(shown, |group| title(group)).into_iter().map(panel).collect(),
         series: steps
             .iter()

@@ -11,7 +11,8 @@ pub mod words;
 use super::finished::Finished;
 use super::frame::{Frame, Shape};
 use super::table::{Column, Table, column};
-use crate::experiment::config::Config;
+use crate::experiment::axis::{AXES, ENVIRONMENT, METHOD, Part};
+use crate::experiment::config::{Ask, Config};
 use crate::experiment::fault::ConfigError;
 use crate::figure::Figure;
 use crate::spelling::suggestion;
@@ -71,6 +72,8 @@ pub struct Question {
     pub columns: &'static [Column],
     /// Whether the answer rests on measured times.
     pub uses_times: bool,
+    /// Whether the rows of its digest are values of an axis, which `by` names.
+    pub has_rows: bool,
     /// What an experiment lacks to serve it, as the end of the sentence "cannot be answered: ..."; `None` where it serves.
     pub lacks: fn(&Shape) -> Option<&'static str>,
     /// The answer; nothing while no finished cell tells.
@@ -79,7 +82,8 @@ pub struct Question {
 
 impl Question {
     /// What most questions have in common.
-    const PLAIN: Self = Self { name: "", asks: "", columns: &[], uses_times: false, lacks: |_| None, answer: |_| None };
+    const PLAIN: Self =
+        Self { name: "", asks: "", columns: &[], uses_times: false, has_rows: true, lacks: |_| None, answer: |_| None };
 
     /// Whether the answer rests on times of a driver that computes on the CPU: it says nothing about a GPU.
     pub fn rests_on_cpu_times(&self, frame: &Frame) -> bool {
@@ -110,43 +114,60 @@ pub fn question(name: &str) -> Option<&'static Question> {
     QUESTIONS.iter().copied().find(|question| question.name == name)
 }
 
-/// The answers of a run to the questions of its experiment, the leading one first. The metric is the one of that name, else the
-/// experiment's own.
+/// The answers of a run to the questions of its experiment, the leading one first; if it asks none, to every question that the axes serve.
+/// The metric is the one of that name, else the experiment's own.
 pub fn answers(run: &Finished, metric: Option<&str>) -> Vec<Answer> {
     let asked = run.config.as_ref().map_or(&[][..], |config| &config.asks);
-    answers_to(&Frame::new(run, metric), &asked.iter().map(|(name, _)| name.as_str()).collect::<Vec<_>>())
+    let mut frame = Frame::new(run, metric);
+    let questions: Vec<(&'static Question, Option<usize>)> = match asked {
+        [] => QUESTIONS.iter().map(|question| (*question, None)).collect(),
+        asked => {
+            asked.iter().filter_map(|ask| Some((question(&ask.question)?, ask.by.as_ref().map(|by| by.0)))).collect()
+        }
+    };
+    let mut answers = Vec::new();
+    for (question, by) in questions {
+        frame = frame.told_by(by);
+        let is_served = (question.lacks)(&frame.shape).is_none();
+        let Some(mut finding) = is_served.then(|| (question.answer)(&frame)).flatten() else { continue };
+        finding.sentence += if frame.has_no_picture() { NO_PICTURE } else { "" };
+        answers.push(Answer { question, finding });
+    }
+    answers
 }
 
-/// The answers to the questions of these names, in their order; without names, to every question that the axes serve.
-pub fn answers_to(frame: &Frame, asked: &[&str]) -> Vec<Answer> {
-    let serves = |question: &&'static Question| (question.lacks)(&frame.shape).is_none();
-    let questions: Vec<&'static Question> = match asked.is_empty() {
-        true => QUESTIONS.iter().copied().filter(serves).collect(),
-        false => asked.iter().filter_map(|name| question(name)).filter(serves).collect(),
-    };
-    let caution = if frame.has_no_picture() { NO_PICTURE } else { "" };
-    let answer = |question: &'static Question| {
-        let mut finding = (question.answer)(frame)?;
-        finding.sentence += caution;
-        Some(Answer { question, finding })
-    };
-    questions.into_iter().filter_map(answer).collect()
-}
-
-/// Faults for each asked name that is no question, and for each question that the axes cannot serve.
+/// Faults for each asked name that is not a question, each question that the axes cannot serve, and each `by` that makes no rows.
 pub fn check(config: &Config) -> Result<(), ConfigError> {
     let shape = Shape::of_config(config);
     let names: Vec<&str> = QUESTIONS.iter().map(|question| question.name).collect();
     let mut faults = config.faults();
-    for (name, place) in &config.asks {
-        match question(name) {
-            None => faults.add(place, format!("asks: {name:?} is not a question{}", suggestion(name, &names))),
-            Some(question) => {
-                if let Some(lack) = (question.lacks)(&shape) {
-                    faults.add(place, format!("asks: {name:?} cannot be answered: {lack}"));
-                }
-            }
+    for Ask { question: name, place, by } in &config.asks {
+        let Some(question) = question(name) else {
+            faults.add(place, format!("asks: {name:?} is not a question{}", suggestion(name, &names)));
+            continue;
+        };
+        if let Some(lack) = (question.lacks)(&shape) {
+            faults.add(place, format!("asks: {name:?} cannot be answered: {lack}"));
+        }
+        let Some((axis, place)) = by else { continue };
+        let fits = |axis: usize| shape.is_swept(axis) && is_row_axis(axis);
+        if !question.has_rows {
+            faults.add(place, format!("asks.by: the rows of {name} are not values of an axis; leave it out"));
+        } else if !fits(*axis) {
+            let name = config.named(*axis).name();
+            let known: Vec<&str> =
+                (0..AXES.len()).filter(|&axis| fits(axis)).map(|axis| config.named(axis).name()).collect();
+            let expected =
+                if known.is_empty() { "leave it out".to_owned() } else { format!("expected {}", known.join(", ")) };
+            let fault = if is_row_axis(*axis) { "has fewer than two values" } else { "does not tell cases apart" };
+            faults.add(place, format!("asks.by: {name} {fault}; {expected}"));
         }
     }
     faults.into_result()
+}
+
+/// Whether the values of an axis can be the rows of an answer: it tells cases apart, and is not the environments, which are columns.
+fn is_row_axis(axis: usize) -> bool {
+    let parts = [Part::Case, Part::Parameter, Part::Table, Part::Method];
+    parts.contains(&AXES[axis].part) && ![METHOD, ENVIRONMENT].contains(&axis)
 }

@@ -1,9 +1,9 @@
 //! Where on a surface, and on which surface, does a method err?
 //!
-//! The error of a method over the pixels with n·v in a bin, by bin and alpha: the median over everything else that is swept, of each method
-//! at its leading count, the tried one nearest to the default of the axis.
+//! The error of a method over the pixels with n·v in a bin, by bin and alpha or the axis that the experiment names: the median over
+//! everything else that is swept, of each method at its leading count, the tried one nearest to the default of the axis.
 //!
-//! The scope is the view. Under one camera n·v is tied to the place on the map: with an orthographic camera v is the same everywhere, and
+//! On the scene `design` each bin sees the whole map. A picture's scope is its view. Under one camera n·v is tied to the place on the map: with an orthographic camera v is the same everywhere, and
 //! the mirror direction lies 2 acos(n·v) from it, so that each bin sees one ring of the map. Turning the map by 60 degrees moves a bin by up
 //! to a factor of 440 (sky, alpha 0.1, n·v 0.3 to 0.4). From one view the figure shows where lamps are, not what grazing angles do.
 
@@ -11,7 +11,7 @@ use super::prelude::*;
 
 pub const QUESTION: Question = Question {
     name: "n-dot-v",
-    asks: "Where on a surface, and on which surface, does a method err in this view?",
+    asks: "Where on a surface, and on which surface, does a method err?",
     columns: &[
         column("n_dot_v_from", "Least n·v of the bin."),
         column("n_dot_v_to", "Largest n·v of the bin."),
@@ -29,10 +29,10 @@ fn lacks(shape: &Shape) -> Option<&'static str> {
     (!shape.is_swept(ALPHA)).then_some("axes.alpha has fewer than two values")
 }
 
-/// The error of a method at one alpha in one bin.
+/// The error of a method at one value of [`Frame::row_axis`] in one bin.
 struct Place<'r, 'f> {
     method: String,
-    alpha: Value,
+    width: Value,
     bin: [f64; 2],
     error: Estimate,
     rows: Vec<&'r Row<'f>>,
@@ -57,8 +57,9 @@ fn leading<'r, 'f>(frame: &'r Frame<'f>) -> Vec<(String, Vec<&'r Row<'f>>)> {
 fn places<'r, 'f>(frame: &Frame, method: &str, rows: &[&'r Row<'f>]) -> Vec<Place<'r, 'f>> {
     let bins = bins(rows.iter().flat_map(|row| &row.cell.bins).map(|bin| [bin.lo, bin.hi]));
     let mut found = Vec::new();
-    for alpha in values(rows.iter().copied(), ALPHA).into_iter().filter(|alpha| *alpha != Value::Unset) {
-        let own: Vec<&Row> = rows.iter().copied().filter(|row| row.point[ALPHA] == alpha).collect();
+    let of = frame.row_axis();
+    for width in values(rows.iter().copied(), of).into_iter().filter(|width| *width != Value::Unset) {
+        let own: Vec<&Row> = rows.iter().copied().filter(|row| row.point[of] == width).collect();
         for &bin in &bins {
             let error = |row: &&Row| {
                 let known = row.cell.bins.iter().find(|known| known.lo == bin[0])?;
@@ -67,7 +68,7 @@ fn places<'r, 'f>(frame: &Frame, method: &str, rows: &[&'r Row<'f>]) -> Vec<Plac
             };
             let error = estimate(&own.iter().filter_map(error).collect::<Vec<_>>(), Middle::Median);
             let place =
-                |error| Place { method: method.to_owned(), alpha: alpha.clone(), bin, error, rows: own.clone() };
+                |error| Place { method: method.to_owned(), width: width.clone(), bin, error, rows: own.clone() };
             found.extend(error.map(place));
         }
     }
@@ -90,17 +91,19 @@ pub(super) fn ends([lo, hi]: [f64; 2]) -> String {
 fn answer(frame: &Frame) -> Option<Finding> {
     let all: Vec<Place> = leading(frame).into_iter().flat_map(|(method, rows)| places(frame, &method, &rows)).collect();
     let ways = frame.way_axes();
-    let mut table = Table::new(&[&ways[..], &[ALPHA]].concat(), QUESTION.columns);
+    let of = frame.row_axis();
+    let mut table = Table::new(&[&ways[..], &[of]].concat(), QUESTION.columns);
     for place in &all {
         let [lo, hi] = place.error.interval.map_or([None; 2], |ends| ends.map(Some));
-        let own = cells![&place.alpha, place.bin[0], place.bin[1].min(1.0), place.error.n, place.error.value, lo, hi];
-        table.row([place.rows[0].cells(&ways), own].concat());
+        let own = cells![place.bin[0], place.bin[1].min(1.0), place.error.n, place.error.value, lo, hi];
+        let key = axis_cells(&[of], std::slice::from_ref(&place.width));
+        table.row([place.rows[0].cells(&ways), key, own].concat());
     }
     let bins = bins(all.iter().map(|place| place.bin));
     Some(Finding {
         sentence: sentence(frame, &all)?,
         table,
-        digest: Some(digest(&all, &bins)),
+        digest: Some(digest(frame, &all, &bins)),
         figure: figure(frame, &all, &bins),
     })
 }
@@ -110,15 +113,17 @@ fn sentence(frame: &Frame, all: &[Place]) -> Option<String> {
     let own = || all.iter().filter(|place| place.method == *lead);
     let by_error = |a: &&Place, b: &&Place| a.error.value.total_cmp(&b.error.value);
     let (most, least) = (own().max_by(by_error)?, own().min_by(by_error)?);
-    let place = |place: &Place| format!("n·v {}, alpha {}", ends(place.bin), short(ALPHA, &place.alpha));
+    let place = |place: &Place| format!("n·v {}, {}", ends(place.bin), frame.names.one(frame.row_axis(), &place.width));
     let over = match most.error.n {
         1 => String::new(),
         n => format!(", the median of {n} {}", AXES[ENVIRONMENT].plural),
     };
+    let is_design = most.rows.iter().all(|row| is_design(&row.text(SCENE)));
     let turns = [ENVIRONMENT_ORIENTATION, ENVIRONMENT_ROTATION, SCENE].iter().any(|of| frame.shape.is_swept(*of));
-    let (view, end) = match turns {
-        true => ("In these views", ""),
-        false => (
+    let (view, end) = match () {
+        () if is_design => ("On the scene `design`", ""),
+        () if turns => ("In these views", ""),
+        () => (
             "In this view",
             " Each n·v sees one part of the map, so this says where lamps stand as much as where the method fails.",
         ),
@@ -133,36 +138,38 @@ fn sentence(frame: &Frame, all: &[Place]) -> Option<String> {
     ))
 }
 
-/// One row a method and alpha, one column a bin.
-fn digest(all: &[Place], bins: &[[f64; 2]]) -> Table {
-    let heads = bins.iter().map(|bin| format!("n·v {}", ends(*bin)));
-    let mut table = Table::with_names([METHOD, ALPHA].map(|axis| AXES[axis].name.to_owned()).into_iter().chain(heads));
-    for ((method, alpha), own) in grouped(all, |place| (place.method.clone(), place.alpha.clone())) {
+/// One row a method and value of [`Frame::row_axis`], one column a bin.
+fn digest(frame: &Frame, all: &[Place], bins: &[[f64; 2]]) -> Table {
+    let of = [frame.row_axis()];
+    let first = std::iter::once(AXES[METHOD].name).chain(frame.names.heads(&of)).map(str::to_owned);
+    let mut table = Table::with_names(first.chain(bins.iter().map(|bin| format!("n·v {}", ends(*bin)))));
+    for ((method, width), own) in grouped(all, |place| (place.method.clone(), place.width.clone())) {
         let place = |bin: &[f64; 2]| own.iter().find(|place| place.bin == *bin);
         let cells = bins.iter().map(|bin| Cell::from(place(bin).map(|place| with_interval(&place.error))));
-        table.row(cells![method, short(ALPHA, &alpha)].into_iter().chain(cells).collect());
+        table.row(cells![method].into_iter().chain(frame.names.head(&of, &[width])).chain(cells).collect());
     }
     table
 }
 
-/// One panel a method: n·v over alpha.
+/// One panel a method: n·v over [`Frame::row_axis`].
 fn figure(frame: &Frame, all: &[Place], bins: &[[f64; 2]]) -> Option<Figure> {
-    let alphas = ascending(distinct_in_order(all.iter().map(|place| place.alpha.clone())));
+    let (of, names) = (frame.row_axis(), &frame.names);
+    let widths = ascending(distinct_in_order(all.iter().map(|place| place.width.clone())));
     let tile = |place: &Place| {
-        let Place { method, alpha, bin, error, rows } = place;
+        let Place { method, width, bin, error, rows } = place;
         let x = bins.iter().position(|known| known == bin)?;
-        let y = alphas.iter().position(|known| known == alpha)?;
-        let tip = format!("{method} · alpha {alpha} · n·v {}: {}", ends(*bin), with_interval(error));
+        let y = widths.iter().position(|known| known == width)?;
+        let tip = format!("{method} · {} · n·v {}: {}", names.one(of, width), ends(*bin), with_interval(error));
         let (value, cell) = (error.value, only(rows));
         Some(Tile { panel: method.clone(), at: [x, y], value, text: number(value), tip, cell })
     };
     let rest = if frame.swept(&[Part::Case]).len() > 1 { ", median over the rest" } else { "" };
     let steps = [
         ("n·v", bins.iter().map(|bin| bin[0].to_string()).collect()),
-        (AXES[ALPHA].name, alphas.iter().map(|alpha| short(ALPHA, alpha)).collect()),
+        (names.name(of), widths.iter().map(|width| names.short(of, width)).collect()),
     ];
     tiles(
-        "Error by n·v and alpha in this view",
+        &format!("Error by n·v and {}", names.name(of)),
         format!("{}{rest}; bins by their least n·v", frame.metric_name()),
         steps,
         all.iter().filter_map(tile).collect(),

@@ -1,13 +1,13 @@
 //! A number of each image of a group, and how it hangs on alpha, on the environment and on other axes of cases: digests, extremes, changes
 //! of sign.
 
-use super::words::{count, label, listed, number, range, range_words, scope_sentence, short};
+use super::words::{count, listed, number, range, range_words, scope_sentence};
 use crate::environment::BUILTIN_PREFIX;
-use crate::experiment::axis::{ALPHA, AXES, ENVIRONMENT, METHOD, Part, SAMPLES};
+use crate::experiment::axis::{AXES, ENVIRONMENT, METHOD, Part, SAMPLES};
 use crate::experiment::value::Value;
 use crate::figure::{Mark, Shape as Form};
 use crate::study::frame::estimate::{CLUSTERS_MIN, Estimate, Middle, estimate};
-use crate::study::frame::{Frame, Row, values};
+use crate::study::frame::{Frame, Row, distinct_in_order, values};
 use crate::study::table::Table;
 use crate::table::csv::Cell;
 
@@ -122,14 +122,14 @@ impl<'r, 'f> Numbers<'r, 'f> {
     }
 
     /// " Over 10 environments, 3 BRDF models, 5 alphas."
-    pub fn scope(&self, axes: &[usize]) -> String {
-        scope_sentence(&self.evidence().rows().collect::<Vec<_>>(), axes)
+    pub fn scope(&self, frame: &Frame) -> String {
+        scope_sentence(frame, &self.evidence().rows().collect::<Vec<_>>())
     }
 
     /// ", under sky" of one environment, ", in the median environment" or the like of several.
-    pub fn place(&self, several: &str) -> String {
+    pub fn place(&self, frame: &Frame, several: &str) -> String {
         match self.values(ENVIRONMENT).as_slice() {
-            [only] => format!(", under {}", short(ENVIRONMENT, only)),
+            [only] => format!(", under {}", frame.names.short(ENVIRONMENT, only)),
             _ => several.to_owned(),
         }
     }
@@ -142,9 +142,9 @@ impl<'r, 'f> Numbers<'r, 'f> {
             .collect()
     }
 
-    /// " By alpha it runs from 16 for alpha 0.5 to 64 for alpha 0.05.": the axis, alpha or environment, along which a positive number changes
-    /// most; nothing where it changes by less than this factor along both.
-    pub fn extremes(&self, subject: &str, factor: f64, words: impl Fn(f64) -> String) -> String {
+    /// " By alpha it runs from 16 for alpha 0.5 to 64 for alpha 0.05.": the axis, of the rows or environment, along which a positive number
+    /// changes most; nothing if it changes by less than this factor along both.
+    pub fn extremes(&self, frame: &Frame, subject: &str, factor: f64, words: impl Fn(f64) -> String) -> String {
         let of_axis = |of: usize| {
             let mut groups = self.evidence().along(of);
             groups.retain(|(_, number)| !number.is_nan());
@@ -153,10 +153,12 @@ impl<'r, 'f> Numbers<'r, 'f> {
             let most = groups.into_iter().reduce(|a, b| if b.1 > a.1 { b } else { a })?;
             Some((most.1 / least.1, of, [least, most]))
         };
-        let found = [ALPHA, ENVIRONMENT].into_iter().filter_map(of_axis).filter(|(change, ..)| *change >= factor);
+        let along = distinct_in_order([frame.row_axis(), ENVIRONMENT]);
+        let found = along.into_iter().filter_map(of_axis).filter(|(change, ..)| *change >= factor);
         let Some((_, of, ends)) = found.reduce(|a, b| if b.0 > a.0 { b } else { a }) else { return String::new() };
-        let [least, most] = ends.map(|(value, number)| format!("{} for {}", words(number), label(&[of], &[value])));
-        format!(" By {} {subject} runs from {least} to {most}.", AXES[of].name)
+        let [least, most] =
+            ends.map(|(value, number)| format!("{} for {}", words(number), frame.names.one(of, &value)));
+        format!(" By {} {subject} runs from {least} to {most}.", frame.names.name(of))
     }
 
     /// The first axis of cases along which a ratio is below 1 here and above it there, with the ratio at each of its values.
@@ -165,9 +167,9 @@ impl<'r, 'f> Numbers<'r, 'f> {
         let (below, above) = (1.0 / (1.0 + SAME), 1.0 + SAME);
         let told = self.estimate().and_then(|all| all.told_interval());
         let agree = told.is_some_and(|[lo, hi]| hi < 1.0 || lo > 1.0);
-        let first = [ALPHA, ENVIRONMENT];
+        let first = distinct_in_order([frame.row_axis(), ENVIRONMENT]);
         let others = frame.swept(&[Part::Case]).into_iter().filter(|of| !first.contains(of));
-        let along = first.into_iter().chain(others).filter(|of| *of != ENVIRONMENT || !agree);
+        let along = first.iter().copied().chain(others).filter(|of| *of != ENVIRONMENT || !agree);
         along.map(|of| (of, self.along(of))).find(|(_, groups)| {
             groups.iter().any(|(_, ratio)| *ratio < below) && groups.iter().any(|(_, ratio)| *ratio > above)
         })
@@ -180,22 +182,27 @@ impl<'r, 'f> Numbers<'r, 'f> {
         self.estimate().map(|all| if is_told { words(&all) } else { both() }).into()
     }
 
-    /// A digest: one row a value of alpha, with perceptual roughness beside it, in the columns of [`by_light`]. Without alpha the rows are
-    /// those of the first other axis that tells cases apart.
+    /// A digest: one row a value of [`Frame::row_axis`] in the columns of [`by_light`]. If that has one value, the rows are values of the first
+    /// other axis that tells cases apart.
     pub fn digest(&self, frame: &Frame, words: &dyn Fn(&Estimate) -> String) -> Table {
-        let swept = frame.swept(&[Part::Case]);
-        let other = swept.iter().copied().find(|of| *of != ENVIRONMENT);
-        let Some(width) = swept.iter().copied().find(|of| *of == ALPHA).or(other) else {
+        let mut swept = frame.swept(&[Part::Case]);
+        swept.retain(|of| *of != ENVIRONMENT);
+        let row_axis = Some(frame.row_axis()).filter(|axis| frame.shape.is_swept(*axis));
+        let Some(of) = row_axis.or(swept.first().copied()) else {
             return by_light(frame, &[], &[(Vec::new(), self.clone())], words);
         };
-        let columns = if width == ALPHA { 2 } else { 1 };
-        let head = |name: String, rough: Option<f64>| [Cell::from(name), rough.into()][..columns].to_vec();
-        let values = self.values(width);
-        let row = |value: &Value| (head(short(width, value), roughness(value)), self.at(width, value));
+        let (values, heads) = (self.values(of), frame.names.heads(&[of]));
+        let row = |value: &Value| (frame.names.head(&[of], std::slice::from_ref(value)), self.at(of, value));
         let mut rows: Vec<(Vec<Cell>, Self)> = values.iter().map(row).collect();
-        rows.extend((values.len() > 1).then(|| (head(ALL.to_owned(), None), self.clone())));
-        by_light(frame, &[AXES[width].name, ROUGHNESS][..columns], &rows, words)
+        rows.extend((values.len() > 1).then(|| (all_head(&heads), self.clone())));
+        by_light(frame, &heads, &rows, words)
     }
+}
+
+/// The first cells of the row over all: [`ALL`] under the first of these heads.
+pub fn all_head(heads: &[&str]) -> Vec<Cell> {
+    let blanks = heads.iter().skip(1).map(|_| Cell::Missing);
+    std::iter::once(Cell::from(ALL)).chain(blanks).collect()
 }
 
 /// A dot at a middle, named and in words, and a whisker of its interval. `at` gives a number its place.
@@ -212,9 +219,9 @@ pub fn middle_marks(
 }
 
 /// "0.25 (0.50) and 0.5 (0.25)": the values with a ratio below 1, and those with one above.
-pub fn sides(of: usize, groups: &Along) -> [String; 2] {
+pub fn sides(frame: &Frame, of: usize, groups: &Along) -> [String; 2] {
     let (less, more): (Vec<_>, Vec<_>) = groups.iter().partition(|(_, ratio)| *ratio < 1.0);
-    let words = |(at, ratio): &(Value, f64)| format!("{} ({})", short(of, at), number(*ratio));
+    let words = |(at, ratio): &(Value, f64)| format!("{} ({})", frame.names.short(of, at), number(*ratio));
     [less, more].map(|own| listed(&own.into_iter().map(words).collect::<Vec<_>>()))
 }
 
@@ -234,8 +241,8 @@ pub fn by_light(
     let shown = if is_summed { &beside } else { &lights };
     let has_all = lights.len() > 1;
     let heads = shown.iter().map(|light| match beside.contains(light) {
-        true => format!("{} (formula)", short(ENVIRONMENT, light)),
-        false => short(ENVIRONMENT, light),
+        true => format!("{} (formula)", frame.names.short(ENVIRONMENT, light)),
+        false => frame.names.short(ENVIRONMENT, light),
     });
     let all = if is_summed { count(evidence.len(), "", AXES[ENVIRONMENT].plural) } else { ALL.to_owned() };
     let names = names.iter().map(|name| name.to_string()).chain(heads).chain(has_all.then_some(all));
@@ -263,23 +270,6 @@ pub fn is_formula(light: &Value) -> bool {
 /// How far a sample count is from the default, by ratio.
 pub fn from_usual(samples: u32) -> f64 {
     (f64::from(samples) / f64::from((AXES[SAMPLES].default)().count())).ln().abs()
-}
-
-/// The column beside alpha.
-pub const ROUGHNESS: &str = "perceptual_roughness";
-
-/// The perceptual roughness of an alpha.
-pub fn roughness(alpha: &Value) -> Option<f64> {
-    if let Value::Number(alpha) = alpha { Some(alpha.sqrt()) } else { None }
-}
-
-/// "alpha 0.05 (roughness 0.22)", "sky".
-pub fn heading(of: usize, value: &Value) -> String {
-    let name = label(&[of], std::slice::from_ref(value));
-    match roughness(value).filter(|_| of == ALPHA) {
-        Some(rough) => format!("{name} (roughness {})", number(rough)),
-        None => name,
-    }
 }
 
 /// Ratios nearer to 1 than this are on neither side of it.

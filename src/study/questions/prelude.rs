@@ -1,7 +1,7 @@
 //! What every question is made of: numbers, words and charts, rows of the frame, axes, cells.
 
 pub use super::chart::{Along, Chart, INTERVAL, Tile, dot, joined, light_panels, only, step, tiles};
-pub use super::numbers::{ALL, Numbers, ROUGHNESS, by_light, from_usual, heading, roughness, sides};
+pub use super::numbers::{ALL, Numbers, all_head, by_light, from_usual, sides};
 pub use super::words::*;
 pub use super::{Finding, Question};
 pub use crate::experiment::axis::*;
@@ -12,8 +12,8 @@ pub use crate::shade::NONE;
 pub use crate::study::frame::estimate::{Estimate, Middle, estimate, geometric_mean, median};
 pub use crate::study::frame::{
     Frame, Key, Row, Shape, VISIBLE_FROM, ascending, by, distinct_in_order, fits, grouped, grouped_ascending, pair,
-    size_of, values,
+    values,
 };
-pub(super) use crate::study::table::cells;
 pub use crate::study::table::{Table, column};
+pub(super) use crate::study::table::{axis_cells, cells};
 pub use crate::table::csv::Cell;

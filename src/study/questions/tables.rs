@@ -109,7 +109,7 @@ fn tried<'r, 'f>(frame: &Frame, images: &[&'r Row<'f>], parameters: &[usize]) ->
     if images.iter().all(|row| is_design(&row.text(SCENE))) {
         for seen in VIEWS {
             let Some(run) = frame.run.seen_at(seen) else { continue };
-            all.extend(seen_at(&Frame::new(&run, Some(frame.metric_name())), images, parameters, seen));
+            all.extend(seen_at(&frame.like(&run, frame.metric_name()), images, parameters, seen));
         }
     }
     all
@@ -176,9 +176,9 @@ fn told_share(enough: f64, share: f64) -> String {
 }
 
 /// "qwantani, alpha 0.1, n·v 0.8 to 1".
-fn place(one: &Tried, axes: &[usize]) -> String {
+fn place(frame: &Frame, one: &Tried, axes: &[usize]) -> String {
     let seen = (one.seen != ALL_VIEWS).then(|| format!("n·v {} to {}", one.seen[0], one.seen[1]));
-    [Some(label(axes, &one.row.key(axes))).filter(|text| !text.is_empty()), seen]
+    [Some(frame.names.label(axes, &one.row.key(axes))).filter(|text| !text.is_empty()), seen]
         .into_iter()
         .flatten()
         .collect::<Vec<_>>()
@@ -186,16 +186,17 @@ fn place(one: &Tried, axes: &[usize]) -> String {
 }
 
 /// "64x64, 6 levels".
-fn words(parameters: &[usize], tables: &Key) -> String {
+fn words(frame: &Frame, parameters: &[usize], tables: &Key) -> String {
     let set = parameters.iter().zip(tables).filter(|(_, value)| **value != Value::Unset);
-    set.map(|(&axis, value)| said(axis, value)).collect::<Vec<_>>().join(", ")
+    set.map(|(&axis, value)| frame.names.said(axis, value)).collect::<Vec<_>>().join(", ")
 }
 
 fn answer(frame: &Frame) -> Option<Finding> {
     let (parameters, images) = (parameters(&frame.shape), frame.images());
     let scope: Vec<usize> = frame.case_axes().into_iter().filter(|axis| !parameters.contains(axis)).collect();
     let tried = tried(frame, &images, &parameters);
-    let axes = [&[METHOD], &scope[..], &parameters].concat();
+    let columns = frame.table_axes().into_iter().filter(|axis| !parameters.contains(axis));
+    let axes: Vec<usize> = std::iter::once(METHOD).chain(columns).chain(parameters.iter().copied()).collect();
     let mut table = Table::new(&axes, QUESTION.columns);
     for one in &tried {
         let is_enough = one.share() <= enough(frame);
@@ -204,22 +205,21 @@ fn answer(frame: &Frame) -> Option<Finding> {
         table.row([one.row.cells(&axes), own].concat());
     }
     let all: Vec<&Tried> = tried.iter().collect();
-    let rows_by_alpha = grouped_ascending(all.iter().copied(), ALPHA, |one| one.row);
-    let by_alpha: Vec<_> =
-        rows_by_alpha.iter().map(|(alpha, own)| (alpha.clone(), combinations(own.iter().copied()))).collect();
+    let rows = grouped_ascending(all.iter().copied(), frame.row_axis(), |one| one.row);
+    let by_width: Vec<_> = rows.iter().map(|(width, own)| (width.clone(), combinations(own.iter().copied()))).collect();
     let whole = combinations(all.iter().copied());
     Some(Finding {
-        sentence: sentence(frame, &parameters, &rows_by_alpha, &by_alpha, &whole)?,
-        digest: Some(digest(frame, &parameters, &scope, &by_alpha, &whole)),
+        sentence: sentence(frame, &parameters, &rows, &by_width, &whole)?,
+        digest: Some(digest(frame, &parameters, &scope, &by_width, &whole)),
         figure: figure(frame, &parameters, &all),
         table,
     })
 }
 
-type ByAlpha<'t, 'r, 'f> = [(Value, Vec<Combination<'t, 'r, 'f>>)];
+type ByWidth<'t, 'r, 'f> = [(Value, Vec<Combination<'t, 'r, 'f>>)];
 type Rows<'t, 'r, 'f> = [(Value, Vec<&'t Tried<'r, 'f>>)];
 
-/// The longest run of neighbouring alphas for which one combination is enough, the widest of equally long ones.
+/// The longest run of neighbouring values of [`Frame::row_axis`] for which one combination is enough, the widest of equally long ones.
 fn longest<'t, 'r, 'f>(enough: f64, rows: &Rows<'t, 'r, 'f>) -> Option<(Range<usize>, Combination<'t, 'r, 'f>)> {
     let ranges =
         (1..=rows.len()).rev().flat_map(|length| (length..=rows.len()).rev().map(move |end| end - length..end));
@@ -230,9 +230,10 @@ fn longest<'t, 'r, 'f>(enough: f64, rows: &Rows<'t, 'r, 'f>) -> Option<(Range<us
 }
 
 /// "From alpha 0.25 (roughness 0.5) on".
-fn range_words(rows: &Rows, range: &Range<usize>) -> String {
-    let [first, last] = [range.start, range.end - 1].map(|place| heading(ALPHA, &rows[place].0));
-    let end = |place: usize| label(&[ALPHA], std::slice::from_ref(&rows[place].0));
+fn range_words(frame: &Frame, rows: &Rows, range: &Range<usize>) -> String {
+    let (of, names) = (frame.row_axis(), &frame.names);
+    let [first, last] = [range.start, range.end - 1].map(|place| names.heading(of, &rows[place].0));
+    let end = |place: usize| names.one(of, &rows[place].0);
     match (range.len(), range.start == 0, range.end == rows.len()) {
         (1, ..) => format!("At {first}"),
         (_, _, true) => format!("From {first} on"),
@@ -246,11 +247,13 @@ fn sentence(
     frame: &Frame,
     parameters: &[usize],
     rows: &Rows,
-    by_alpha: &ByAlpha,
+    by_width: &ByWidth,
     whole: &[Combination],
 ) -> Option<String> {
     let (metric, enough) = (frame.metric_name(), enough(frame));
-    let best = chosen(enough, whole)?;
+    let (of, best) = (frame.row_axis(), chosen(enough, whole)?);
+    let words = |tables: &Key| words(frame, parameters, tables);
+    let place = |one: &Tried| place(frame, one, &distinct_in_order([ENVIRONMENT, of]));
     // A share within the noise of the reference is an upper end.
     let share = |one: &Tried| {
         let bound = if frame.is_resolved(one.row) { "" } else { "at most " };
@@ -260,27 +263,27 @@ fn sentence(
         Some((range, one)) if range.len() < rows.len() => {
             let ship = format!(
                 "{} ship **{}**: at most {} of the split's `{metric}`.",
-                range_words(rows, &range),
-                words(parameters, &one.tables),
+                range_words(frame, rows, &range),
+                words(&one.tables),
                 told_share(enough, one.worst().share()),
             );
-            // Elsewhere each alpha has its own best tables, as in the digest.
-            let outside = by_alpha.iter().enumerate().filter(|(place, _)| !range.contains(place));
-            let best = outside.filter_map(|(_, (alpha, all))| Some((alpha, chosen(enough, all)?.worst())));
+            // Elsewhere each value has its own best tables, as in the digest.
+            let outside = by_width.iter().enumerate().filter(|(place, _)| !range.contains(place));
+            let best = outside.filter_map(|(_, (width, all))| Some((width, chosen(enough, all)?.worst())));
             let (do_too, fail): (Vec<_>, Vec<_>) = best.partition(|(_, worst)| worst.share() <= enough);
-            let at = |alphas: &[(&Value, &Tried)]| {
-                let alphas: Vec<String> = alphas.iter().map(|(alpha, _)| short(ALPHA, alpha)).collect();
-                format!("alpha {}", alphas.join(", "))
+            let at = |widths: &[(&Value, &Tried)]| {
+                let widths: Vec<String> = widths.iter().map(|(width, _)| frame.names.short(of, width)).collect();
+                format!("{} {}", frame.names.name(of), widths.join(", "))
             };
             let fail_worst = fail.iter().map(|(_, worst)| *worst).max_by(|a, b| a.share().total_cmp(&b.share()));
             let none = fail_worst.map(|worst| {
                 format!(
                     " At {} none is enough. The best, {}, reach {}: a `{metric}` of {} under {}.",
                     at(&fail),
-                    words(parameters, &worst.tables),
+                    words(&worst.tables),
                     share(worst),
                     with_rms(frame, worst.error),
-                    place(worst, &[ENVIRONMENT, ALPHA]),
+                    place(worst),
                 )
             });
             let others =
@@ -289,90 +292,95 @@ fn sentence(
         }
         Some((_, one)) => format!(
             "Ship **{}**: their `{metric}` is at most {} of the split's own ({}).",
-            words(parameters, &one.tables),
+            words(&one.tables),
             told_share(enough, one.worst().share()),
-            place(one.worst(), &[ENVIRONMENT, ALPHA])
+            place(one.worst())
         ),
         None => format!(
             "No tried tables err by {} of the split's own `{metric}` or less. The best, {}, reach {} ({}).",
             if frame.metric.description().power == 2.0 { "a tenth" } else { "a third" },
-            words(parameters, &best.tables),
+            words(&best.tables),
             share(best.worst()),
-            place(best.worst(), &[ENVIRONMENT, ALPHA])
+            place(best.worst())
         ),
     };
-    // The longest run of alphas up to the largest at which the smallest tables do.
+    // The longest run of values up to the largest at which the smallest tables do.
     let is_enough = |all: &[Combination]| all.first().is_some_and(|least| least.worst().share() <= enough);
-    let rest = by_alpha.iter().rposition(|(_, all)| !is_enough(all)).map_or(0, |last| last + 1);
-    if let Some((alpha, all)) = by_alpha.get(rest)
-        && *alpha != Value::Unset
-        && by_alpha.len() > 1
+    let rest = by_width.iter().rposition(|(_, all)| !is_enough(all)).map_or(0, |last| last + 1);
+    if let Some((width, all)) = by_width.get(rest)
+        && *width != Value::Unset
+        && by_width.len() > 1
     {
-        let from = if rest == 0 { "At every alpha".to_owned() } else { format!("From {} on", heading(ALPHA, alpha)) };
+        let from = match rest {
+            0 => format!("At every {}", frame.names.name(of)),
+            _ => format!("From {} on", frame.names.heading(of, width)),
+        };
         let own = all[0].numbers(|one| one.split).estimate().map_or(String::new(), |mean| with_rms(frame, mean.value));
         text += &format!(
             " {from} the smallest tried are enough: the split itself has a `{metric}` of {own} at {}.",
-            label(&[ALPHA], std::slice::from_ref(alpha))
+            frame.names.one(of, width)
         );
     }
     Some(text)
 }
 
-/// One row an alpha, the last over all: the smallest tables that are enough, their error, and that of the split.
-fn digest(frame: &Frame, parameters: &[usize], scope: &[usize], by_alpha: &ByAlpha, whole: &[Combination]) -> Table {
+/// One row a value of [`Frame::row_axis`], the last over all: the smallest tables that are enough, their error, and that of the split.
+fn digest(frame: &Frame, parameters: &[usize], scope: &[usize], by_width: &ByWidth, whole: &[Combination]) -> Table {
+    let of = frame.row_axis();
+    let heads = frame.names.heads(&[of]);
     let names = [
-        AXES[ALPHA].name,
-        ROUGHNESS,
         "tables",
         "their error, geometric mean over all n·v",
         "the split's own error, the same mean",
         "share at most",
         "where",
     ];
-    let mut table = Table::with_names(names);
+    let mut table = Table::with_names(heads.iter().copied().chain(names));
     let enough = enough(frame);
-    let rows = by_alpha.iter().filter(|(alpha, _)| *alpha != Value::Unset);
-    let rows = rows.map(|(alpha, all)| (short(ALPHA, alpha), roughness(alpha), &all[..]));
-    for (alpha, rough, all) in rows.chain([(ALL.to_owned(), None, whole)]) {
+    let rows = by_width.iter().filter(|(width, _)| *width != Value::Unset);
+    let rows = rows.map(|(width, all)| (Some(width), &all[..]));
+    for (width, all) in rows.chain([(None, whole)]) {
         let Some(best) = chosen(enough, all) else { continue };
         let worst = best.worst();
         let told = |of| best.numbers(of).estimate().map(|mean| with_rms(frame, mean.value));
-        let tables = words(parameters, &best.tables);
+        let tables = words(frame, parameters, &best.tables);
         let tables = if worst.share() <= enough { tables } else { format!("none; best {tables}") };
-        let place: Vec<usize> = scope.iter().copied().filter(|of| alpha == ALL || *of != ALPHA).collect();
+        let place: Vec<usize> = scope.iter().copied().filter(|axis| width.is_none() || *axis != of).collect();
         let errors = cells![told(|one| one.error), told(|one| one.split)];
-        let worst = cells![told_share(enough, worst.share()), self::place(worst, &place)];
-        table.row([cells![alpha, rough, tables], errors, worst].concat());
+        let worst = cells![told_share(enough, worst.share()), self::place(frame, worst, &place)];
+        let head = |width| frame.names.head(&[of], std::slice::from_ref(width));
+        let head = width.map_or_else(|| all_head(&heads), head);
+        table.row([head, cells![tables], errors, worst].concat());
     }
     table
 }
 
-/// One panel an alpha, one dot a combination at its worst, which decides; those that are made alike are joined.
+/// One panel a value of [`Frame::row_axis`], one dot a combination at its worst, which decides; those that are made alike are joined.
 fn figure(frame: &Frame, parameters: &[usize], all: &[&Tried]) -> Option<Figure> {
     let is_kind = |axis: &usize| frame.shape.values[*axis].iter().all(|value| matches!(value, Value::Text(_)));
     let kinds: Vec<usize> = parameters.iter().copied().filter(is_kind).collect();
     let kind = |one: &Tried| {
-        let words: Vec<String> = kinds.iter().map(|&axis| short(axis, &one.row.point[axis])).collect();
+        let words: Vec<String> = kinds.iter().map(|&axis| frame.names.short(axis, &one.row.point[axis])).collect();
         words.join(" · ")
     };
     let series = distinct_in_order(all.iter().map(|one| kind(one)));
-    let panel = |(alpha, own): (Value, Vec<&Tried>)| {
+    let panel = |(width, own): (Value, Vec<&Tried>)| {
         let mut marks = vec![Mark::neutral(Form::HorizontalRule(enough(frame)))];
         let all = combinations(own.iter().copied());
         for (place, name) in series.iter().enumerate() {
             let of_kind = all.iter().map(Combination::worst).filter(|worst| kind(worst) == *name);
             let dots = of_kind.map(|worst| {
                 let share = percent(worst.share());
-                let at = self::place(worst, &[ENVIRONMENT]);
-                let tip = format!("{}: {share} of the split's error · {at}", words(parameters, &worst.tables));
+                let at = self::place(frame, worst, &[ENVIRONMENT]);
+                let tip = format!("{}: {share} of the split's error · {at}", words(frame, parameters, &worst.tables));
                 dot([worst.texels(), worst.share()], place, tip, worst.row)
             });
             let dots: Vec<Mark> = dots.collect();
             marks.extend(if dots.len() > 1 { joined(dots) } else { dots });
         }
-        (heading(ALPHA, &alpha), marks)
+        (frame.names.heading(frame.row_axis(), &width), marks)
     };
-    let by_alpha = grouped_ascending(all.iter().copied(), ALPHA, |one| one.row);
+    let by_width = grouped_ascending(all.iter().copied(), frame.row_axis(), |one| one.row);
     Chart {
         title: "What tables cost beside the split",
         note: format!(
@@ -381,7 +389,7 @@ fn figure(frame: &Frame, parameters: &[usize], all: &[&Tried]) -> Option<Figure>
         ),
         x: Along::Log("texels"),
         y: Along::Log("share of the split's error"),
-        panels: by_alpha.into_iter().map(panel).collect(),
+        panels: by_width.into_iter().map(panel).collect(),
         series,
     }
     .figure()

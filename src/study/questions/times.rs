@@ -35,6 +35,7 @@ pub const QUESTION: Question = Question {
         column("device_type", "Its type; times of a `cpu` say nothing about a GPU."),
     ],
     uses_times: true,
+    has_rows: false,
     lacks: |shape| (!shape.has_timing).then_some("the experiment has no [timing]"),
     answer,
 };
@@ -91,8 +92,7 @@ fn answer(frame: &Frame) -> Option<Finding> {
     let [frames, sets] = [FRAME, PRECOMPUTE].map(|phase| timed(frame, phase));
     let ratios = ratios(&frame.run.timings);
     let swept = swept_axes(frames.iter().chain(&sets).map(|one| &one.key)).into_iter().filter_map(index_of);
-    let axes: Vec<usize> =
-        [METHOD, SAMPLES].into_iter().chain(swept.filter(|axis| ![METHOD, SAMPLES].contains(axis))).collect();
+    let axes = distinct_in_order([METHOD, SAMPLES, BRDF, DIFFUSE_METHOD].into_iter().chain(swept));
     let mut table = Table::new(&axes, QUESTION.columns);
     let mut row = |one: &Timed, pass: &str, ms: &[f64], ratio: Option<&Ratio>| {
         let ([width, height], summary) = (one.record.environment_size, summarize(ms));

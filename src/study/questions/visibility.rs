@@ -17,6 +17,7 @@ pub const QUESTION: Question = Question {
         column("visible_from", "Mean FLIP from which a difference is called visible, a convention of this project."),
         column("visible", "Under how many environments the median has at least that."),
     ],
+    has_rows: false,
     lacks,
     answer,
     ..Question::PLAIN
@@ -64,7 +65,7 @@ fn curves<'r, 'f>(frame: &'r Frame<'f>) -> Vec<Vec<Curve<'r, 'f>>> {
             Curve { method: method.clone(), key, flips, rows }
         };
         let mut curves: Vec<Curve> = grouped(rows, |row| row.key(&DISPLAY)).into_iter().map(curve).collect();
-        let size = |one: &Curve, i: usize| size_of(&one.key[i]).unwrap_or(f64::NAN);
+        let size = |one: &Curve, i: usize| one.key[i].size().unwrap_or(f64::NAN);
         curves.sort_by(|a, b| size(a, 1).total_cmp(&size(b, 1)).then(size(a, 0).total_cmp(&size(b, 0))));
         curves
     };
@@ -81,8 +82,8 @@ fn answer(frame: &Frame) -> Option<Finding> {
         let own = cells![one.flips.len(), one.middle(), least, most, VISIBLE_FROM, one.visible_count()];
         table.row([one.rows[0].cells(&axes), own].concat());
     }
-    let sentence = sentence(methods.first()?)?;
-    Some(Finding { sentence, table, digest: Some(digest(&methods)), figure: figure(&methods) })
+    let sentence = sentence(frame, methods.first()?)?;
+    Some(Finding { sentence, table, digest: Some(digest(&methods)), figure: figure(frame, &methods) })
 }
 
 /// "exposure 0.5 to 50 and 500" or "every tried exposure": where the difference shows at one contrast, tried neighbours drawn together.
@@ -105,7 +106,7 @@ fn peak<'c, 'r, 'f>(own: &'c [Curve<'r, 'f>]) -> Option<&'c Curve<'r, 'f>> {
     own.iter().max_by(|a, b| a.middle().total_cmp(&b.middle()))
 }
 
-fn sentence(own: &[Curve]) -> Option<String> {
+fn sentence(frame: &Frame, own: &[Curve]) -> Option<String> {
     let peak = peak(own)?;
     let over = match peak.flips.len() {
         1 => String::new(),
@@ -121,7 +122,7 @@ fn sentence(own: &[Curve]) -> Option<String> {
     Some(format!(
         "The error of `{}` shows most at {}: mean FLIP {}{over}. It is visible {}.",
         peak.method,
-        label(&DISPLAY, &peak.key).replace(" · ", ", "),
+        frame.names.label(&DISPLAY, &peak.key).replace(" · ", ", "),
         number(peak.middle()),
         groups.iter().map(part).collect::<Vec<_>>().join(", ")
     ))
@@ -152,13 +153,13 @@ fn digest(methods: &[Vec<Curve>]) -> Table {
 }
 
 /// One panel a method: exposure over contrast.
-fn figure(methods: &[Vec<Curve>]) -> Option<Figure> {
+fn figure(frame: &Frame, methods: &[Vec<Curve>]) -> Option<Figure> {
     let steps = DISPLAY.map(|axis| tried(methods, axis));
     let tile = |one: &Curve| {
         let Curve { method, key, rows, flips } = one;
         let place = |i: usize| steps[i].iter().position(|value| *value == key[i]);
         let (value, seen) = (one.middle(), one.visible_count());
-        let curve = label(&DISPLAY, key);
+        let curve = frame.names.label(&DISPLAY, key);
         let tip = format!("{method} · {curve}: mean FLIP {}, visible in {seen} of {}", number(value), flips.len());
         let cell = only(rows);
         Some(Tile { panel: method.clone(), at: [place(0)?, place(1)?], value, text: number(value), tip, cell })

@@ -5,9 +5,9 @@
 //! on the *front* where no other with as few lookups has a smaller mean over all cases. Lookups of the tables beside the map do not count:
 //! they are small, and every way reads some.
 
-use crate::spelling::Listed;
 use super::prelude::*;
 use crate::shade::Method;
+use crate::spelling::Listed;
 
 pub const QUESTION: Question = Question {
     name: "which-split-sum",
@@ -72,22 +72,23 @@ fn answer(frame: &Frame) -> Option<Finding> {
     };
     let ratios: Vec<(&Row, f64)> = images.iter().filter_map(|row| Some((*row, ratio(row)?))).collect();
     let ways = ways(frame, &ratios);
-    let mut table = Table::new(&[&axes[..], &[METHOD, SAMPLES]].concat(), QUESTION.columns);
+    let columns = [&frame.table_axes()[..], &[METHOD, SAMPLES]].concat();
+    let mut table = Table::new(&columns, QUESTION.columns);
     for (row, ratio) in &ratios {
         let name = frame.way(row);
         let Some(way) = ways.iter().find(|way| way.name == name) else { continue };
         let own = cells![way.lookups, &base, *ratio, way.is_on_front];
-        table.row([row.cells(&axes), row.cells(&[METHOD, SAMPLES]), own].concat());
+        table.row([row.cells(&columns), own].concat());
     }
     Some(Finding {
-        sentence: sentence(frame, &axes, &ways, &base)?,
+        sentence: sentence(frame, &ways, &base)?,
         digest: Some(digest(frame, &ways)),
         table,
         figure: figure(frame, &ways, &base),
     })
 }
 
-fn sentence(frame: &Frame, axes: &[usize], ways: &[Way], base: &Value) -> Option<String> {
+fn sentence(frame: &Frame, ways: &[Way], base: &Value) -> Option<String> {
     let mut front = ways.iter().filter(|way| way.is_on_front);
     let (first, metric) = (front.next()?, frame.metric_name());
     let times = |way: &Way| format!("{} times{}", number(way.mean.value), interval_words(&way.mean, number));
@@ -105,24 +106,26 @@ fn sentence(frame: &Frame, axes: &[usize], ways: &[Way], base: &Value) -> Option
         .next()
         .map(|way| format!(" With **{}** `{}` has {}.", way.lookups, way.ratios.first_method(), times(way)));
     let all = ways.last()?;
-    Some(first_words + &next.unwrap_or_default() + &all.ratios.scope(axes))
+    Some(first_words + &next.unwrap_or_default() + &all.ratios.scope(frame))
 }
 
-/// By F0 and alpha the ways of the front with the base, each with its number of lookups; of several images the last rows have the mean and
+/// The axes of rows and panels.
+fn row_axes(frame: &Frame) -> Vec<usize> {
+    distinct_in_order([F0, frame.row_axis()]).into_iter().filter(|axis| frame.shape.is_swept(*axis)).collect()
+}
+
+/// By F0 and [`Frame::row_axis`] the ways of the front with the base, each with its number of lookups; of several images the last rows have the mean and
 /// the worst one.
 fn digest(frame: &Frame, ways: &[Way]) -> Table {
-    let by_axes: Vec<usize> = [F0, ALPHA].into_iter().filter(|axis| frame.shape.is_swept(*axis)).collect();
+    let by_axes = row_axes(frame);
     let shown: Vec<&Way> = ways.iter().filter(|way| way.is_on_front || way.lookups == 1).collect();
-    let heads = by_axes.iter().map(|axis| AXES[*axis].name.to_owned());
-    let heads = heads.chain(by_axes.contains(&ALPHA).then(|| ROUGHNESS.to_owned()));
-    let heads: Vec<String> = if by_axes.is_empty() { vec!["images".to_owned()] } else { heads.collect() };
+    let heads = if by_axes.is_empty() { vec!["images"] } else { frame.names.heads(&by_axes) };
     let names = shown.iter().map(|way| format!("{} ({})", way.name, way.lookups));
-    let mut table = Table::with_names(heads.iter().cloned().chain(names));
+    let mut table = Table::with_names(heads.iter().map(|head| head.to_string()).chain(names));
     for (key, _) in by(&rows(&shown), &by_axes).into_iter().filter(|_| !by_axes.is_empty()) {
-        let rough = by_axes.iter().zip(&key).find(|(axis, _)| **axis == ALPHA).map(|(_, alpha)| roughness(alpha));
         let cells =
             shown.iter().map(|way| at(&way.ratios, &by_axes, &key).estimate().as_ref().map(with_interval).into());
-        table.row(key.iter().map(Cell::from).chain(rough.map(Cell::from)).chain(cells).collect());
+        table.row(frame.names.head(&by_axes, &key).into_iter().chain(cells).collect());
     }
     let labelled = |label: &str, cells: Vec<Cell>| {
         let blanks = heads.iter().skip(1).map(|_| None::<f64>.into());
@@ -143,9 +146,9 @@ fn at<'r, 'f>(numbers: &Numbers<'r, 'f>, axes: &[usize], key: &[Value]) -> Numbe
     axes.iter().zip(key).fold(numbers.clone(), |own, (axis, value)| own.at(*axis, value))
 }
 
-/// Ratios against lookups, a panel an F0 and alpha; of the ways with one lookup the base and the best.
+/// Ratios against lookups, a panel an F0 and value of [`Frame::row_axis`]; of the ways with one lookup the base and the best.
 fn figure(frame: &Frame, ways: &[Way], base: &Value) -> Option<Figure> {
-    let by_axes: Vec<usize> = [F0, ALPHA].into_iter().filter(|axis| frame.shape.is_swept(*axis)).collect();
+    let by_axes = row_axes(frame);
     let is_sampled = |way: &&Way| way.ratios.rows().any(|row| row.samples().is_some());
     let is_shown = |way: &&Way| way.is_on_front || way.name == base.to_string() || is_sampled(way);
     let shown: Vec<&Way> = ways.iter().filter(is_shown).collect();
@@ -161,9 +164,7 @@ fn figure(frame: &Frame, ways: &[Way], base: &Value) -> Option<Figure> {
             if marks.len() > 2 { joined(marks) } else { marks }
         };
         let marks = series.iter().enumerate().flat_map(of_series).collect();
-        let title: Vec<String> =
-            by_axes.iter().zip(key).map(|(axis, value)| label(&[*axis], std::slice::from_ref(value))).collect();
-        (title.join(", "), marks)
+        (frame.names.label(&by_axes, key).replace(" · ", ", "), marks)
     };
     let keys: Vec<Key> = by(&rows(&shown), &by_axes).into_iter().map(|(key, _)| key).collect();
     Chart {

@@ -1,9 +1,7 @@
 //! Numbers, counts and scopes as sentences say them.
 
-use crate::environment::BUILTIN_PREFIX;
 use crate::experiment::axis::{AXES, ENVIRONMENT};
 use crate::experiment::value::Value;
-use crate::run::images::short_value;
 use crate::study::frame::{Frame, Row, estimate::Estimate, values};
 use crate::table::markdown::significant;
 
@@ -58,9 +56,9 @@ pub fn listed(words: &[String]) -> String {
     }
 }
 
-/// " Over 10 environments, 3 BRDF models, 5 alphas."; nothing where all axes have one value.
-pub fn scope_sentence(rows: &[&Row], axes: &[usize]) -> String {
-    let scope = scope(rows, axes);
+/// " Over 10 environments, 3 BRDF models, 5 alphas."; nothing if all axes have one value.
+pub fn scope_sentence(frame: &Frame, rows: &[&Row]) -> String {
+    let scope = scope(frame, rows);
     if scope.is_empty() { scope } else { format!(" Over {scope}.") }
 }
 
@@ -69,36 +67,16 @@ pub fn count(n: usize, one: &str, many: &str) -> String {
     format!("{n} {}", if n == 1 { one } else { many })
 }
 
-/// A value as people say it: builtins without prefix, files without folder and extension, numbers short. Tables name environments shortly
-/// already: a folder that is left tells two files of one stem apart.
-pub fn short(axis: usize, value: &Value) -> String {
-    if axis == ENVIRONMENT && !value.to_string().starts_with(BUILTIN_PREFIX) {
-        return value.to_string();
-    }
-    short_value(&AXES[axis], &value.to_string()).into_owned()
-}
-
 /// `25 %` of 0.25, `-25 %` of -0.25.
 pub fn percent(share: f64) -> String {
     format!("{} %", number(100.0 * share))
 }
 
-/// "6 levels", "256x128": the value of an axis in a sentence.
-pub fn said(axis: usize, value: &Value) -> String {
-    AXES[axis].said(&short(axis, value))
-}
-
-/// "alpha 0.1 · sky · ggx", "256x128 · 5 lv": values on axes, each telling what it is.
-pub fn label(axes: &[usize], key: &[Value]) -> String {
-    let set = axes.iter().zip(key).filter(|(_, value)| **value != Value::Unset);
-    set.map(|(&axis, value)| AXES[axis].label(&short(axis, value))).collect::<Vec<_>>().join(" · ")
-}
-
 /// "2 environments, 3 BRDF models, 5 alphas": how many values rows have on these axes; axes with one value are left out.
-fn scope(rows: &[&Row], axes: &[usize]) -> String {
+fn scope(frame: &Frame, rows: &[&Row]) -> String {
     let count = |axis: usize| values(rows.iter().copied(), axis).iter().filter(|value| **value != Value::Unset).count();
-    let counts = axes.iter().map(|&axis| (axis, count(axis))).filter(|(_, n)| *n > 1);
-    counts.map(|(axis, n)| format!("{n} {}", AXES[axis].plural)).collect::<Vec<_>>().join(", ")
+    let counts = frame.case_axes().into_iter().map(|axis| (axis, count(axis))).filter(|(_, n)| *n > 1);
+    counts.map(|(axis, n)| format!("{n} {}", frame.names.plural(axis))).collect::<Vec<_>>().join(", ")
 }
 
 /// The smallest and the largest of positive numbers: "5.1" or "5.1 to 6.0".

@@ -37,6 +37,23 @@ fn perceptual_roughness_makes_the_cells_of_its_square() {
 }
 
 #[test]
+fn cells_are_labelled_by_the_name_that_the_experiment_uses() {
+    let labels = |text: &str, set: &[&str]| {
+        let plan = plan(text, set);
+        plan.cells.iter().map(|cell| plan.label(cell)).collect::<Vec<_>>()
+    };
+    let rough = ["perceptual_roughness=0.3", "perceptual_roughness=0.5"];
+    assert_eq!(labels("perceptual_roughness = [0.3, 0.5]", &[]), rough);
+    assert_eq!(labels("alpha = [1]", &["perceptual_roughness=0.3,0.5"]), rough);
+    assert_eq!(labels("alpha = [0.09, 0.25]", &[]), ["alpha=0.09", "alpha=0.25"]);
+    // Not every f0 has an index of refraction that was written.
+    assert_eq!(labels("ior = [1.5, 2]", &[]), ["f0=0.04", "f0=0.1111"]);
+    let text = "name = \"x\"\n[axes]\nperceptual_roughness = [0.5, 1]\n[[exclude]]\nperceptual_roughness = 0.25\nwhy = \"?\"\n";
+    let unknown = "e.toml:5:24: exclude.perceptual_roughness: the axis has no value 0.25; it has 0.5, 1";
+    assert_faults(&faults(text, &[]), &[unknown]);
+}
+
+#[test]
 fn both_names_of_an_axis_are_one_too_many() {
     let text = "name = \"x\"\n[axes]\nalpha = [0.5]\nperceptual_roughness = [0.5]\n";
     let both = "axes.perceptual_roughness: alpha and perceptual_roughness are two names of one axis";

@@ -4,12 +4,13 @@ use super::paper::scaled;
 use super::told::{sentences, unfounded, word_count};
 use crate::run::runs::{finished, plan};
 use crate::scratch::scratch;
-use splitsum::experiment::axis::{AXES, Point};
+use splitsum::experiment::axis::{Named, Point};
 use splitsum::experiment::value::Value;
 use splitsum::figure::svg::{WIDTHS, svg};
 use splitsum::study::finished::Finished;
 use splitsum::study::frame::{Frame, Shape};
-use splitsum::study::questions::{Finding, QUESTIONS, Question, SENTENCES_MAX, WORDS_MAX};
+use splitsum::study::questions::{Finding, QUESTIONS, Question, SENTENCES_MAX, WORDS_MAX, question};
+use std::path::Path;
 use std::sync::OnceLock;
 
 /// Experiments that together serve every question. Seven environments are enough for intervals.
@@ -208,7 +209,7 @@ fn every_question_has_a_table_of_its_columns() {
         let names = &finding.table.columns;
         assert!(!finding.table.rows.is_empty(), "{}", question.name);
         assert!(names.iter().all(|name| !name.is_empty() && !name.contains('-')), "{names:?}");
-        let is_axis = |name: &String| AXES.iter().any(|axis| axis.name == *name);
+        let is_axis = |name: &String| Named::all().any(|named| named.name() == name);
         let own: Vec<&str> = names.iter().filter(|name| !is_axis(name)).map(String::as_str).collect();
         assert_eq!(own, question.columns.iter().map(|column| column.name).collect::<Vec<_>>(), "{}", question.name);
         assert!(question.columns.iter().all(|column| column.about.ends_with('.')), "{}", question.name);
@@ -285,4 +286,26 @@ fn a_failed_cell_leaves_the_others_answer() {
             }
         }
     }
+}
+
+/// A question that no experiment asks is answered nowhere and read by nobody.
+#[test]
+fn every_question_is_asked_by_an_experiment() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("experiments");
+    let files = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
+    let files: Vec<_> = files.filter(|path| path.extension().is_some_and(|extension| extension == "toml")).collect();
+    let asked: Vec<String> = files.iter().flat_map(|path| asks(&std::fs::read_to_string(path).unwrap())).collect();
+    for question in QUESTIONS {
+        assert!(asked.iter().any(|asked| asked == question.name), "no experiment asks {}", question.name);
+    }
+    for name in &asked {
+        assert!(question(name).is_some(), "{name} is asked and is not a question");
+    }
+}
+
+/// The names in the `asks` of an experiment.
+fn asks(text: &str) -> Vec<String> {
+    let root: toml::Table = text.parse().unwrap();
+    let name = |ask: &toml::Value| ask.get("question").unwrap_or(ask).as_str().unwrap().to_owned();
+    root["asks"].as_array().unwrap().iter().map(name).collect()
 }
