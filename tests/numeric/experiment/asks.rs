@@ -56,9 +56,9 @@ fn a_question_may_name_the_axis_of_its_rows() {
         &found,
         &[
             "e.toml:1:32: asks.by: \"apha\" is not an axis; did you mean \"alpha\"?",
-            "e.toml:1:39: asks.question is missing",
-            "e.toml:1:67: asks.question: 1 is not text",
-            "e.toml:1:70: asks.rows is unknown",
+            "e.toml:1:42: asks.question is missing",
+            "e.toml:1:70: asks.question: 1 is not text",
+            "e.toml:1:73: asks.rows is unknown",
         ],
     );
 }
