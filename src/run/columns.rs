@@ -16,6 +16,9 @@ pub const fn column(name: &'static str, about: &'static str) -> Column {
 /// Id of a cell: the first column of most tables.
 pub const CELL: Column = column("cell", "Id of the cell: a hash of everything that determines its scores.");
 
+/// The verdict on a cell without scores.
+pub const FAILED: &str = "failed";
+
 /// Of `errors.csv`, beside the cell, its axes, the metrics and their noise floors.
 pub const ERRORS: &[Column] = &[
     column(

@@ -2,7 +2,7 @@
 
 pub use crate::metrics::{DISPLAY_HEADLINE, HEADLINE};
 
-use super::columns::{BINS, CELL, Column, ERRORS, RATIOS, STEP_NUMBERS, STEPS, TIMINGS};
+use super::columns::{BINS, CELL, Column, ERRORS, FAILED, RATIOS, STEP_NUMBERS, STEPS, TIMINGS};
 use super::host::UNKNOWN;
 use super::statistics::median;
 use super::store::{BinRecord, FailureRecord, KeptCell, ReferenceStop, Scores, StepRecord, Store, StoreError};
@@ -14,9 +14,6 @@ use crate::experiment::plan::{Cell, Plan};
 use crate::metrics::{BiasVariance, METRICS, linear_metrics};
 use crate::table::csv::Cell as Field;
 use std::collections::BTreeMap;
-
-/// The verdict on a cell without scores.
-pub const FAILED: &str = "failed";
 
 /// The result of a cell that was tried.
 #[derive(Clone, Debug)]

@@ -5,7 +5,7 @@ use super::told::{Told, score};
 use crate::experiment::axis::{AXES, Named, Part, SCENE, SIZE};
 use crate::experiment::value::{Kind, Value};
 use crate::metrics::{METRICS, Metric, verdict};
-use crate::run::tables::FAILED;
+use crate::run::columns::FAILED;
 use crate::scene::is_design;
 use crate::study::finished::FinishedCell;
 use crate::study::names::Names;
