@@ -100,8 +100,11 @@ check() { # what, command...
     say "ok: $what"
 }
 
-[ -x "$venv/bin/snakemake" ] && { [ "$mode" = local ] || "$venv/bin/python" -c "import snakemake_executor_plugin_slurm" 2>/dev/null; } ||
-    install_snakemake
+has_snakemake() {
+    [ -x "$venv/bin/snakemake" ] || return 1
+    [ "$mode" = local ] || "$venv/bin/python" -c "import snakemake_executor_plugin_slurm" 2>/dev/null
+}
+has_snakemake || install_snakemake
 require_rust
 cargo build --release --locked --quiet
 rm -rf "$work"
