@@ -10,7 +10,7 @@ use splitsum::experiment::Plan;
 use splitsum::pipeline::{DeviceChoice, Options, Pipeline};
 use splitsum::report::page::{PageOptions, Told, write};
 use splitsum::report::write::Written;
-use splitsum::run::shards::Shard;
+use splitsum::run::shard::Shard;
 use splitsum::run::store::Store;
 use splitsum::run::{Outcome, Progress, RenderFault, Renderer, RunError, RunOptions, run};
 use splitsum::study::finished::Finished;
@@ -112,7 +112,8 @@ fn begin(plan: &Plan) -> Result<Terminal, Failure> {
     Ok(progress)
 }
 
-/// Answers the questions of a run that has ended, prints the summary and writes the report; the result says which of its cells failed.
+/// Answers the questions of a run that has ended, prints the summary and writes the report; the result says which of
+/// its cells failed.
 pub fn conclude(plan: &Plan, outcome: &Outcome) -> Result<Option<Failure>, Failure> {
     progress::doing("answering the questions");
     let run = Finished::read(&outcome.dir).map_err(Failure::failed)?;

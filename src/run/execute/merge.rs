@@ -1,10 +1,12 @@
-//! Makes one run of what shards left in a folder: checks that all of it is there and whole, then writes tables and provenance.
+//! Makes one run of what shards left in a folder: checks that all of it is there and whole, then writes tables and
+//! provenance.
 
 use super::{Outcome, Run, RunError, RunOptions};
 use crate::experiment::plan::{Cell, Plan};
 use crate::run::images;
 use crate::run::provenance;
-use crate::run::shards::{Shard, split};
+use crate::run::shard::Shard;
+use crate::run::split::split;
 use crate::run::store::{SHARDS_FOLDER, Store, StoreError};
 use crate::run::timing::TimingRecord;
 use serde_json::Value;

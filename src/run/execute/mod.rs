@@ -7,7 +7,7 @@ mod session;
 mod timed;
 
 pub use merge::{Merged, Missing, merge};
-pub use outcome::{Outcome, RunError, Work};
+pub use outcome::{Outcome, Progress, RunError, RunOptions, Work};
 
 use crate::experiment::plan::{Cell, Plan, ReferenceGroup};
 use crate::files::holds;
@@ -17,8 +17,8 @@ use crate::run::images;
 use crate::run::live::{self, LIVE_FILE};
 use crate::run::renderer::{RenderFault, Renderer};
 use crate::run::scoring::CellFault;
-use crate::run::shards::{Shard, Share};
 use crate::run::sheets;
+use crate::run::split::Share;
 use crate::run::store::{CellRecord, FailureRecord, KeptCell, Store};
 use crate::run::tables::{self, CellResult, Results};
 use crate::run::timing::{self, TimingJob, TimingRecord};
@@ -26,46 +26,8 @@ use crate::run::trace;
 use crate::table::csv;
 use blake3::Hash;
 use std::collections::{BTreeMap, HashMap};
-use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
-
-/// How a run is to be done.
-#[derive(Debug)]
-pub struct RunOptions<'a> {
-    /// The folder of the run.
-    pub dir: PathBuf,
-    /// Set from outside to stop after the current cell.
-    pub stop: &'a AtomicBool,
-    /// The command line, for the provenance.
-    pub command_line: Vec<String>,
-    /// The part of the plan to do, where several processes share the folder. Tables are then left to [`merge`].
-    pub shard: Option<Shard>,
-    /// The file with the speeds of earlier runs, which forecast the time of this one.
-    pub speeds: Option<PathBuf>,
-    /// Ends the run at the first cell that fails, instead of going on with the others.
-    pub fail_fast: bool,
-    /// Writes the timed passes as a Chrome trace, `trace.json`.
-    pub trace: bool,
-}
-
-impl<'a> RunOptions<'a> {
-    /// A whole run in `dir`, without what can be left out.
-    pub fn new(dir: &Path, stop: &'a AtomicBool) -> Self {
-        let command_line = Vec::new();
-        Self { dir: dir.to_owned(), stop, command_line, shard: None, speeds: None, fail_fast: false, trace: false }
-    }
-}
-
-/// Follows a run.
-pub trait Progress {
-    /// The run has `total` steps (cells and timed configurations), `done` of them from earlier.
-    fn start(&mut self, total: usize, done: usize, ahead: Ahead);
-    /// A step ended; `failure` says why it failed.
-    fn step(&mut self, label: &str, failure: Option<&str>, ahead: Ahead);
-    /// A line for the user.
-    fn note(&mut self, text: &str);
-}
 
 /// Makes the renderer when the first step needs it, so that a finished run needs no device.
 pub type MakeRenderer<'a> = dyn FnMut() -> Result<Box<dyn Renderer>, RenderFault> + 'a;
@@ -75,7 +37,8 @@ const TABLE_INTERVAL: Duration = Duration::from_secs(2);
 /// and so rarely that it takes at most this part of the time: they grow with the cells.
 const TABLE_SHARE: u32 = 20;
 
-/// Runs what is not done yet of `plan` in the folder of `options`, then writes the tables and contact sheets. A shard leaves these to [`merge`].
+/// Runs what is not done yet of `plan` in the folder of `options`, then writes the tables and contact sheets. A shard
+/// leaves these to [`merge`].
 pub fn run(
     plan: &Plan,
     make_renderer: &mut MakeRenderer,
@@ -201,8 +164,8 @@ impl<'p> Run<'p> {
         })
     }
 
-    /// Cells whose images are gone or not those that their records name are made again: their scores come out the same, on the same
-    /// device.
+    /// Cells whose images are gone or not those that their records name are made again: their scores come out the same,
+    /// on the same device.
     fn forget_changed(&mut self, progress: &mut dyn Progress) -> Result<(), RunError> {
         let plan = self.plan;
         if let Some(first) = self.unusable.first() {
@@ -284,8 +247,8 @@ impl<'p> Run<'p> {
         result
     }
 
-    /// Leaves what the live view of the report needs, unless it is there. It is made first, since a run whose cells are all done has
-    /// nothing left to make. Without it the report has no such view.
+    /// Leaves what the live view of the report needs, unless it is there. It is made first, since a run whose cells are
+    /// all done has nothing left to make. Without it the report has no such view.
     fn live(&self, renderer: &mut dyn Renderer, progress: &mut dyn Progress) -> Result<(), RunError> {
         let path = self.store.dir().join(LIVE_FILE);
         if !self.makes_live() || self.is_stopped() || path.exists() {

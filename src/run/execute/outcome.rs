@@ -1,11 +1,51 @@
 //! What a run is to do and what comes of it.
 
 use crate::pipeline::{SharedWork, Tally};
+use crate::run::estimate::Ahead;
 use crate::run::provenance::ProvenanceError;
 use crate::run::renderer::RenderFault;
+use crate::run::shard::Shard;
 use crate::run::store::{FailureRecord, StoreError};
 use crate::run::timing::TimingRecord;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::AtomicBool;
+
+/// How a run is to be done.
+#[derive(Debug)]
+pub struct RunOptions<'a> {
+    /// The folder of the run.
+    pub dir: PathBuf,
+    /// Set from outside to stop after the current cell.
+    pub stop: &'a AtomicBool,
+    /// The command line, for the provenance.
+    pub command_line: Vec<String>,
+    /// The part of the plan to do, where several processes share the folder. Tables are then left to [`merge`].
+    pub shard: Option<Shard>,
+    /// The file with the speeds of earlier runs, which forecast the time of this one.
+    pub speeds: Option<PathBuf>,
+    /// Ends the run at the first cell that fails, instead of going on with the others.
+    pub fail_fast: bool,
+    /// Writes the timed passes as a Chrome trace, `trace.json`.
+    pub trace: bool,
+}
+
+impl<'a> RunOptions<'a> {
+    /// A whole run in `dir`, without what can be left out.
+    pub fn new(dir: &Path, stop: &'a AtomicBool) -> Self {
+        let command_line = Vec::new();
+        Self { dir: dir.to_owned(), stop, command_line, shard: None, speeds: None, fail_fast: false, trace: false }
+    }
+}
+
+/// Follows a run.
+pub trait Progress {
+    /// The run has `total` steps (cells and timed configurations), `done` of them from earlier.
+    fn start(&mut self, total: usize, done: usize, ahead: Ahead);
+    /// A step ended; `failure` says why it failed.
+    fn step(&mut self, label: &str, failure: Option<&str>, ahead: Ahead);
+    /// A line for the user.
+    fn note(&mut self, text: &str);
+}
 
 /// Why a run ended early.
 #[derive(Debug, thiserror::Error)]

@@ -8,7 +8,7 @@ use crate::run::frozen::EXPERIMENT_FILE;
 use crate::run::live::LIVE_FILE;
 use crate::run::provenance;
 use crate::run::renderer::Renderer;
-use crate::run::shards::Shard;
+use crate::run::shard::Shard;
 use crate::run::store::{FAILED_FOLDER, SHARDS_FOLDER};
 use serde_json::{Value, json};
 use std::collections::BTreeSet;
@@ -18,8 +18,8 @@ use std::time::Instant;
 const SHARD: &str = "shard";
 
 impl Run<'_> {
-    /// Makes the folder one of this plan and this text: a new run, a larger plan, a changed comment, a lost file. Returns whether it held a run
-    /// of another plan.
+    /// Makes the folder one of this plan and this text: a new run, a larger plan, a changed comment, a lost file.
+    /// Returns whether it held a run of another plan.
     pub(super) fn adopt(&self, progress: &mut dyn Progress) -> Result<bool, RunError> {
         let found = provenance::read(self.store.dir())?;
         let is_other = found.as_ref().is_some_and(|found| found["plan_hash"] != self.plan.hash);

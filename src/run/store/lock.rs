@@ -2,7 +2,7 @@
 
 use super::{SHARDS_FOLDER, Store, StoreError};
 use crate::files::{names_in, open_regular};
-use crate::run::shards::Shard;
+use crate::run::shard::Shard;
 use std::fs::{File, TryLockError};
 use std::path::{Path, PathBuf};
 
@@ -16,7 +16,8 @@ const SHARD_LOCK: &str = ".lock";
 pub(super) struct Lock(File);
 
 impl Drop for Lock {
-    /// Closing alone would not do: a child process that is just being started may hold a copy of the handle for a moment.
+    /// Closing alone would not do: a child process that is just being started may hold a copy of the handle for a
+    /// moment.
     fn drop(&mut self) {
         // A lock that cannot be given back goes with the process.
         let _ = self.0.unlock();
@@ -42,7 +43,8 @@ fn is_locked(path: &Path) -> bool {
 }
 
 impl Store {
-    /// Takes the locks of a run, or of a shard. Shards of other counts have cells in common with it, so they may not work meanwhile.
+    /// Takes the locks of a run, or of a shard. Shards of other counts have cells in common with it, so they may not
+    /// work meanwhile.
     pub(super) fn locks(&self) -> Result<Vec<Lock>, StoreError> {
         let busy = |who: String| StoreError::Busy { dir: self.dir.clone(), who };
         let whole = lock(self.dir.join(LOCK_FILE), self.shard.is_some(), || busy("another run".to_owned()))?;

@@ -11,7 +11,7 @@ pub use super::record::{
 pub use fault::StoreError;
 
 use super::seal;
-use super::shards::Shard;
+use super::shard::Shard;
 use crate::experiment::plan::Plan;
 use crate::files::{PLAN_BYTES_MAX, RECORD_BYTES_MAX, holds, names_in, read_regular};
 use crate::pixels::{PART_PREFIX, write_atomically};
@@ -129,8 +129,8 @@ impl Store {
         self.record_path(CELLS_FOLDER, id)
     }
 
-    /// The record of a finished cell. One that is not whole, as a power cut may leave it, or that is another's is none: the cell is done
-    /// again.
+    /// The record of a finished cell. One that is not whole, as a power cut may leave it, or that is another's is none:
+    /// the cell is done again.
     pub fn cell(&self, id: &str) -> Result<Option<CellRecord>, StoreError> {
         usable(self.whole_cell(id))
     }
@@ -142,8 +142,8 @@ impl Store {
 
     /// Keeps a finished cell and forgets its earlier failure.
     pub fn write_cell(&self, record: &CellRecord) -> Result<(), StoreError> {
-        // Not waited for on the disk, which takes longer than a small cell: a power cut costs the cells of its last seconds, since the
-        // seal tells a record that was cut off.
+        // Not waited for on the disk, which takes longer than a small cell: a power cut costs the cells of its last
+        // seconds, since the seal tells a record that was cut off.
         self.write_sealed(&self.cell_path(&record.cell), record)?;
         remove(self.record_path(FAILED_FOLDER, &record.cell))
     }
@@ -163,8 +163,8 @@ impl Store {
         remove(self.record_path(FAILED_FOLDER, id))
     }
 
-    /// Where the reference image of this id stopped, as an earlier invocation left it. A record that cannot be used is none: the reference
-    /// is rendered again.
+    /// Where the reference image of this id stopped, as an earlier invocation left it. A record that cannot be used is
+    /// none: the reference is rendered again.
     pub fn reference(&self, id: &str) -> Result<Option<ReferenceStop>, StoreError> {
         usable(self.whole_reference(id))
     }
@@ -204,8 +204,8 @@ impl Store {
         self.write_named(TIMINGS_FOLDER, id, record)
     }
 
-    /// A table of the run, replaced in one step. Rows are made one at a time: all together they would take far more memory than
-    /// what they are made of.
+    /// A table of the run, replaced in one step. Rows are made one at a time: all together they would take far more
+    /// memory than what they are made of.
     pub fn write_table(
         &self,
         name: &str,
@@ -237,8 +237,8 @@ impl Store {
         self.write_text(path, &seal::sealed(&pretty(path, record)?))
     }
 
-    /// As [`Store::write_sealed`], with the record's name in it, and on return the record is on the disk: what it holds cannot be had again
-    /// the same, or costs much.
+    /// As [`Store::write_sealed`], with the record's name in it, and on return the record is on the disk: what it holds
+    /// cannot be had again the same, or costs much.
     fn write_named<T: Serialize>(&self, folder: &str, id: &str, record: &T) -> Result<(), StoreError> {
         let path = self.record_path(folder, id);
         self.write_sealed(&path, &Named { record: id.to_owned(), content: record })?;

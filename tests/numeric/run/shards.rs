@@ -5,7 +5,8 @@ use super::runs::{Silent, assert_like_whole, contents, fakes, options, plan, rea
 use splitsum::experiment::Plan;
 use splitsum::experiment::plan::ReferenceGroup;
 use splitsum::run::estimate::{Steps, Work};
-use splitsum::run::shards::{Shard, Share, split};
+use splitsum::run::shard::Shard;
+use splitsum::run::split::{Share, split};
 use splitsum::run::statistics::Random;
 use splitsum::run::store::Store;
 use splitsum::run::{MakeRenderer, Merged, Outcome, RunError, RunOptions, merge, run, timing};

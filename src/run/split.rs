@@ -1,56 +1,15 @@
-//! One run by several processes: each does its part of the plan in a folder that all share, and a merge writes the tables.
+//! One run by several processes: each does its part of the plan in a folder that all share, and a merge writes the
+//! tables.
 //!
-//! Every process writes records and images by the id of their content, so there is nothing to join but the tables. Parts have no cell, reference
-//! or image in common.
+//! Every process writes records and images by the id of their content, so there is nothing to join but the tables.
+//! Parts have no cell, reference or image in common.
 
 use super::estimate::{Steps, Work};
+use super::shard::Shard;
 use super::timing;
 use crate::experiment::axis::{BRDF, ENVIRONMENT, ENVIRONMENT_CLIP};
 use crate::experiment::plan::{Cell, Plan};
 use std::collections::{BTreeMap, BTreeSet, HashMap};
-use std::fmt;
-use std::str::FromStr;
-
-/// The most parts.
-const COUNT_MAX: usize = 10_000;
-
-/// Which part of how many.
-#[derive(Clone, Copy, Debug, Eq, Ord, PartialEq, PartialOrd)]
-pub struct Shard {
-    /// From 1.
-    pub index: usize,
-    pub count: usize,
-}
-
-impl Shard {
-    /// Its name in the folder of the run.
-    pub fn stem(self) -> String {
-        format!("{}-of-{}", self.index, self.count)
-    }
-
-    /// The shard of this name.
-    pub fn by_stem(stem: &str) -> Option<Self> {
-        stem.replace("-of-", "/").parse().ok()
-    }
-}
-
-impl fmt::Display for Shard {
-    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        write!(f, "{}/{}", self.index, self.count)
-    }
-}
-
-impl FromStr for Shard {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        let numbers = text.split_once('/').and_then(|(k, n)| Some((k.parse().ok()?, n.parse().ok()?)));
-        match numbers {
-            Some((index, count)) if (1..=count).contains(&index) && count <= COUNT_MAX => Ok(Self { index, count }),
-            _ => Err(format!("expected K/N with 1 <= K <= N <= {COUNT_MAX}, such as 2/4")),
-        }
-    }
-}
 
 /// The part of a plan that one process does.
 #[derive(Clone, Debug, Default, Eq, PartialEq)]
@@ -76,9 +35,9 @@ struct Unit<'p> {
     seconds: f64,
 }
 
-/// A plan in `count` parts of about the same stated cost, the same on every machine. Cells that share a reference or an image stay together, and
-/// those of one environment and model follow each other, since they share tables. All timed configurations are in the last part: times of two
-/// devices cannot be compared.
+/// A plan in `count` parts of about the same stated cost, the same on every machine. Cells that share a reference or an
+/// image stay together, and those of one environment and model follow each other, since they share tables. All timed
+/// configurations are in the last part: times of two devices cannot be compared.
 pub fn split(plan: &Plan, count: usize) -> Vec<Share> {
     let jobs = timing::jobs(plan);
     let mut steps = Steps::new(plan, &jobs, []);
