@@ -327,7 +327,8 @@ impl Win<'_> {
 
     /// The window manager asks it to close; it ends by itself, without a fault.
     pub fn close(mut self) {
-        self.act(&["windowfocus", "--sync", &self.id, "key", "alt+F4"]);
+        // A random click may have iconified it.
+        self.act(&["windowactivate", "--sync", &self.id, "windowfocus", "--sync", &self.id, "key", "alt+F4"]);
         let (code, message) = self.end();
         assert_eq!(code, Some(0), "{message}");
     }
