@@ -9,6 +9,7 @@
 //! use splitsum::brdf::Ggx;
 //! use splitsum::environment::{Environment, LoadOptions};
 //! use splitsum::precompute::prefilter::WEIGHTS;
+//! use splitsum::spelling::Listed;
 //! use std::path::Path;
 //!
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {

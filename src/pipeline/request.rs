@@ -45,6 +45,7 @@ impl RenderRequest {
     /// use splitsum::pipeline::{Options, Pipeline, RenderRequest};
     /// use splitsum::scene::{CameraKind, Scene};
     /// use splitsum::shade::Method;
+    /// use splitsum::spelling::Listed;
     /// use std::{path::Path, sync::Arc};
     ///
     /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
