@@ -307,12 +307,7 @@ fn what_is_no_regular_file_is_refused_at_once() {
     let made = Command::new("mkfifo").arg(dir.path().join("pipe")).status();
     assert!(made.is_ok_and(|status| status.success()), "mkfifo");
     for path in ["pipe", "/dev/zero"] {
-        for arguments in [
-            &["plan", path][..],
-            &["run", path],
-            &["integrate", path],
-            &["compare", path, path],
-        ] {
+        for arguments in [&["plan", path][..], &["run", path], &["integrate", path], &["compare", path, path]] {
             let output = splitsum(dir.path(), arguments);
             let message = stderr(&output);
             assert_eq!(output.status.code(), Some(2), "{arguments:?}: {message}");
