@@ -1,4 +1,4 @@
-//! Antialiased silhouettes against the area of a disc.
+//! Antialiased edges against the area of a disc.
 
 use crate::harness::{constant_environment, request, scene, with_pipeline};
 use splitsum::pipeline::RenderRequest;
@@ -7,8 +7,8 @@ use splitsum::shade::{Diffuse, Method};
 use splitsum::spelling::Listed;
 use std::f64::consts::PI;
 
-/// Under constant light a surface that reflects all of it and the background are one colour, edge or not; against black the image has the
-/// area of the disc.
+/// Under constant light a grey sphere has one colour, and its edge pixels lie between that and the background; before black, the image adds
+/// up to the area of the disc.
 #[test]
 fn edges_have_the_radiance_of_what_they_cover() {
     with_pipeline(|pipeline| {
