@@ -20,7 +20,7 @@ commits=$(git log --no-merges --format='%h %s' "$base..HEAD")
 export LC_ALL=C.UTF-8
 wrong=$(
     printf '%s\n' "$commits" | grep -E '^[0-9a-f]+ .{73}' | sed 's/$/   [longer than 72 characters]/'
-    printf '%s\n' "$commits" | grep -E '.' | grep -Ev '^[0-9a-f]+ [a-z0-9][a-z0-9_./-]*: [A-Za-z]' | sed 's/$/   [expected area: imperative]/'
+    printf '%s\n' "$commits" | grep -E '.' | grep -Ev '^[0-9a-f]+ [a-z0-9][a-z0-9_./-]*: ([a-z]|[A-Z][A-Z0-9])' | sed 's/$/   [expected area: imperative]/'
 ) || true
 [ -z "$wrong" ] || stop "commit subjects:
 $wrong"
