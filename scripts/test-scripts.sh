@@ -93,7 +93,7 @@ box() { # name, machine
     cp "$scripts/test.sh" "$scripts/demo.sh" "$scripts/bare.sh" "$scripts/setup.sh" "$1/scripts/"
     files="bin/apt-get bin/sudo bin/id bin/ldconfig bin/cargo bin/rustfmt target/release/splitsum
         scripts/test-scripts.sh scripts/check-commits.sh scripts/check-page.sh scripts/check-clients.sh
-        scripts/cluster-test.sh scripts/second-driver.sh
+        scripts/cluster-test.sh scripts/second-driver.sh scripts/examples.sh
         target/lib target/main target/browser target/cli target/device target/numeric target/view"
     if [ "$2" = full ]; then
         mkdir -p "$1/.cargo/advisory-dbs/db/.git"
@@ -194,6 +194,7 @@ parts() { # user or ci
     part "$bare $full" device SEGV "device: killed by SIGSEGV"
     part "$bare $full" numeric SEGV "numeric: killed by SIGSEGV"
     part "$bare $full" "cargo test*--doc" 101 "doc tests"
+    part "$bare $full" examples.sh 1 scripts/examples.sh
     part "bare-ci full-ci" check-clients.sh 1 scripts/check-clients.sh
     part "bare-ci full-ci" "cluster-test.sh *" 1 scripts/cluster-test.sh
     part "bare-ci full-ci" "second-driver.sh *" 1 scripts/second-driver.sh

@@ -122,7 +122,8 @@ setup() {
 # With the window, whose tests run the same program.
 build() {
     say "building (the first time takes a few minutes)"
-    cargo build --release --locked --features view && cargo test --release --locked --features view --no-run
+    cargo build --release --locked --features view && cargo test --release --locked --features view --no-run &&
+        cargo build --release --locked --no-default-features --examples
 }
 
 list_binaries() {
@@ -198,6 +199,7 @@ while read -r name path; do
 done <"$binaries"
 check numeric await numeric
 check "doc tests" cargo test --release --locked --features view --quiet --doc
+check scripts/examples.sh sh scripts/examples.sh
 
 check_in_ci scripts/check-clients.sh
 check_in_ci scripts/cluster-test.sh local

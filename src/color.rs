@@ -2,7 +2,7 @@
 
 use glam::{DMat3, DVec2, DVec3};
 
-/// Luminance weights of linear Rec.709 RGB [BT709] item 3.2.
+/// Luminance weights of linear Rec.709 RGB \[BT709\] item 3.2.
 pub const REC709_LUMINANCE: [f64; 3] = [0.2126, 0.7152, 0.0722];
 
 /// Luminance of a linear Rec.709 colour, in the unit of its channels.
@@ -10,7 +10,7 @@ pub fn luminance(rgb: [f32; 3]) -> f64 {
     rgb.iter().zip(REC709_LUMINANCE).map(|(&channel, weight)| f64::from(channel) * weight).sum()
 }
 
-/// Linear [0, 1] to the sRGB signal [0, 1] [sRGB99]. Values outside are clamped: an 8-bit file holds no others; NaN gives 0.
+/// Linear [0, 1] to the sRGB signal [0, 1] \[Srgb99\]. Values outside are clamped: an 8-bit file holds no others; NaN gives 0.
 pub fn srgb_encode(linear: f32) -> f32 {
     // In f64: 1.055 - 0.055 is 1 only there.
     let linear = if linear.is_nan() { 0.0 } else { f64::from(linear.clamp(0.0, 1.0)) };
@@ -28,9 +28,11 @@ pub fn srgb_decode(signal: f32) -> f32 {
 /// CIE xy positions of the primaries and the white of an RGB space.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Chromaticities {
+    /// CIE 1931 (x, y) of each primary.
     pub red: DVec2,
     pub green: DVec2,
     pub blue: DVec2,
+    /// (x, y) of the white point.
     pub white: DVec2,
 }
 
@@ -62,7 +64,7 @@ impl Chromaticities {
         (amounts.min_element() > 0.0).then(|| primaries * DMat3::from_diagonal(amounts))
     }
 
-    /// Matrix from linear RGB of this space to linear Rec.709, white to white (Bradford adaptation [Lam85]).
+    /// Matrix from linear RGB of this space to linear Rec.709, white to white (Bradford adaptation \[Lam85\]).
     /// `None` as in [`Chromaticities::to_xyz`].
     pub fn to_rec709(&self) -> Option<DMat3> {
         let bradford = DMat3::from_cols_array_2d(&[

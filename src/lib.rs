@@ -2,6 +2,16 @@
 //!
 //! The modules follow the path of the data: environment, precompute, gbuffer, shade, tonemap, metrics, table.
 //!
+//! # Features
+//!
+//! Without features the crate computes on the CPU, in f64: [`environment`] loads a map, [`precompute`] prefilters it and makes tables,
+//! [`shade::reference`] integrates a pixel, [`bakes`] writes and judges the tables of engines, [`oracle`] answers tables of queries.
+//!
+//! - `gpu` (default) renders on a Vulkan device: scenes, passes, the pipeline. It builds glslang, which is C++, and implies `exr`.
+//! - `cli` (default) has experiments, runs, reports and the program `splitsum`. It implies `gpu`.
+//! - `exr` reads and writes OpenEXR; without it Radiance, KTX, KTX 2, DDS and PNG remain.
+//! - `view` has the window of `splitsum view`. It implies `cli`.
+//!
 //! # Bibliography
 //!
 //! Keys in square brackets, such as those of the formulas' sources, stand for:
@@ -86,6 +96,7 @@
 //! - Sloan08: P.-P. Sloan, "Stupid Spherical Harmonics (SH) Tricks", Game Developers Conference 2008.
 //! - Sobol67: I. M. Sobol', "On the Distribution of Points in a Cube and the Approximate Evaluation of Integrals", USSR Computational
 //!   Mathematics and Mathematical Physics 7(4), 1967.
+//! - Srgb99: IEC 61966-2-1:1999, "Colour Measurement and Management, Part 2-1: Default RGB Colour Space, sRGB".
 //! - Steele14: G. L. Steele, D. Lea and C. H. Flood, "Fast Splittable Pseudorandom Number Generators", OOPSLA 2014.
 //! - Turquin19: E. Turquin, "Practical Multiple Scattering Compensation for Microfacet Models", technical report, Industrial Light & Magic,
 //!   2019.
@@ -99,7 +110,6 @@
 //! - Ward94: G. J. Ward, "The RADIANCE Lighting Simulation and Rendering System", SIGGRAPH 94.
 //! - Welford62: B. P. Welford, "Note on a Method for Calculating Corrected Sums of Squares and Products", Technometrics 4(3), 1962.
 //! - Wellons18: C. Wellons, "Prospecting for Hash Functions", nullprogram.com, 2018.
-#![allow(rustdoc::broken_intra_doc_links, reason = "[Karis13] is a citation, which tests/numeric/layering.rs resolves")]
 
 pub mod glsl;
 

@@ -2,7 +2,6 @@
 
 use super::convention::{Convention, PRESETS, Preset};
 use super::source::{Reading, read};
-use crate::brdf::MODELS;
 use crate::environment::layout::{LAYOUTS, MapLayout};
 use crate::glsl::constants::FILE_PREFIX;
 use crate::pixels::RgbImage;
@@ -29,6 +28,7 @@ pub struct GivenMap {
     /// Of the texels and the mapping.
     pub hash: String,
     pub layout: &'static MapLayout,
+    /// Texels a side of a face of level 0.
     pub side: u32,
     pub mapping: &'static LevelMapping,
     /// Each with its faces one after the other.
@@ -40,7 +40,9 @@ pub struct GivenMap {
 pub struct GivenTable {
     pub name: String,
     pub hash: String,
+    /// Texels a side.
     pub side: u32,
+    /// (A, B, 0, 1), row by row.
     pub texels: Vec<[f32; 4]>,
 }
 
@@ -149,7 +151,7 @@ fn opened(value: &str, dir: &Path) -> Result<Option<(super::Bake, Convention)>, 
         return Err(format!("{value:?} is neither {OWN} nor {FILE_PREFIX}PATH or {FILE_PREFIX}PATH#PRESET"));
     };
     let (path, preset) = path.rsplit_once(PRESET).map_or((path, None), |(path, preset)| (path, Some(preset)));
-    let reading = Reading { layout: None, brdf: MODELS[0].name() };
+    let reading = Reading::default();
     let bake = read(&[dir.join(path).display().to_string()], reading).map_err(|fault| fault.to_string())?;
     let name = preset.or(bake.told.preset.as_deref()).unwrap_or(PRESETS[0].name);
     let found = Preset::parse(name).map_err(|fault| format!("{value}: {fault}"))?;

@@ -3,32 +3,15 @@
 //! A small map for Bevy, without a device:
 //!
 //! ```
-//! use splitsum::bakes::container::TEXELS;
 //! use splitsum::bakes::convention::Preset;
 //! use splitsum::bakes::make::{Making, make};
-//! use splitsum::brdf::Ggx;
-//! use splitsum::environment::{Environment, LoadOptions};
-//! use splitsum::precompute::prefilter::WEIGHTS;
+//! use splitsum::environment::Environment;
 //! use splitsum::spelling::Listed;
-//! use std::path::Path;
 //!
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
-//! let environment = Environment::load("builtin:sky", Path::new("."), &LoadOptions::default())?;
+//! let environment = Environment::open("builtin:sky")?;
 //! let preset = Preset::listed("bevy");
-//! let texel = TEXELS.iter().find(|texel| texel.name == preset.product.texel).expect("a listed format");
-//! let [side, irradiance_side, table_side] = [16, 8, 8];
-//! let making = Making {
-//!     preset,
-//!     environment: &environment,
-//!     brdf: &Ggx,
-//!     masking: preset.masking,
-//!     weight: &WEIGHTS[0],
-//!     texel,
-//!     side,
-//!     irradiance_side,
-//!     table_side,
-//!     level_count: preset.product.chain.level_count(side),
-//! };
+//! let making = Making { irradiance_side: 8, table_side: 8, ..Making::new(preset, &environment, 16) };
 //! making.check()?;
 //! let folder = tempfile::tempdir()?;
 //! let baked = make(&making, folder.path())?;
@@ -45,12 +28,12 @@ use super::parts::Manifest;
 use super::product::{Chain, LAST_SIDE};
 use super::source::{FACES, MANIFEST, Reading, read};
 use super::{parts::Map, sh};
-use crate::brdf::{Brdf, MaskingShadowing};
+use crate::brdf::{Brdf, Ggx, MaskingShadowing};
 use crate::environment::Environment;
 use crate::environment::layout::LAYOUTS;
 use crate::math::equirect_quadrature::EquirectQuadrature;
 use crate::pixels::{Fault, GrayImage, Pixels, PixelsError, Rgb8Image, RgbImage, exr, png, write_atomically};
-use crate::precompute::prefilter::{Kernel, Weight};
+use crate::precompute::prefilter::{Kernel, WEIGHTS, Weight};
 use crate::precompute::sh9::reference::project_bilinear;
 use crate::spelling::Listed;
 use glam::{DVec2, DVec3};
@@ -64,7 +47,9 @@ pub struct Making<'a> {
     pub preset: &'static Preset,
     pub environment: &'a Environment,
     pub brdf: &'static dyn Brdf,
+    /// Masking-shadowing of the table.
     pub masking: MaskingShadowing,
+    /// Weight of the prefiltered map.
     pub weight: &'static Weight,
     /// Pixel format of the cubes.
     pub texel: &'static Texel,
@@ -72,6 +57,7 @@ pub struct Making<'a> {
     pub side: u32,
     pub irradiance_side: u32,
     pub table_side: u32,
+    /// Levels of the prefiltered map, from 2 to one for each halving of `side`.
     pub level_count: u32,
 }
 
@@ -89,7 +75,9 @@ const TABLE_WITHIN: f64 = 3e-3;
 #[derive(Clone, Debug)]
 pub struct Written {
     pub name: String,
+    /// Texels a side of a face.
     pub side: u32,
+    /// Width of its lobe, in [0, 1].
     pub alpha: f64,
     /// Against its integral.
     pub relmse: f64,
@@ -100,6 +88,7 @@ pub struct Written {
 /// What was baked.
 #[derive(Clone, Debug)]
 pub struct Baked {
+    /// Every file, `bake.json` last.
     pub files: Vec<PathBuf>,
     pub levels: Vec<Written>,
     /// relMSE of the last prefiltered level where it is looked up between its texels, and what would lower it.
@@ -117,7 +106,9 @@ struct Planned {
     alphas: Vec<f64>,
 }
 
-/// Bakes into the folder `out`, which must hold none of the files yet, and `bake.json` last.
+/// Bakes into the folder `out`, which must hold none of the files yet, and `bake.json` last. Reads everything back and compares it.
+///
+/// Fails if a file exists or cannot be written; [`Making::check`] names what the engine's format cannot hold.
 pub fn make(making: &Making, out: &Path) -> Result<Baked, PixelsError> {
     let (product, convention) = (&making.preset.product, making.preset.convention());
     let names = [Some(product.specular), product.irradiance, product.sh, Some(MANIFEST)];
@@ -182,7 +173,24 @@ pub fn make(making: &Making, out: &Path) -> Result<Baked, PixelsError> {
     Ok(Baked { files, levels, last_between, table_error: table.as_ref().zip(bake.dfg.as_ref()).map(error) })
 }
 
-impl Making<'_> {
+impl<'a> Making<'a> {
+    /// What an engine takes by default: GGX, faces of `side` texels, in the engine's pixel format and number of levels.
+    pub fn new(preset: &'static Preset, environment: &'a Environment, side: u32) -> Self {
+        let product = &preset.product;
+        Self {
+            preset,
+            environment,
+            brdf: &Ggx,
+            masking: preset.masking,
+            weight: &WEIGHTS[0],
+            texel: TEXELS.iter().find(|texel| texel.name == product.texel).expect("a listed format"),
+            side,
+            irradiance_side: IRRADIANCE_SIDE,
+            table_side: TABLE_SIDE,
+            level_count: product.chain.level_count(side),
+        }
+    }
+
     /// What the form cannot hold, in words.
     pub fn check(&self) -> Result<(), String> {
         let product = &self.preset.product;

@@ -6,6 +6,7 @@
 use super::container::{FACE_COUNT, Texture, read_texture};
 use super::parts::{Bake, Manifest, Map, Told};
 use super::sh;
+use crate::brdf::MODELS;
 use crate::environment::layout::{LAYOUTS, MapLayout};
 use crate::files::{RECORD_BYTES_MAX, names_in, read_text};
 use crate::pixels::{Fault, Pixels, PixelsError, RgbImage};
@@ -32,6 +33,13 @@ pub struct Reading<'a> {
     pub layout: Option<&'static MapLayout>,
     /// The model whose tables are taken from a folder of several.
     pub brdf: &'a str,
+}
+
+impl Default for Reading<'_> {
+    /// Tables of GGX; images are lat-long.
+    fn default() -> Self {
+        Self { layout: None, brdf: MODELS[0].name() }
+    }
 }
 
 /// Reads the parts of a bake from `FILE`, `FOLDER` or `PART=FILE`. Images of one level make a chain in the order given.

@@ -2,7 +2,7 @@
 //!
 //! # Sampling
 //!
-//! Beckmann's own visible normals [HeitzDeon14] have no closed form: their distribution must be inverted by Newton's method. So
+//! Beckmann's own visible normals \[HeitzDeon14\] have no closed form: their distribution must be inverted by Newton's method. So
 //! `sample_visible` draws those of GGX of the same alpha. With `s = tan² θ_h / alpha²`, `D / D_ggx = exp(-s) (1 + s)²`, at most `4/e`,
 //! and the visible areas differ by at most `√π` (at a grazing view), so that weights are bounded by 2.61.
 //!
@@ -25,7 +25,7 @@ const SLOPE_MAX: f64 = 6.5;
 pub struct Beckmann;
 
 /// `∫ (cos θ - t sin θ) exp(-t²) dt / √π` over t from -∞ to `slope`: the area that a view at polar angle θ sees of the facets up
-/// to that slope, for alpha = 1 [HeitzDeon14].
+/// to that slope, for alpha = 1 \[HeitzDeon14\].
 fn visible_area_up_to(slope: f64, sin_theta: f64, cos_theta: f64) -> f64 {
     0.5 * (cos_theta * erfc(-slope) + sin_theta * (-slope * slope).exp() / PI.sqrt())
 }
@@ -78,8 +78,8 @@ impl Brdf for Beckmann {
     }
 
     /// Its own visible normals: of the slopes along and across `v`, in units of alpha, the first has density
-    /// `(cos θ - t sin θ) exp(-t²)/√π` up to `cot θ`, the other is Gaussian [HeitzDeon14]. The first is inverted by Halley's method from
-    /// the fit of [Jakob14].
+    /// `(cos θ - t sin θ) exp(-t²)/√π` up to `cot θ`, the other is Gaussian \[HeitzDeon14\]. The first is inverted by Halley's method from
+    /// the fit of \[Jakob14\].
     fn sample_vndf(&self, xi: DVec2, v_local: DVec3, alpha: f64) -> DVec3 {
         const STEPS: u32 = 6;
         let across = v_local.x.hypot(v_local.y);

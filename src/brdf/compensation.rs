@@ -5,9 +5,9 @@
 //!
 //! | | what | source |
 //! |---|---|---|
-//! | `turquin` | a factor `1 + f0 (1 - E)/E` | [Turquin19] |
-//! | `fdez-aguera` | irradiance over π times `(1 - E) (f0 A + B) F_avg / (1 - F_avg (1 - E))` | [FdezAguera19] |
-//! | `kulla-conty` | the lobe `(1 - E(l)) n·l / (π (1 - E_avg))` times `(1 - E(v)) F_avg² E_avg / (1 - F_avg (1 - E_avg))` | [KullaConty17], with the square of [Hill18] |
+//! | `turquin` | a factor `1 + f0 (1 - E)/E` | \[Turquin19\] |
+//! | `fdez-aguera` | irradiance over π times `(1 - E) (f0 A + B) F_avg / (1 - F_avg (1 - E))` | \[FdezAguera19\] |
+//! | `kulla-conty` | the lobe `(1 - E(l)) n·l / (π (1 - E_avg))` times `(1 - E(v)) F_avg² E_avg / (1 - F_avg (1 - E_avg))` | \[KullaConty17\], with the square of \[Hill18\] |
 //!
 //! At f0 = 1 each gives back all that is lost. What the diffuse term gets is what the sum leaves.
 

@@ -61,7 +61,7 @@ impl Brdf for Ggx {
 }
 
 /// Visible normals by spherical caps: the visible half sphere's normals are the half vectors of the cap that `v` reflects into
-/// [Dupuy23]. `xi.x = 0` is the cap's centre.
+/// \[Dupuy23\]. `xi.x = 0` is the cap's centre.
 pub(super) fn sample_visible(xi: DVec2, v_local: DVec3, alpha: f64) -> DVec3 {
     let v_hemisphere = DVec3::new(alpha * v_local.x, alpha * v_local.y, v_local.z).normalize();
     let z = (1.0 - xi.x) * (1.0 + v_hemisphere.z) - v_hemisphere.z;
@@ -70,7 +70,7 @@ pub(super) fn sample_visible(xi: DVec2, v_local: DVec3, alpha: f64) -> DVec3 {
     DVec3::new(alpha * h.x, alpha * h.y, h.z.max(0.0)).normalize()
 }
 
-/// The cap of the stretched sphere that holds every direction which leaves above the horizon [EtoTokuyoshi23].
+/// The cap of the stretched sphere that holds every direction which leaves above the horizon \[EtoTokuyoshi23\].
 struct BoundedCap {
     v_standard: DVec3,
     /// Length of the stretched `v`.

@@ -5,7 +5,7 @@
 //!
 //! Densities. A half vector of density `pdf_h` gives `l = reflect(-v, h) = 2 (v·h) h - v` of density `pdf_l = pdf_h / (4 |v·h|)`
 //! [Walter07, eq. 14]. So `f n_dot_l / pdf_l` is `F G2 (v·h) / (n_dot_v n_dot_h)` for `pdf_h = D n_dot_h`, and `F G2 / G1(v)` for the
-//! visible normals `pdf_h = G1(v) max(v·h, 0) D / n_dot_v` [HeitzDeon14]. A sample whose `l` lies below the horizon has weight 0 and counts.
+//! visible normals `pdf_h = G1(v) max(v·h, 0) D / n_dot_v` \[HeitzDeon14\]. A sample whose `l` lies below the horizon has weight 0 and counts.
 
 use crate::spelling::{Listed, listed};
 use glam::{DVec2, DVec3};
@@ -31,7 +31,7 @@ pub trait Brdf: Sync + std::fmt::Debug {
     fn d(&self, h_local: DVec3, alpha: f64) -> f64;
     /// Smith masking G1 in [0, 1] of one direction with cosine `n_dot_w` to the normal; 0 below the horizon.
     fn g1(&self, n_dot_w: f64, alpha: f64) -> f64;
-    /// Exact Smith masking of this model's own D: `n_dot_w / ∫ D(m) max(w·m, 0) dm` [Heitz14]; 0 below the horizon.
+    /// Exact Smith masking of this model's own D: `n_dot_w / ∫ D(m) max(w·m, 0) dm` \[Heitz14\]; 0 below the horizon.
     ///
     /// It differs from [`Brdf::g1`] where that is a fit. With it no surface reflects more than it receives: the integral says that
     /// the visible facets fill the projected area, and shadowing only takes light away.
@@ -39,7 +39,7 @@ pub trait Brdf: Sync + std::fmt::Debug {
     /// Half vector with density `pdf_h = D(h) n_dot_h`. `xi.x` in [0, 1) is 0 at the normal, `φ = 2π xi.y`.
     fn sample_d(&self, xi: DVec2, alpha: f64) -> DVec3;
     /// Half vector among the normals that `v_local` sees, for the method `sampled-vndf`; its density over `l` is [`Brdf::pdf_vndf_l`].
-    /// By default those of GGX within the cap that reflects above the horizon [EtoTokuyoshi23].
+    /// By default those of GGX within the cap that reflects above the horizon \[EtoTokuyoshi23\].
     fn sample_vndf(&self, xi: DVec2, v_local: DVec3, alpha: f64) -> DVec3 {
         ggx::sample_bounded(xi, v_local, alpha)
     }

@@ -8,7 +8,7 @@
 //!
 //! Phong's slopes `(p, q)` have density `D cos⁴ θ = (exponent + 2)/(2π) (1 + p² + q²)^(-(N + 1))`, `N = 1/alpha²`. Integrated over
 //! the slope across the view, the slope q along it has density `C (1 + q²)^(-(N + 1/2))`, `C = Γ(N + 1/2)/(√π Γ(N))`. Smith's
-//! `Λ = 1/μ ∫_μ^∞ (q - μ) P(q) dq`, `μ = cot θ` [Heitz14], is then, with `q = cot ψ`,
+//! `Λ = 1/μ ∫_μ^∞ (q - μ) P(q) dq`, `μ = cot θ` \[Heitz14\], is then, with `q = cot ψ`,
 //!
 //! `Λ = C (tan θ sin^(2N-1) θ / (2N - 1) - ∫_0^θ sin^(2N-1) ψ dψ)`, and the integral is `I_x(N, 1/2)/(2C)` at `x = sin² θ`, so
 //!

@@ -118,16 +118,14 @@ fn execute_for(
     let texel = arguments.format.as_deref().unwrap_or(product.texel);
     let side = square(PREFILTER_SIZE, make::SIDE)?;
     let making = Making {
-        preset,
-        environment,
         brdf: settings.shading.brdf,
         masking: value(MASKING).map_or(preset.masking, |_| settings.shading.masking_shadowing),
         weight: settings.shading.precompute.prefilter_weight,
         texel: named("--format", texel)?,
-        side,
         irradiance_side: square(IRRADIANCE_SIZE, make::IRRADIANCE_SIDE)?,
         table_side: value(DFG_SIZE).map_or(make::TABLE_SIDE, Value::count),
         level_count: value(PREFILTER_LEVEL_COUNT).map_or(product.chain.level_count(side), Value::count),
+        ..Making::new(preset, environment, side)
     };
     making.check().map_err(Failure::input)?;
     progress::doing("baking");

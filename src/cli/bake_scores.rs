@@ -2,76 +2,25 @@
 
 use glam::DVec3;
 use serde_json::{Value, json};
-use splitsum::bakes::check::GOOD;
-use splitsum::bakes::check::guess::{self, AxesFit};
-use splitsum::bakes::check::image::{self, ImageScore};
 use splitsum::bakes::check::level::LevelScore;
-use splitsum::bakes::check::sh::ShScore;
-use splitsum::bakes::check::table::TableScore;
-use splitsum::bakes::convention::{Axes, Convention};
+use splitsum::bakes::check::{Judged, guess, image};
 use splitsum::bakes::page::Row;
 use splitsum::table::markdown::{Align, MarkdownTable};
 
-/// What a bake is held against, and what was found.
-pub struct Checked {
-    pub convention: Convention,
-    pub axes: Vec<(&'static str, Vec<AxesFit>)>,
-    pub table_way: Option<String>,
-    pub levels: Vec<LevelScore>,
-    pub irradiance: Option<LevelScore>,
-    pub dfg: Option<TableScore>,
-    pub sh: Option<ShScore>,
-    pub image: Vec<ImageScore>,
-    pub spot_check: Option<f64>,
-}
-
-/// What is told of a map of irradiance.
-pub const IRRADIANCE: &str = "irradiance map";
-
-/// What the axes that fit best say of those that were used, and of the light.
-fn doubt(what: &str, fits: &[AxesFit], used: Axes, is_wrong: bool) -> Option<String> {
-    let hint = if what == IRRADIANCE { "; if it is the map itself as a cube of one level: specular=FILE" } else { "" };
-    if is_wrong && fits[0].correlation < guess::SAME_LIGHT {
-        let (axes, correlation) = (fits[0].axes, fits[0].correlation);
-        return Some(format!(
-            "it seems to be a bake of another map: no axes fit this one (the best, {axes}, with correlation {correlation:.2}){hint}"
-        ));
-    }
-    let own = *fits.iter().find(|fit| fit.axes == used)?;
-    let is_doubtful = fits[0].axes != used && guess::is_clear(fits[0], own);
-    is_doubtful.then(|| {
-        format!(
-            "axes {} fit it far better than {used} (correlation {:.4}, not {:.4}): --axes={} or --guess{hint}",
-            fits[0].axes, fits[0].correlation, own.correlation, fits[0].axes
-        )
-    })
-}
-
-/// Whether every map is off its integral: a level that holds it is of this light, and with a constant light nothing correlates.
-fn is_wrong(checked: &Checked) -> bool {
-    checked.levels.iter().chain(&checked.irradiance).all(|score| score.errors.relmse > GOOD)
-}
-
-/// Whether the axes of a map do not fit, or it is of another light. A width or a gain would explain nothing then.
-pub fn is_doubtful(checked: &Checked) -> bool {
-    let used = checked.convention.axes;
-    checked.axes.iter().any(|(what, fits)| doubt(what, fits, used, is_wrong(checked)).is_some())
-}
-
 /// For people.
-pub fn as_text(checked: &Checked, is_guessed: bool) -> String {
+pub fn as_text(judged: &Judged, is_guessed: bool) -> String {
     let mut text = String::new();
-    for (what, fits) in &checked.axes {
-        match doubt(what, fits, checked.convention.axes, is_wrong(checked)) {
+    for (what, fits) in &judged.axes {
+        match judged.doubt(what, fits) {
             Some(doubt) => super::warn(what, &doubt),
             None if is_guessed => text += &format!("{what}: {}\n", guess::in_words(fits)),
             None => {}
         }
     }
-    if let Some(way) = &checked.table_way {
+    if let Some(way) = &judged.table_way {
         text += &format!("DFG table: {way}\n");
     }
-    if !checked.levels.is_empty() || checked.irradiance.is_some() {
+    if !judged.levels.is_empty() || judged.irradiance.is_some() {
         let mut table = MarkdownTable::new(&[
             ("level", Align::Left),
             ("size", Align::Right),
@@ -82,24 +31,24 @@ pub fn as_text(checked: &Checked, is_guessed: bool) -> String {
             ("worst direction: found for exact", Align::Left),
             ("verdict", Align::Left),
         ]);
-        for row in rows(checked) {
+        for row in rows(judged) {
             let size = format!("{}x{}", row.size[0], row.size[1]);
             table.row(&[row.name, size, row.alpha, row.relmse, row.between, row.bias, row.worst, row.verdict]);
         }
         text += &format!("{table}");
     }
-    if let Some(off) = checked.spot_check {
+    if let Some(off) = judged.spot_check {
         text += &format!(
             "The integrals agree with adaptive cubature within {off:.0e} at three directions of the worst level.\n"
         );
     }
-    if let Some(dfg) = &checked.dfg {
+    if let Some(dfg) = &judged.dfg {
         text += &format!(
             "DFG table: max error {:.2e}, rms {:.1e}, worst at n·v {:.3}, perceptual roughness {:.3} of {} texels: {}\n",
             dfg.max_error, dfg.rms, dfg.worst.x, dfg.worst.y, dfg.count, dfg.verdict
         );
     }
-    if let Some(sh) = &checked.sh {
+    if let Some(sh) = &judged.sh {
         text += &format!(
             "SH: relmse {:.2e} of its irradiance, bias {:+.2} %, largest error of a coefficient {:.2e} of the largest: {}\n",
             sh.errors.relmse,
@@ -108,10 +57,10 @@ pub fn as_text(checked: &Checked, is_guessed: bool) -> String {
             sh.verdict
         );
     }
-    if let Some(words) = image::in_words(&checked.image) {
+    if let Some(words) = image::in_words(&judged.image) {
         let rungs = ["split sum", "+ levels", "+ map", "+ table", "tables alone"].map(|name| (name, Align::Right));
         let mut table = MarkdownTable::new(&[&[("alpha", Align::Right), ("f0", Align::Right)], &rungs[..]].concat());
-        for score in &checked.image {
+        for score in &judged.image {
             let own = [Some(score.split_sum), score.levels, score.map, score.table, Some(score.alone)];
             let cells = own.map(|relmse| relmse.map_or_else(String::new, |relmse| format!("{relmse:.2e}")));
             table.row(&[&[score.alpha.to_string(), score.f0.to_string()], &cells[..]].concat());
@@ -122,9 +71,9 @@ pub fn as_text(checked: &Checked, is_guessed: bool) -> String {
 }
 
 /// The scores of maps as people read them.
-pub fn rows(checked: &Checked) -> Vec<Row> {
-    let numbered = checked.levels.iter().enumerate().map(|(k, score)| (k.to_string(), score));
-    let all = numbered.chain(checked.irradiance.iter().map(|score| ("irradiance".to_owned(), score)));
+pub fn rows(judged: &Judged) -> Vec<Row> {
+    let numbered = judged.levels.iter().enumerate().map(|(k, score)| (k.to_string(), score));
+    let all = numbered.chain(judged.irradiance.iter().map(|score| ("irradiance".to_owned(), score)));
     let mean = |rgb: DVec3| rgb.element_sum() / 3.0;
     let row = |(name, score): (String, &LevelScore)| {
         let worst = &score.worst;
@@ -146,7 +95,7 @@ pub fn rows(checked: &Checked) -> Vec<Row> {
 }
 
 /// For programs.
-pub fn as_json(environment: &str, preset: &str, checked: &Checked) -> Value {
+pub fn as_json(environment: &str, preset: &str, judged: &Judged) -> Value {
     let level = |score: &LevelScore| {
         let worst = &score.worst;
         json!({
@@ -167,32 +116,32 @@ pub fn as_json(environment: &str, preset: &str, checked: &Checked) -> Value {
             "verdict": score.verdict,
         })
     };
-    let axes = checked.axes.iter().map(|(what, fits)| {
+    let axes = judged.axes.iter().map(|(what, fits)| {
         let best: Vec<Value> = fits
             .iter()
             .take(4)
             .map(|fit| json!({ "axes": fit.axes.to_string(), "correlation": fit.correlation }))
             .collect();
-        json!({ "of": what, "best": best, "warning": doubt(what, fits, checked.convention.axes, is_wrong(checked)) })
+        json!({ "of": what, "best": best, "warning": judged.doubt(what, fits) })
     });
     json!({
         "environment": environment,
         "preset": preset,
-        "axes": checked.convention.axes.to_string(),
+        "axes": judged.convention.axes.to_string(),
         "axes_fits": axes.collect::<Vec<_>>(),
-        "levels": checked.levels.iter().map(level).collect::<Vec<_>>(),
-        "image": checked.image,
-        "image_verdict": image::in_words(&checked.image),
-        "spot_check": checked.spot_check,
-        "irradiance": checked.irradiance.as_ref().map(level),
-        "dfg": checked.dfg.as_ref().map(|dfg| json!({
+        "levels": judged.levels.iter().map(level).collect::<Vec<_>>(),
+        "image": judged.image,
+        "image_verdict": image::in_words(&judged.image),
+        "spot_check": judged.spot_check,
+        "irradiance": judged.irradiance.as_ref().map(level),
+        "dfg": judged.dfg.as_ref().map(|dfg| json!({
             "max_error": dfg.max_error,
             "rms": dfg.rms,
             "worst": { "n_dot_v": dfg.worst.x, "perceptual_roughness": dfg.worst.y },
             "texels": dfg.count,
             "verdict": dfg.verdict,
         })),
-        "sh": checked.sh.as_ref().map(|sh| json!({
+        "sh": judged.sh.as_ref().map(|sh| json!({
             "relmse": sh.errors.relmse,
             "bias_rel": sh.errors.bias_rel,
             "max_error": sh.max_error,

@@ -1,22 +1,16 @@
 //! `splitsum check-bake`: how wrong the tables are that some tool baked.
 
-use super::bake_scores::{Checked, IRRADIANCE, as_json, as_text, is_doubtful, rows};
+use super::bake_scores::{as_json, as_text, rows};
 use super::{Failure, print, print_data, progress};
 use clap::Args;
-use glam::DVec3;
-use splitsum::bakes::check::guess;
-use splitsum::bakes::check::image;
-use splitsum::bakes::check::level::{self, LevelScore};
-use splitsum::bakes::check::sh::ShScore;
-use splitsum::bakes::check::table;
-use splitsum::bakes::check::{self, Truth};
+use splitsum::bakes::check::{Judged, Judging};
 use splitsum::bakes::convention::{Axes, Convention, PRESETS, Preset};
 use splitsum::bakes::page;
 use splitsum::bakes::source::{Reading, read};
 use splitsum::bakes::{Bake, Told};
 use splitsum::brdf::Brdf;
 use splitsum::environment::{Environment, LoadOptions};
-use splitsum::precompute::prefilter::{Kernel, WEIGHTS};
+use splitsum::precompute::prefilter::WEIGHTS;
 use splitsum::spelling::Listed;
 use std::fs::File;
 use std::io::Read;
@@ -133,33 +127,24 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let environment = Environment::load(&arguments.environment, Path::new(""), &options).map_err(Failure::input)?;
     environment.warnings.iter().for_each(|warning| super::warn(&environment.name, warning));
 
-    let kernel = Kernel::new(model, weight, convention.masking);
-    let alphas = match &bake.specular {
-        Some(map) => {
-            convention.alphas(map.levels.len()).map_err(|fault| Failure::input(format!("--alphas: {fault}")))?
-        }
-        None => Vec::new(),
-    };
-    progress::doing("integrating the exact maps");
-    // Surfaces of an image are of other widths than the levels.
-    let truth = Truth::judging(&environment, kernel, &[&alphas[..], &image::ALPHAS].concat());
-    let mut checked = check(&truth, &bake, model, convention, arguments.guess).map_err(Failure::input)?;
-    if !arguments.no_image {
-        progress::doing("shading images with the bake");
-        checked.image = image::score(&truth, &bake, &checked.convention).map_err(Failure::input)?;
+    if let Some(map) = &bake.specular {
+        convention.alphas(map.levels.len()).map_err(|fault| Failure::input(format!("--alphas: {fault}")))?;
     }
+    let judging =
+        Judging { brdf: model, weight, convention, is_guessed: arguments.guess, has_image: !arguments.no_image };
+    let judged = judging.judge_saying(&environment, &bake, |words| progress::doing(words)).map_err(Failure::input)?;
     if arguments.json {
-        let text = serde_json::to_string_pretty(&as_json(&arguments.environment, preset.name, &checked))
+        let text = serde_json::to_string_pretty(&as_json(&arguments.environment, preset.name, &judged))
             .map_err(Failure::failed)?;
         print_data(&(text + "\n"))?;
     } else {
-        print(&as_text(&checked, arguments.guess))?;
+        print(&as_text(&judged, arguments.guess))?;
     }
     if let Some(path) = &arguments.html {
-        page::write(path, &arguments.files, &as_json(&arguments.environment, preset.name, &checked), &rows(&checked))
+        page::write(path, &arguments.files, &as_json(&arguments.environment, preset.name, &judged), &rows(&judged))
             .map_err(|error| Failure::input(format!("--html: {error}")))?;
     }
-    judge(arguments, &checked)
+    judge(arguments, &judged)
 }
 
 /// Refuses what is known to fail after the work, and files that are no pages, which may be the bake itself.
@@ -230,81 +215,13 @@ fn convention(arguments: &Arguments, told: &Told) -> Result<Convention, Failure>
     Ok(convention)
 }
 
-fn check(
-    truth: &Truth,
-    bake: &Bake,
-    model: &'static dyn Brdf,
-    mut convention: Convention,
-    is_guessed: bool,
-) -> Result<Checked, String> {
-    progress::doing("comparing the axes");
-    let mut axes = Vec::new();
-    if let Some(map) = &bake.specular {
-        axes.push(("prefiltered map", guess::axes(truth, map, &convention)?));
-    }
-    if let Some(map) = &bake.irradiance {
-        axes.push((IRRADIANCE, guess::irradiance_axes(truth, map)));
-    }
-    let mut table_way = None;
-    if is_guessed {
-        if let Some((_, fits)) = axes.first() {
-            convention.axes = fits[0].axes;
-        }
-        if let Some(image) = &bake.dfg {
-            progress::doing("searching the conventions of the DFG table");
-            let found = table::search(image, model);
-            let best = &found[0];
-            (convention.table_axes, convention.table_channels) = (best.axes, best.channels);
-            convention.masking = best.masking;
-            let way = |way: &table::Fitting| {
-                format!(
-                    "axes {}, channels {}, masking {}: rms {:.1e}",
-                    way.axes.name,
-                    way.channels.name,
-                    way.masking.name(),
-                    way.rms
-                )
-            };
-            table_way = Some(format!("{}; next {}", way(best), way(&found[1])));
-        }
-    }
-    progress::doing("scoring levels");
-    let levels = match &bake.specular {
-        Some(map) => level::score(truth, map, &convention)?,
-        None => Vec::new(),
-    };
-    // The integral itself, where a level is worst.
-    let widest_error = levels.iter().filter(|level| check::has_width(level.alpha));
-    let spot_check = widest_error
-        .max_by(|a, b| a.errors.relmse.total_cmp(&b.errors.relmse))
-        .map(|level| truth.spot_check(level.alpha, &[level.worst.direction, DVec3::X, -DVec3::Z]));
-    progress::doing("scoring diffuse maps and the DFG table");
-    let mut checked = Checked {
-        image: Vec::new(),
-        irradiance: bake.irradiance.as_ref().map(|map| level::score_irradiance(truth, map, &convention)),
-        dfg: bake.dfg.as_ref().map(|image| table::score(image, model, &convention)),
-        sh: bake.sh.as_ref().map(|found| check::sh::score(truth, found, convention.axes)),
-        convention,
-        axes,
-        table_way,
-        levels,
-        spot_check,
-    };
-    if is_doubtful(&checked) {
-        let maps = checked.levels.iter_mut().chain(&mut checked.irradiance);
-        maps.for_each(LevelScore::doubt);
-        checked.sh.iter_mut().for_each(ShScore::doubt);
-    }
-    Ok(checked)
-}
-
 /// Whether the bake passes `--fail-above` and `--fail-table-above`.
-fn judge(arguments: &Arguments, checked: &Checked) -> Result<(), Failure> {
-    let levels = checked.levels.iter().enumerate().map(|(k, score)| (format!("level {k}"), score.errors.relmse));
-    let irradiance = checked.irradiance.iter().map(|score| ("irradiance".to_owned(), score.errors.relmse));
-    let sh = checked.sh.iter().map(|score| ("SH".to_owned(), score.errors.relmse));
+fn judge(arguments: &Arguments, judged: &Judged) -> Result<(), Failure> {
+    let levels = judged.levels.iter().enumerate().map(|(k, score)| (format!("level {k}"), score.errors.relmse));
+    let irradiance = judged.irradiance.iter().map(|score| ("irradiance".to_owned(), score.errors.relmse));
+    let sh = judged.sh.iter().map(|score| ("SH".to_owned(), score.errors.relmse));
     let of_maps = levels.chain(irradiance).chain(sh).map(|(name, value)| (name, "relmse", value, arguments.fail_above));
-    let table = checked
+    let table = judged
         .dfg
         .iter()
         .map(|score| ("DFG table".to_owned(), "max error", score.max_error, arguments.fail_table_above));

@@ -64,7 +64,7 @@ impl AddAssign for Counts {
     }
 }
 
-/// Vector instructions at a quarter of the rate [LlvmAmdgpu20].
+/// Vector instructions at a quarter of the rate \[LlvmAmdgpu20\].
 const QUARTER: [&str; 12] = [
     "v_rcp_",
     "v_rsq_",

@@ -34,12 +34,12 @@
 //! p_guided(l) = p_l(l) P / M = p_l(l) g / Σ M g
 //! ```
 //!
-//! This is a step towards sampling the product of light and lobe, exact in its density whatever the weights [Clarberg08]. Next to a
+//! This is a step towards sampling the product of light and lobe, exact in its density whatever the weights \[Clarberg08\]. Next to a
 //! lobe sampler it needs no weight where the lobe is unlikely, but a floor keeps the tails of long-tailed lobes in reach.
 //!
 //! With threshold 0 the density is positive wherever the radiance is (all three luminance weights are). Next to a lobe sampler
 //! that covers all directions a positive threshold stays unbiased and is better: the lobe serves dim light well, so that the
-//! environment's samples are for the bright light [Karlik19]. Their choice, the mean luminance, is best for some maps and worse
+//! environment's samples are for the bright light \[Karlik19\]. Their choice, the mean luminance, is best for some maps and worse
 //! than none for others; [`COMPENSATION`] of it was better than none on every map and alpha tried (relMSE 3 to 35 % lower).
 //!
 //! Source: the inversion method and the density of a product of light and Jacobian follow [PharrJakobHumphreys23, section

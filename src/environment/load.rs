@@ -85,6 +85,11 @@ impl Environment {
         checked(spec, decoded, options)
     }
 
+    /// Loads `builtin:NAME` or an image file by default options; a relative path starts at the working directory.
+    pub fn open(spec: &str) -> Result<Self, EnvironmentError> {
+        Self::load(spec, Path::new(""), &LoadOptions::default())
+    }
+
     /// The environment in the bytes of the image file at `path`, whose extension names the format. Nothing is read from disk.
     pub fn from_bytes(path: &Path, bytes: &[u8], options: &LoadOptions) -> Result<Self, EnvironmentError> {
         let spec = path.to_string_lossy();

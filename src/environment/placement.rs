@@ -23,7 +23,7 @@ impl Placement {
     }
 }
 
-/// Rotation k of a fixed set that fills SO(3) evenly, whole or in part: point k of R3 [Roberts18] as a uniform quaternion [Shoemake92]. 0 is
+/// Rotation k of a fixed set that fills SO(3) evenly, whole or in part: point k of R3 \[Roberts18\] as a uniform quaternion \[Shoemake92\]. 0 is
 /// the identity.
 pub fn orientation(k: u32) -> DMat3 {
     if k == 0 {

@@ -15,7 +15,7 @@
 //! Meshes have interpolated positions and normals and are shaded on both sides: where a triangle is seen from the back, the normal is
 //! negated. A material may leave backs out. An interpolated normal may still lean away from the viewer near a silhouette; shading clamps its
 //! `n_dot_v`. Maps are read here and nowhere else, so every method and the reference see one surface: trilinearly with v up, at
-//! the level whose texels are as wide as the longer of the steps to the neighbours within a quad of 2 x 2 pixels. With interpolated normal n, tangent t (not normalised again [Mikkelsen08]) and m of the normal map, the normal is
+//! the level whose texels are as wide as the longer of the steps to the neighbours within a quad of 2 x 2 pixels. With interpolated normal n, tangent t (not normalised again \[Mikkelsen08\]) and m of the normal map, the normal is
 //! `normalize(m.x t + m.y s (n x t) + m.z n)`, s the tangent's sign; metallic is multiplied by the map's blue, alpha by its green squared. The
 //! device snaps vertices to its sub-pixel grid (1/256 pixel is common), so mesh texels agree with the twin to about that much of a pixel;
 //! spheres do not depend on it.

@@ -29,7 +29,7 @@ constants! {
     TILT_MIN: f32 = 1e-5;
     /// Floor of a clamped cosine. 0 would divide by zero in `1/(4 n_dot_v)`; a larger floor darkens the rim visibly.
     COSINE_MIN: f32 = 1e-6;
-    /// Luminance weights of linear Rec.709 RGB [BT709] item 3.2.
+    /// Luminance weights of linear Rec.709 RGB \[BT709\] item 3.2.
     LUMINANCE_RED: f32 = 0.2126;
     /// See `LUMINANCE_RED`.
     LUMINANCE_GREEN: f32 = 0.7152;

@@ -28,7 +28,7 @@ pub struct StepNumbers {
     /// Standard error of the step over the step, each as the root of the weighted mean square over pixels; 0 for a step that is not drawn
     /// or does nothing.
     pub step_error: f64,
-    /// Standard error of the share, by leaving each scramble out in turn [Efron79].
+    /// Standard error of the share, by leaving each scramble out in turn \[Efron79\].
     pub share_error: f64,
 }
 

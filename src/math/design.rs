@@ -4,7 +4,7 @@
 //!
 //! - the reflected direction r of the spherical Fibonacci lattice: `r.y = 1 - (2 i + 1)/N`, azimuth `2π i/φ`, φ the golden ratio;
 //! - `n·v = frac(1/2 + i/ρ)` and the azimuth `2π frac(1/2 + i/ρ²)` of the plane of incidence about r, ρ the plastic number: the R2 sequence
-//!   [Roberts18].
+//!   \[Roberts18\].
 //!
 //! So r is even over the sphere, n·v is even over (0, 1), and every range of n·v sees the whole map.
 

@@ -1,6 +1,6 @@
 //! The error function in f64.
 //!
-//! `erf x = 2/√π ∫_0^x exp(-t²) dt`. Below [`SERIES_END`] by its Taylor series with positive terms
+//! `erf x = 2/√π ∫_0^x exp(-t²) dt`. Below `SERIES_END` by its Taylor series with positive terms
 //! `2/√π exp(-x²) Σ 2^k x^(2k+1) / (2k+1)!!`, above by Laplace's continued fraction of `erfc = 1 - erf`.
 
 use std::f64::consts::PI;
@@ -29,7 +29,7 @@ pub fn erfc(x: f64) -> f64 {
 
 /// The x with `erf x = y`, for y in (-1, 1); relative error about 1e-14. `complement` is `(1 - y)(1 + y)`, which keeps the digits of a tail.
 ///
-/// A published fit, then Newton's method on erf [Giles12].
+/// A published fit, then Newton's method on erf \[Giles12\].
 pub fn erf_inverse(y: f64, complement: f64) -> f64 {
     /// Ascending powers of `w - 2.5`, `w = -ln((1 - y)(1 + y))`, below w = 5; of `sqrt(w) - 3` above.
     const CENTRE: [f64; 9] = [

@@ -1,17 +1,18 @@
-//! Orthonormal frames about a normal, without branches and without a singular direction [Duff17].
+//! Orthonormal frames about a normal, without branches and without a singular direction \[Duff17\].
 
 use glam::DVec3;
 
 /// A right-handed orthonormal frame; `n` is the local +z.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Frame {
+    /// Unit vectors; tangent x bitangent is n.
     pub tangent: DVec3,
     pub bitangent: DVec3,
     pub n: DVec3,
 }
 
 impl Frame {
-    /// The frame of the unit vector `n` [Duff17]. It jumps where `n.z` changes its sign, not elsewhere.
+    /// The frame of the unit vector `n` \[Duff17\]. It jumps where `n.z` changes its sign, not elsewhere.
     pub fn from_normal(n: DVec3) -> Self {
         let sign = 1f64.copysign(n.z);
         let a = -1.0 / (sign + n.z);

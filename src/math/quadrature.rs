@@ -66,6 +66,7 @@ fn legendre_pair(degree: usize, x: f64) -> (f64, f64) {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Estimate<const K: usize> {
     pub value: [DVec3; K],
+    /// Upper estimate of the absolute error, by channel.
     pub error: [DVec3; K],
 }
 
@@ -73,6 +74,7 @@ pub struct Estimate<const K: usize> {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bounded {
     pub value: DVec3,
+    /// Upper estimate of the absolute error, by channel.
     pub error: DVec3,
 }
 

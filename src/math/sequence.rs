@@ -64,8 +64,8 @@ pub enum PixelPoints {
 
 listed!(PixelPoints, "kind of pixel points", { "shared": Shared, "owen": Owen });
 
-/// The point of a set by which the pixel at column x and row y samples: nested uniform scrambles of both coordinates [Owen97] by hash
-/// [Burley20], each under a key of its own. The mean over pixels or sets is uniform, whatever the point was.
+/// The point of a set by which the pixel at column x and row y samples: nested uniform scrambles of both coordinates \[Owen97\] by hash
+/// \[Burley20\], each under a key of its own. The mean over pixels or sets is uniform, whatever the point was.
 pub fn scrambled(point: DVec2, [x, y]: [u32; 2], set: u32) -> DVec2 {
     /// Points of the reference have the streams 0 and 1.
     const STREAM: u32 = 2;
@@ -102,7 +102,7 @@ fn random(stream: u32, i: u32) -> DVec2 {
     centre([key, second])
 }
 
-/// As `sobol_hash` of `shaders/lib/sobol.glsl` [Wellons18].
+/// As `sobol_hash` of `shaders/lib/sobol.glsl` \[Wellons18\].
 pub fn hash(mut x: u32) -> u32 {
     x ^= x >> 16;
     x = x.wrapping_mul(0x7feb_352d);

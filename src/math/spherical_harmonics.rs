@@ -2,7 +2,7 @@
 //!
 //! Order: `Y00; Y1-1 (y), Y10 (z), Y11 (x); Y2-2 (xy), Y2-1 (yz), Y20 (3z² - 1), Y21 (xz), Y22 (x² - y²)`, where x, y, z are world
 //! coordinates (y up) and every constant is positive (no Condon-Shortley phase). The functions are orthonormal on the sphere.
-//! Irradiance from the coefficients `L_lm` of radiance: `E(n) = Σ A_l L_lm Y_lm(n)` with `A = π, 2π/3, π/4` [Ramamoorthi01].
+//! Irradiance from the coefficients `L_lm` of radiance: `E(n) = Σ A_l L_lm Y_lm(n)` with `A = π, 2π/3, π/4` \[Ramamoorthi01\].
 
 use glam::DVec3;
 use std::f64::consts::PI;

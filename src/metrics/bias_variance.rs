@@ -36,7 +36,7 @@ impl BiasVariance {
     }
 }
 
-/// Collects repeated images over a mask: mean and sum of squared deviations of each masked pixel [Welford62].
+/// Collects repeated images over a mask: mean and sum of squared deviations of each masked pixel \[Welford62\].
 pub struct Repeats {
     size: [u32; 2],
     pixels: Vec<usize>,

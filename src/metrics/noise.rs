@@ -7,7 +7,7 @@
 //! A pixel's se is itself an estimate with K - 1 = 3 degrees of freedom. `se²` has no bias, but its root, or a tail at a multiple
 //! of it, has. So the error stands as uniform within ±√3 se. Averaged over what se may come out as, that is the true normal
 //! distribution: the three deviations behind se are a point on a sphere, and one coordinate of a uniform point on a sphere in three
-//! dimensions is uniform (the unbiased estimate of [Kolmogorov50] for three degrees of freedom).
+//! dimensions is uniform (the unbiased estimate of \[Kolmogorov50\] for three degrees of freedom).
 
 use super::comparison::{check_size, check_values, masked_pixels};
 use super::mean::rgb_mean;

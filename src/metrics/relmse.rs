@@ -1,4 +1,4 @@
-//! Relative mean square error [Rousselle11], plain and trimmed.
+//! Relative mean square error \[Rousselle11\], plain and trimmed.
 //!
 //! The plain form is the headline for HDR images, but one firefly can decide it: in an image of 5,000 pixels a single one
 //! moved it from 0.018 to 428. The trimmed form drops the largest errors and so hides rare, true ones. Report both.

@@ -39,7 +39,7 @@ pub struct LightTables {
 
 impl Pipeline {
     /// Makes the tables for the environment, model, masking and settings of `request`, or takes those that are there. Levels of the
-    /// environment of more than `texels_max` are not read; the prefiltered map has at most [`PREFILTERED_TEXELS_MAX`].
+    /// environment of more than `texels_max` are not read; the prefiltered map has at most `PREFILTERED_TEXELS_MAX`.
     pub fn light_tables(&mut self, request: &RenderRequest, texels_max: u32) -> Result<LightTables, PipelineError> {
         self.with_memory(|pipeline| pipeline.read_light_tables(request, texels_max))
     }

@@ -1,4 +1,4 @@
-//! Radiance pictures (`.hdr`, `.pic`) [Ward94].
+//! Radiance pictures (`.hdr`, `.pic`) \[Ward94\].
 //!
 //! A texel is three mantissas and a shared exponent, `value = mantissa 2^(e - 136)`, 0 where `e = 0`. (Radiance itself adds 0.5 to the
 //! mantissa; most software does not, and a stored 0 should stay 0.) `EXPOSURE` and `COLORCORR` record factors that were applied to the

@@ -40,8 +40,10 @@ pub struct PrecomputeSettings {
     pub layout: &'static MapLayout,
     /// Width and height of a face of level 0 of the prefiltered map.
     pub prefilter_size: [u32; 2],
+    /// At least 2: the smoothest is the environment itself.
     pub prefilter_level_count: u32,
     pub prefilter: PrefilterBy,
+    /// Samples a texel, if `prefilter` is sampled.
     pub prefilter_sample_count: u32,
     /// Which perceptual roughness each level holds.
     pub level_mapping: &'static LevelMapping,
@@ -51,9 +53,11 @@ pub struct PrecomputeSettings {
     pub prefilter_lod_bias: f32,
     /// Side of the DFG table.
     pub dfg_size: u32,
+    /// Quadrature nodes a texel.
     pub dfg_sample_count: u32,
     /// Where its texels lie.
     pub dfg_axes: DfgAxes,
+    /// Width and height of a face of the irradiance map.
     pub irradiance_size: [u32; 2],
     /// Azimuth and polar samples of the numerical irradiance integration.
     pub irradiance_sample_count: [u32; 2],

@@ -1,6 +1,6 @@
 //! The scenes of a run as the live view draws them: exact spheres, and triangles in 16-bit numbers.
 //!
-//! A position is three fractions of the scene's box, so it is off by at most 1/131070 of its side. A normal is octahedral [Cigolle14]: its two
+//! A position is three fractions of the scene's box, so it is off by at most 1/131070 of its side. A normal is octahedral \[Cigolle14\]: its two
 //! coordinates are signed fractions of 32767, so it is off by less than 0.01 degrees. Both, and the triangles, are packed as images are.
 
 use super::images::short_text;

@@ -1,6 +1,6 @@
 //! Statistics of timing samples: order statistics, intervals by resampling, drift. Seeds are fixed, so results are repeatable.
 
-/// A small generator of 64-bit numbers: a Weyl sequence, hashed (splitmix64 [Steele14]).
+/// A small generator of 64-bit numbers: a Weyl sequence, hashed (splitmix64 \[Steele14\]).
 #[derive(Clone, Debug)]
 pub struct Random(u64);
 
@@ -33,7 +33,7 @@ impl Random {
     }
 }
 
-/// Quantile of ascending samples with linear interpolation between them ([HyndmanFan96] type 7); NaN when there are none.
+/// Quantile of ascending samples with linear interpolation between them (\[HyndmanFan96\] type 7); NaN when there are none.
 pub fn quantile(sorted: &[f64], p: f64) -> f64 {
     let Some(last) = sorted.len().checked_sub(1) else { return f64::NAN };
     let place = p * last as f64;
@@ -72,7 +72,7 @@ pub fn median_order(n: usize) -> Option<usize> {
     (0..n.div_ceil(2)).take_while(|k| order_coverage(n, *k) >= COVERAGE).last()
 }
 
-/// 95 % interval of the median: the percentile interval by resampling with replacement [Efron79], and never narrower than the order
+/// 95 % interval of the median: the percentile interval by resampling with replacement \[Efron79\], and never narrower than the order
 /// statistics that hold the median with 95 % ([`median_order`]), as resampling few samples does. NaN below [`INTERVAL_SAMPLES_MIN`].
 pub fn median_interval(samples: &[f64]) -> [f64; 2] {
     let Some(outer) = median_order(samples.len()) else { return [f64::NAN; 2] };
@@ -104,7 +104,7 @@ pub fn median_interval(samples: &[f64]) -> [f64; 2] {
     [quantile(&medians, 0.025).min(order[0]), quantile(&medians, 0.975).max(order[1])]
 }
 
-/// Slope of samples over their places: the median of the slopes of all pairs [Sen68]. NaN when no two places differ.
+/// Slope of samples over their places: the median of the slopes of all pairs \[Sen68\]. NaN when no two places differ.
 pub fn drift(points: &[(f64, f64)]) -> f64 {
     let pairs = points.iter().enumerate().flat_map(|(i, a)| points[i + 1..].iter().map(move |b| (a, b)));
     let slopes: Vec<f64> = pairs.filter(|(a, b)| a.0 != b.0).map(|(a, b)| (b.1 - a.1) / (b.0 - a.0)).collect();

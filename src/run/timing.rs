@@ -202,7 +202,7 @@ const FEW_SAMPLES: usize = 10;
 const DRIFT_SECONDS_MIN: f64 = 10.0;
 /// A drift that would move a time by this share within the measurement is named.
 const DRIFT_NAMED: f64 = 0.05;
-/// Samples this many scaled deviations from the median are outliers ([Iglewicz93] as hyperfine uses it).
+/// Samples this many scaled deviations from the median are outliers (\[Iglewicz93\] as hyperfine uses it).
 const OUTLIER_Z: f64 = 14.826;
 
 impl TimingRecord {
@@ -229,7 +229,7 @@ impl TimingRecord {
     }
 
     /// Trend of a pass, in percent of its median a minute; NaN where the times of the rounds are not known, or all lie within
-    /// [`DRIFT_SECONDS_MIN`].
+    /// `DRIFT_SECONDS_MIN`.
     pub fn drift_percent_per_min(&self, pass: &PassSamples) -> f64 {
         if 60.0 * self.minutes() < DRIFT_SECONDS_MIN { f64::NAN } else { self.trend(pass) }
     }

@@ -36,10 +36,13 @@ use std::f64::consts::PI;
 pub struct Surface {
     pub model: &'static dyn Brdf,
     pub masking: MaskingShadowing,
+    /// Width of the lobe.
     pub alpha: f64,
     /// Reflectance at normal incidence, linear RGB.
     pub f0: DVec3,
+    /// Normal.
     pub n: DVec3,
+    /// Direction to the viewer.
     pub v: DVec3,
 }
 

@@ -13,12 +13,12 @@ use crate::math::quadrature::{Bounded, Tolerance};
 use crate::math::sequence::{Sequence, scrambled};
 use crate::math::spherical_harmonics::COUNT;
 use crate::pixels::Pixels;
-use crate::pixels::lookup::{Wrap, bilinear, trilinear};
+use crate::pixels::lookup::{Wrap, trilinear};
 use crate::precompute::PrecomputeSettings;
 use crate::precompute::dfg::{Albedos, DfgAxes};
-use crate::precompute::lobe_shape::{self, OBJECTIVES, Objective};
+use crate::precompute::lobe_shape::{LobeTable, Objective};
 use crate::precompute::prefilter::LevelMapping;
-use glam::{DVec2, DVec3, DVec4};
+use glam::{DVec2, DVec3};
 
 /// The f64 twin of a method.
 #[derive(Clone, Copy, Debug)]
@@ -53,7 +53,7 @@ pub struct Light {
     /// (A, B) by n·v, exact.
     pub albedos: Albedos,
     /// The table of lobe shapes.
-    pub lobe_shapes: Pixels<DVec4>,
+    pub lobe_shapes: LobeTable,
     /// Irradiance over π.
     pub irradiance_map: FilteredMap,
     /// Coefficients of radiance as the device sums them.
@@ -120,48 +120,30 @@ impl Light {
 
     /// The split sum along the first moment of the lobe at alpha, colours by their mean.
     pub fn moment_split_sum(&self, surface: &Surface) -> DVec3 {
-        self.split_sum(surface, self.lobe_direction(surface, self.share_of_f90(surface)), surface.alpha)
+        let direction = self.lobe_shapes.direction([surface.n, surface.v], surface.alpha, self.share_of_f90(surface));
+        self.split_sum(surface, direction, surface.alpha)
     }
 
     /// The same at the width of an objective.
     pub fn fitted_split_sum(&self, surface: &Surface, objective: Objective) -> DVec3 {
-        let share = self.share_of_f90(surface);
-        self.split_sum(surface, self.lobe_direction(surface, share), self.lobe_width(surface, share, objective))
+        let (direction, width) = self.fitted_lobe(surface, self.share_of_f90(surface), objective);
+        self.split_sum(surface, direction, width)
     }
 
     /// One for each part of the lobe, at the width of least relative error.
     pub fn parted_split_sum(&self, surface: &Surface) -> DVec3 {
         let of_part = |share| {
-            self.mean_radiance(
-                self.lobe_direction(surface, share),
-                self.lobe_width(surface, share, Objective::Relative),
-            )
+            let (direction, width) = self.fitted_lobe(surface, share, Objective::Relative);
+            self.mean_radiance(direction, width)
         };
         let pair = self.dfg(surface.n.dot(surface.v), surface.alpha);
         surface.f0 * pair.x * of_part(0.0) + pair.y * of_part(1.0)
     }
 
-    /// The direction of the first moment of a lobe whose part of weight Fc has that share.
-    fn lobe_direction(&self, surface: &Surface, share: f64) -> DVec3 {
-        let of = |channels| self.lobe_shape(surface, 0, channels);
-        let [of_a, of_b] = [of(|t| DVec3::new(t.x, t.y, 0.0)), of(|t| DVec3::new(t.z, t.w, 0.0))];
-        let moment = of_a.lerp(of_b, share);
-        (moment.x * reflect(surface.v, surface.n) + moment.y * surface.n).normalize()
-    }
-
-    /// Its width by an objective.
-    fn lobe_width(&self, surface: &Surface, share: f64, objective: Objective) -> f64 {
-        let part = 1 + OBJECTIVES.iter().position(|listed| *listed == objective).expect("a listed objective") as u32;
-        let [low, middle, high] = self.lobe_shape(surface, part, DVec4::truncate).to_array();
-        // The parabola through the three.
-        let ratio = low + share * ((4.0 * middle - 3.0 * low - high) + share * 2.0 * (low - 2.0 * middle + high));
-        (surface.alpha * ratio * ratio).min(1.0)
-    }
-
-    /// Three channels of a part of the table of lobe shapes.
-    fn lobe_shape(&self, surface: &Surface, part: u32, channels: fn(DVec4) -> DVec3) -> DVec3 {
-        let uv = lobe_shape::uv_from_parameters(surface.n.dot(surface.v), surface.alpha, part);
-        bilinear(&self.lobe_shapes, uv, Wrap::CLAMP, channels)
+    /// Direction and width of a lobe whose part of weight Fc has that share.
+    fn fitted_lobe(&self, surface: &Surface, share: f64, objective: Objective) -> (DVec3, f64) {
+        let Surface { n, v, alpha, .. } = *surface;
+        (self.lobe_shapes.direction([n, v], alpha, share), self.lobe_shapes.width(n.dot(v), alpha, share, objective))
     }
 
     /// How much of what the lobe reflects has the weight Fc.

@@ -9,7 +9,7 @@ pub enum Palette {
     /// Black over purple to pale yellow, perceptually uniform: `magma` of Smith and van der Walt (matplotlib, CC0), in the 8-bit
     /// codes of d3. FLIP's authors show their errors by it, too.
     Magma,
-    /// Blue over near white to red: the eleven colours of `RdBu` of ColorBrewer 2.0 [Brewer03], from the blue end, interpolated
+    /// Blue over near white to red: the eleven colours of `RdBu` of ColorBrewer 2.0 \[Brewer03\], from the blue end, interpolated
     /// linearly in encoded RGB. Safe for the colour-blind.
     BlueRed,
 }

@@ -1,6 +1,6 @@
 //! Rows and image tables: what a run leaves for people and for programs.
 //!
-//! [`csv`] keeps the numbers, [`markdown`] shows a few of them, [`colormap`] colours error maps.
+//! [`csv`] keeps the numbers, [`markdown`] shows a few of them, `colormap` colours error maps.
 
 #[cfg(feature = "cli")]
 pub mod colormap;

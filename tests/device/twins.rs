@@ -13,14 +13,13 @@ use rayon::prelude::*;
 use splitsum::brdf::{Brdf, MODELS, MaskingShadowing};
 use splitsum::environment::layout::{FilteredMap, LAYOUTS, MapLayout, lod_from_solid_angles};
 use splitsum::environment::{Environment, LoadOptions, Placement};
-use splitsum::glsl::constants::{LOBE_SHAPE_PARTS, LOBE_SHAPE_SIDE, POINTS_PER_DISPATCH};
+use splitsum::glsl::constants::POINTS_PER_DISPATCH;
 use splitsum::gpu::Gpu;
 use splitsum::math::frame::Frame as LocalFrame;
 use splitsum::math::sequence::{PixelPoints, SEQUENCES};
 use splitsum::pipeline::{Frame, RenderRequest};
-use splitsum::pixels::Pixels;
 use splitsum::precompute::dfg::{Albedos, DfgAxes};
-use splitsum::precompute::lobe_shape;
+use splitsum::precompute::lobe_shape::LobeTable;
 use splitsum::precompute::points::Points;
 use splitsum::precompute::prefilter::pass::Recipe;
 use splitsum::precompute::prefilter::{Kernel, LEVEL_MAPPINGS, WEIGHTS, harmonic, reference::estimate};
@@ -246,13 +245,9 @@ fn albedos(model: &'static dyn Brdf, masking: MaskingShadowing, alpha: f64) -> A
 }
 
 /// The table that the pipeline writes to the device.
-fn lobe_shapes(model: &'static dyn Brdf, masking: MaskingShadowing) -> Pixels<DVec4> {
-    static MADE: Made<Pixels<DVec4>> = Made::none();
-    MADE.get(format!("{} {masking:?}", model.name()), || {
-        let texels = lobe_shape::texels(Kernel::cosine(model), masking);
-        let of_texel = |texel: &[f32; 4]| DVec4::from_array(texel.map(f64::from));
-        Pixels::new(LOBE_SHAPE_SIDE, LOBE_SHAPE_PARTS * LOBE_SHAPE_SIDE, texels.iter().map(of_texel).collect())
-    })
+fn lobe_shapes(model: &'static dyn Brdf, masking: MaskingShadowing) -> LobeTable {
+    static MADE: Made<LobeTable> = Made::none();
+    MADE.get(format!("{} {masking:?}", model.name()), || LobeTable::new(Kernel::cosine(model), masking))
 }
 
 /// What the device's g-buffer holds.

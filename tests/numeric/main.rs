@@ -17,6 +17,7 @@ mod ladder;
 mod ladder_diffuse;
 mod ladder_outside;
 mod layering;
+mod library;
 mod lobe_shape;
 mod map_layouts;
 mod math;

@@ -31,7 +31,7 @@ pub struct AxesFit {
     pub correlation: f64,
 }
 
-/// Every orientation of a map, best first. The level whose width is nearest to [`ALPHA`] is compared.
+/// Every orientation of a map, best first. The level whose width is nearest to `ALPHA` is compared.
 pub fn axes(truth: &Truth, map: &Map, convention: &Convention) -> Result<Vec<AxesFit>, String> {
     let alphas = convention.alphas(map.levels.len())?;
     let off = |level: &usize| (alphas[*level].max(1e-3) / ALPHA).ln().abs();

@@ -27,7 +27,9 @@ pub struct Worst {
 /// How wrong a level is.
 #[derive(Clone, Debug)]
 pub struct LevelScore {
+    /// Width and height of a face, texels.
     pub size: [u32; 2],
+    /// Width of its lobe by the convention.
     pub alpha: f64,
     /// At its texels.
     pub errors: Errors,

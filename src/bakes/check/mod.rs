@@ -7,12 +7,14 @@ mod directions;
 mod fit;
 pub mod guess;
 pub mod image;
+mod judge;
 pub mod level;
 pub mod sh;
 pub mod table;
 
 pub use directions::Directions;
 pub use fit::Fit;
+pub use judge::{IRRADIANCE, Judged, Judging};
 
 use crate::brdf::Phong;
 use crate::environment::Environment;

@@ -24,6 +24,7 @@ pub struct ShScore {
     pub max_error: f64,
     /// Axes that explain the error.
     pub better: Option<Axes>,
+    /// In words.
     pub verdict: String,
 }
 

@@ -9,6 +9,7 @@ use crate::spelling::Listed;
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 use std::collections::HashMap;
+use std::fmt;
 
 /// Rows and columns of a table that are compared, about; the outermost are among them.
 const LINES: u32 = 17;
@@ -20,11 +21,13 @@ const SEARCHED: u32 = 7;
 pub struct TableScore {
     /// Largest error of A or B at the texels that were compared.
     pub max_error: f64,
+    /// Root mean square of the errors of A and B.
     pub rms: f64,
     /// n·v and perceptual roughness of the largest.
     pub worst: DVec2,
     /// Texels that were compared.
     pub count: usize,
+    /// In words.
     pub verdict: String,
 }
 
@@ -107,6 +110,13 @@ pub struct Fitting {
     pub channels: &'static TableChannels,
     pub masking: MaskingShadowing,
     pub rms: f64,
+}
+
+impl fmt::Display for Fitting {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        let Self { axes, channels, masking, rms } = self;
+        write!(f, "axes {}, channels {}, masking {}: rms {rms:.1e}", axes.name, channels.name, masking.name())
+    }
 }
 
 /// Every way to read a table, best first.

@@ -1,4 +1,4 @@
-//! The clear sky of Hosek and Wilkie [HosekWilkie12], RGB data set, in the f32 arithmetic of its authors.
+//! The clear sky of Hosek and Wilkie \[HosekWilkie12\], RGB data set, in the f32 arithmetic of its authors.
 //!
 //! `L(θ, γ) = r (1 + A exp(B/(cos θ + 0.01))) (C + D exp(E γ) + F cos² γ + G χ(H, γ) + I √cos θ)` for each channel, θ the angle to the
 //! zenith, γ to the sun, and `χ(H, γ) = (1 + cos² γ)/(1 + H² - 2 H cos γ)^1.5`.

@@ -1,9 +1,9 @@
 //! A clear sky with the sun over a Lambertian ground.
 //!
-//! - Sky: the model of Hosek and Wilkie [HosekWilkie12], RGB data set.
+//! - Sky: the model of Hosek and Wilkie \[HosekWilkie12\], RGB data set.
 //! - Sun: a uniform disc (no limb darkening) of 0.53 degrees. Its irradiance on a surface that faces it is
 //!   `E_c = E0 exp(-m (τr(λc) + τa(λc)))` at the dominant wavelengths `λc` of the Rec.709 primaries, with the air mass of
-//!   [KastenYoung89], `m = 1 / (sin h + 0.50572 (h° + 6.07995)^-1.6364)`, and the optical depths of [Preetham99] (appendix):
+//!   \[KastenYoung89\], `m = 1 / (sin h + 0.50572 (h° + 6.07995)^-1.6364)`, and the optical depths of \[Preetham99\] (appendix):
 //!   Rayleigh `τr = 0.008735 λ^-4.08`, aerosols `τa = (0.04608 T - 0.04586) λ^-1.3`, λ in µm, T the turbidity. Ozone, water vapour
 //!   and mixed gases are left out: they remove a few per cent of visible light.
 //! - The extraterrestrial irradiance `E0` (grey) follows from an energy balance, because the sky data has no stated unit: half of

@@ -1,5 +1,5 @@
 //! One square whose texels all have the same solid angle: the octahedron's faces unfolded, +y in the centre, -y in the corners
-//! [ClarbergSquare08].
+//! \[ClarbergSquare08\].
 
 use super::MapLayout;
 use glam::{DVec2, DVec3};

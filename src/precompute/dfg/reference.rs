@@ -8,10 +8,13 @@
 //!   θ_none, which straightens the square roots that the limit has at both ends;
 //! - φ as a fraction of its limit.
 
+use super::DfgAxes;
 use crate::brdf::{Brdf, MaskingShadowing, g2, schlick_weight};
 use crate::math::quadrature::{Bounded, Rectangle, Tolerance, integrate_columns};
+use crate::pixels::Pixels;
 use crate::precompute::prefilter::Kernel;
 use glam::{DVec2, DVec3};
+use rayon::prelude::*;
 use std::f64::consts::{FRAC_PI_2, PI};
 
 /// Scales of `f0` and of `f90 = 1` (A and B of the source documents).
@@ -49,6 +52,23 @@ pub fn dfg_within(model: &'static dyn Brdf, masking: MaskingShadowing, n_dot_v: 
     });
     let [albedo, f90_scale, _] = integral.value.to_array();
     Dfg { f0_scale: albedo - f90_scale, f90_scale, error: integral.error.x }
+}
+
+/// The square table of (A, B) with `side` texels a side, n·v along x and alpha along y, within a relative error.
+pub fn table(
+    model: &'static dyn Brdf,
+    masking: MaskingShadowing,
+    axes: DfgAxes,
+    side: u32,
+    relative: f64,
+) -> Pixels<DVec2> {
+    let texel = |index: u32| {
+        let at = DVec2::new((index % side).into(), (index / side).into()) + 0.5;
+        let DVec2 { x: n_dot_v, y: alpha } = axes.parameters(at, side);
+        let pair = dfg_within(model, masking, n_dot_v, alpha, relative);
+        DVec2::new(pair.f0_scale, pair.f90_scale)
+    };
+    Pixels::new(side, side, (0..side * side).into_par_iter().map(texel).collect())
 }
 
 /// What normalises the kernel `D n_dot_h / (4 v·h) w(l)` of prefiltered maps at a view: the means of `(1 - Fc) w` and of `Fc w` over half

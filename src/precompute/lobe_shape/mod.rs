@@ -15,6 +15,7 @@ mod fit;
 #[cfg(feature = "gpu")]
 pub mod pass;
 mod rule;
+mod table;
 
 use crate::brdf::{Brdf, MaskingShadowing, alpha_from_perceptual_roughness, perceptual_roughness_from_alpha};
 use crate::glsl::constants::{ALPHA_MIN, COSINE_MIN, LOBE_SHAPE_PARTS, LOBE_SHAPE_SIDE};
@@ -24,6 +25,7 @@ pub use fit::{AMBIENT, Objective};
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 use rule::Lobe;
+pub use table::LobeTable;
 
 /// Shares of the part of weight Fc that the table has widths for.
 pub const SHARES: [f64; 3] = [0.0, 0.5, 1.0];

@@ -21,7 +21,7 @@ pub struct Lobe {
     albedos: DVec2,
 }
 
-/// Node of `[0, 1]` and weight of the midpoint rule after the sin² transformation [Sidi93].
+/// Node of `[0, 1]` and weight of the midpoint rule after the sin² transformation \[Sidi93\].
 fn periodic_node(i: u32, count: u32) -> (f64, f64) {
     let x = (f64::from(i) + 0.5) / f64::from(count);
     (x - (TAU * x).sin() / TAU, (1.0 - (TAU * x).cos()) / f64::from(count))

@@ -1,6 +1,6 @@
 //! Level biases of well-known prefilters, as offsets to the level whose texel covers the solid angle of a sample.
 //!
-//! The level of filtered importance sampling is `l = 1/2 log2(omega_s / omega_p) + b` [Colbert07], `omega_s = 1 / (N pdf)` the solid angle
+//! The level of filtered importance sampling is `l = 1/2 log2(omega_s / omega_p) + b` \[Colbert07\], `omega_s = 1 / (N pdf)` the solid angle
 //! of a sample and `omega_p` that of a texel of level 0. A program that uses another `omega_p`, or adds a constant, has a bias `b`
 //! against this formula. Programs whose offset varies over the map are not here: it is no constant. All of them belong to prefilters of
 //! about a thousand samples a texel, so they are names of the axis of the prefiltered map, not of sampling pixel by pixel.

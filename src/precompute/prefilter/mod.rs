@@ -1,6 +1,6 @@
 //! The prefiltered environment: the first factor of the split sum, by direction and perceptual roughness.
 //!
-//! With `n = v = r` and a weight w, by default `n_dot_l` [Karis13]:
+//! With `n = v = r` and a weight w, by default `n_dot_l` \[Karis13\]:
 //!
 //! `P(r, alpha) = ∫ L(l) D(h) w(l) dl / ∫ D(h) w(l) dl`, `h = normalize(r + l)`,
 //!

@@ -18,7 +18,7 @@ pub struct Weight {
     value: fn(&Kernel, f64, f64) -> f64,
 }
 
-/// Every weight; the first, of [Karis13], is the default.
+/// Every weight; the first, of \[Karis13\], is the default.
 pub static WEIGHTS: &[Weight] = &[
     Weight {
         name: "cosine",

@@ -1,6 +1,6 @@
 //! The page of finished runs: one HTML file that opens from disk and asks for nothing else.
 //!
-//! It shows findings and computes none. [`sections`] turns answers into sections, [`lead`] chooses what stands on the first screen, [`strip`] lays the rungs of a ladder side by side, [`model`]
+//! It shows findings and computes none. `sections` turns answers into sections, `lead` chooses what stands on the first screen, `strip` lays the rungs of a ladder side by side, [`model`]
 //! says what the scripts read, [`images`] which of the linear images fit, [`live`] what the live view needs; [`render`] writes the file.
 
 pub mod images;

@@ -141,7 +141,7 @@ pub fn shared(axes: &[PageAxis]) -> String {
     axes.iter().filter(says).map(word).collect::<Vec<_>>().join(", ")
 }
 
-/// The names of the columns of [`Model::row`].
+/// The names of the columns of `Model::row`.
 pub fn columns(axes: &[PageAxis], metrics: &[&'static dyn Metric]) -> Vec<&'static str> {
     let own = ["run", "cell", "image", "reference", "verdict", "noise_floor"];
     let axes = axes.iter().filter(|axis| !axis.is_constant).map(|axis| axis.name);

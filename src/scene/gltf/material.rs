@@ -10,7 +10,7 @@
 //! | `KHR_materials_ior` | f0 = ((ior - 1) / (ior + 1))² | 0.04 |
 //!
 //! Factors outside 0 to 1 are clamped. The maps of a material read one set of texture coordinates, with one `KHR_texture_transform`
-//! [KhrTransform18]; they repeat, clamp or mirror as their samplers say and are filtered trilinearly.
+//! \[KhrTransform18\]; they repeat, clamp or mirror as their samplers say and are filtered trilinearly.
 
 use super::buffers::{Buffers, resource};
 use super::name;

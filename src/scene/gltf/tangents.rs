@@ -1,4 +1,4 @@
-//! What a mesh leaves out: normals of its triangles, and tangents by MikkTSpace [Mikkelsen08], which normal maps are baked for.
+//! What a mesh leaves out: normals of its triangles, and tangents by MikkTSpace \[Mikkelsen08\], which normal maps are baked for.
 
 use crate::scene::mesh::{Mesh, position};
 use bevy_mikktspace::{Geometry, TangentSpace, generate_tangents};

@@ -1,4 +1,4 @@
-//! Four spherical-harmonic coefficients, and a quadratic zonal part that is guessed from them [Roughton24].
+//! Four spherical-harmonic coefficients, and a quadratic zonal part that is guessed from them \[Roughton24\].
 //!
 //! All channels share one axis, the direction of the linear part of luminance. With r the linear part of a channel along it over its
 //! constant part, the zonal coefficient is `L00 (0.08 r + 0.6 r²)`, a fit of the authors ("hallucinated": it is not stored). Of the nine

@@ -6,7 +6,7 @@
 //!
 //! - Mean: Student's interval; geometric mean: that of the mean logarithm.
 //! - Median: order statistics hold it with a known chance whatever the distribution, but few pairs of them come near 95 %; between the
-//!   two pairs around it the logarithm is interpolated [HettmanspergerSheather86].
+//!   two pairs around it the logarithm is interpolated \[HettmanspergerSheather86\].
 //!
 //! Resampling so few environments (the percentile bootstrap) makes intervals too narrow. These hold a known truth in 93 to 97 % of
 //! simulated studies of 6, 10 and 20 environments (`tests/numeric/study/estimate.rs`).

@@ -1,6 +1,6 @@
 //! At which exposure and contrast does the difference show?
 //!
-//! The measure is FLIP [Andersson20], the difference that a viewer notices when two images are flipped in place, from 0 to 1: its mean over
+//! The measure is FLIP \[Andersson20\], the difference that a viewer notices when two images are flipped in place, from 0 to 1: its mean over
 //! the image, after the tone curve. From [`VISIBLE_FROM`] on a difference is called visible. Of each method and tone curve: the median
 //! over environments, its extremes over images, and under how many environments the difference shows.
 

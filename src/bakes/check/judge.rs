@@ -1,0 +1,169 @@
+//! Judging a whole bake: every part against its integral, by the conventions that are given or that fit best.
+
+use super::guess::{self, AxesFit};
+use super::image::{self, ImageScore};
+use super::level::{self, LevelScore};
+use super::sh::{self, ShScore};
+use super::table::{self, TableScore};
+use super::{GOOD, Truth};
+use crate::bakes::convention::{Axes, Convention, PRESETS, Preset};
+use crate::bakes::parts::{Bake, Told};
+use crate::brdf::{Brdf, Ggx, MaskingShadowing};
+use crate::environment::Environment;
+use crate::precompute::prefilter::{Kernel, WEIGHTS, Weight};
+use crate::spelling::Listed;
+use glam::DVec3;
+
+/// How a bake is judged.
+#[derive(Clone, Debug)]
+pub struct Judging {
+    /// The model that was baked.
+    pub brdf: &'static dyn Brdf,
+    /// Weight of the prefiltered map.
+    pub weight: &'static Weight,
+    pub convention: Convention,
+    /// Tries every convention and takes those that fit best.
+    pub is_guessed: bool,
+    /// Scores what the tables do to an image, which takes as long as the rest.
+    pub has_image: bool,
+}
+
+/// The scores of a bake.
+#[derive(Clone, Debug)]
+pub struct Judged {
+    /// The conventions of the scores: given, or those that fit best.
+    pub convention: Convention,
+    /// Of each map its name and how well axes fit it, best first.
+    pub axes: Vec<(&'static str, Vec<AxesFit>)>,
+    /// How well conventions fit the table, in words, if they were tried.
+    pub table_way: Option<String>,
+    /// Scores of the prefiltered map, finest level first.
+    pub levels: Vec<LevelScore>,
+    pub irradiance: Option<LevelScore>,
+    pub dfg: Option<TableScore>,
+    pub sh: Option<ShScore>,
+    /// Empty unless images were scored.
+    pub image: Vec<ImageScore>,
+    /// Largest relative difference of the worst level's integrals from adaptive cubature at three directions.
+    pub spot_check: Option<f64>,
+}
+
+/// Name of a map of irradiance in [`Judged::axes`].
+pub const IRRADIANCE: &str = "irradiance map";
+
+impl Judging {
+    /// GGX by the conventions that files state of themselves, and by those of `splitsum bake` where they state none.
+    ///
+    /// Fails with a name that is unknown.
+    pub fn stated(told: &Told) -> Result<Self, String> {
+        let preset = told.preset.as_deref().map_or(Ok(&PRESETS[0]), Preset::parse)?;
+        let mut convention = preset.convention();
+        convention.alphas = told.alphas.clone();
+        if let Some(name) = &told.masking {
+            convention.masking = *MaskingShadowing::parse(name)?;
+        }
+        let weight = told.weight.as_deref().map_or(Ok(&WEIGHTS[0]), Weight::parse)?;
+        Ok(Self { brdf: &Ggx, weight, convention, is_guessed: false, has_image: false })
+    }
+
+    /// Scores each part of `bake` against its integral over `environment`.
+    ///
+    /// Fails if the convention's widths are not one for each level.
+    pub fn judge(&self, environment: &Environment, bake: &Bake) -> Result<Judged, String> {
+        self.judge_saying(environment, bake, |_| ())
+    }
+
+    /// Does the same and says what it begins, in a few words.
+    pub fn judge_saying(
+        &self,
+        environment: &Environment,
+        bake: &Bake,
+        doing: impl Fn(&'static str),
+    ) -> Result<Judged, String> {
+        let mut convention = self.convention.clone();
+        let kernel = Kernel::new(self.brdf, self.weight, convention.masking);
+        let alphas = bake.specular.as_ref().map_or(Ok(Vec::new()), |map| convention.alphas(map.levels.len()))?;
+        doing("integrating the exact maps");
+        // Surfaces of an image are of other widths than the levels.
+        let truth = &Truth::judging(environment, kernel, &[&alphas[..], &image::ALPHAS].concat());
+        doing("comparing the axes");
+        let mut axes = Vec::new();
+        if let Some(map) = &bake.specular {
+            axes.push(("prefiltered map", guess::axes(truth, map, &convention)?));
+        }
+        if let Some(map) = &bake.irradiance {
+            axes.push((IRRADIANCE, guess::irradiance_axes(truth, map)));
+        }
+        let mut table_way = None;
+        if self.is_guessed {
+            if let Some((_, fits)) = axes.first() {
+                convention.axes = fits[0].axes;
+            }
+            if let Some(image) = &bake.dfg {
+                doing("searching the conventions of the DFG table");
+                let found = table::search(image, self.brdf);
+                let best = &found[0];
+                (convention.table_axes, convention.table_channels) = (best.axes, best.channels);
+                convention.masking = best.masking;
+                table_way = Some(format!("{best}; next {}", found[1]));
+            }
+        }
+        doing("scoring levels");
+        let levels = match &bake.specular {
+            Some(map) => level::score(truth, map, &convention)?,
+            None => Vec::new(),
+        };
+        // The integral itself, where a level is worst.
+        let wide = levels.iter().filter(|level| super::has_width(level.alpha));
+        let worst = wide.max_by(|a, b| a.errors.relmse.total_cmp(&b.errors.relmse));
+        let spot_check =
+            worst.map(|level| truth.spot_check(level.alpha, &[level.worst.direction, DVec3::X, -DVec3::Z]));
+        doing("scoring diffuse maps and the DFG table");
+        let mut judged = Judged {
+            irradiance: bake.irradiance.as_ref().map(|map| level::score_irradiance(truth, map, &convention)),
+            dfg: bake.dfg.as_ref().map(|image| table::score(image, self.brdf, &convention)),
+            sh: bake.sh.as_ref().map(|found| sh::score(truth, found, convention.axes)),
+            image: Vec::new(),
+            convention,
+            axes,
+            table_way,
+            levels,
+            spot_check,
+        };
+        // A width or a gain would explain nothing of another light, or of other axes.
+        if judged.axes.iter().any(|(what, fits)| judged.doubt(what, fits).is_some()) {
+            judged.levels.iter_mut().chain(&mut judged.irradiance).for_each(LevelScore::doubt);
+            judged.sh.iter_mut().for_each(ShScore::doubt);
+        }
+        if self.has_image {
+            doing("shading images with the bake");
+            judged.image = image::score(truth, bake, &judged.convention)?;
+        }
+        Ok(judged)
+    }
+}
+
+impl Judged {
+    /// What the axes that fit a map best say of those that were used, and of the light; `None` if nothing speaks against them.
+    pub fn doubt(&self, what: &str, fits: &[AxesFit]) -> Option<String> {
+        let used: Axes = self.convention.axes;
+        let hint =
+            if what == IRRADIANCE { "; if it is the map itself as a cube of one level: specular=FILE" } else { "" };
+        // A level that holds its integral is of this light, and with a constant light nothing correlates.
+        let is_wrong = self.levels.iter().chain(&self.irradiance).all(|score| score.errors.relmse > GOOD);
+        if is_wrong && fits[0].correlation < guess::SAME_LIGHT {
+            let (axes, correlation) = (fits[0].axes, fits[0].correlation);
+            return Some(format!(
+                "it seems to be a bake of another map: no axes fit this one (the best, {axes}, with correlation {correlation:.2}){hint}"
+            ));
+        }
+        let own = *fits.iter().find(|fit| fit.axes == used)?;
+        let is_doubtful = fits[0].axes != used && guess::is_clear(fits[0], own);
+        is_doubtful.then(|| {
+            format!(
+                "axes {} fit it far better than {used} (correlation {:.4}, not {:.4}): --axes={} or --guess{hint}",
+                fits[0].axes, fits[0].correlation, own.correlation, fits[0].axes
+            )
+        })
+    }
+}

@@ -1,0 +1,40 @@
+//! What a program pays that uses the crate without its features: few crates, no C++, no Vulkan.
+
+use std::collections::BTreeSet;
+use std::path::Path;
+use std::process::Command;
+
+/// Crates of a build without features, this one among them.
+const CRATES_MAX: usize = 60;
+/// Lines of an example.
+const LINES_MAX: usize = 25;
+
+fn crates(arguments: &[&str]) -> BTreeSet<String> {
+    let tree = ["tree", "--offline", "--locked", "--edges", "normal,build", "--prefix", "none", "--no-dedupe"];
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let output = Command::new(env!("CARGO")).args(tree).args(arguments).current_dir(root).output().unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    String::from_utf8(output.stdout).unwrap().lines().map(str::to_owned).collect()
+}
+
+#[test]
+fn the_cpu_part_needs_few_crates_and_no_device() {
+    let has = |crates: &BTreeSet<String>, name: &str| crates.iter().any(|line| line.starts_with(&format!("{name} v")));
+    let found = crates(&["--no-default-features"]);
+    assert!(found.len() <= CRATES_MAX, "{} crates: {found:#?}", found.len());
+    let device = ["ash", "glslang-sys", "gltf", "clap"];
+    assert!(device.iter().all(|name| !has(&found, name)), "{found:#?}");
+    let whole = crates(&[]);
+    assert!(device.iter().all(|name| has(&whole, name)), "{whole:#?}");
+}
+
+#[test]
+fn examples_are_short() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples");
+    let files: Vec<_> = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect();
+    assert!(files.len() >= 5, "{files:?}");
+    for file in files {
+        let lines = std::fs::read_to_string(&file).unwrap().lines().count();
+        assert!(lines <= LINES_MAX, "{}: {lines} lines", file.display());
+    }
+}
