@@ -12,9 +12,10 @@
 
 use super::{Brdf, SHORT_TAILED, g1_rational, sin2_cos2};
 use crate::glsl::constants::TILT_MIN;
-use crate::math::erf::{erf_inverse, erfc};
+use crate::math::erf::erf_inverse;
 use crate::math::sampling::direction_from_polar;
 use glam::{DVec2, DVec3};
+use libm::erfc;
 use std::f64::consts::PI;
 
 /// No slope is steeper, in units of alpha: `erfc` there is 4e-20.

@@ -6,7 +6,10 @@ use super::value::{Kind, Raw, Value};
 use serde::Deserialize;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue, ValueDeserializer};
-use toml_parser::parser::{Event, parse_document};
+use toml_parser::parser::{Event, RecursionGuard, parse_document};
+
+/// Levels of nested brackets, as the crate `toml` allows them.
+const DEPTH_MAX: u32 = 80;
 
 /// A key, its value and the place of the key.
 pub type Entry<'t, 'i> = (&'t str, &'t Spanned<DeValue<'i>>, Place);
@@ -15,7 +18,9 @@ pub type Entry<'t, 'i> = (&'t str, &'t Spanned<DeValue<'i>>, Place);
 /// line, since a parser finds all sorts of things behind it.
 pub fn parsed<'t>(text: &'t str, faults: &mut Faults) -> Spanned<DeTable<'t>> {
     let mut errors = Vec::new();
-    parse_document(&toml_parser::Source::new(text).lex().into_vec(), &mut |_: Event| {}, &mut errors);
+    let mut ignored = |_: Event| {};
+    let mut receiver = RecursionGuard::new(&mut ignored, DEPTH_MAX);
+    parse_document(&toml_parser::Source::new(text).lex().into_vec(), &mut receiver, &mut errors);
     let line_start = |at: usize| text[..at].rfind('\n').map_or(0, |newline| newline + 1);
     let unclosed = errors.iter().filter(|error| error.description().starts_with("unclosed"));
     let mut end = text.len();
@@ -30,7 +35,8 @@ pub fn parsed<'t>(text: &'t str, faults: &mut Faults) -> Spanned<DeTable<'t>> {
     for error in &errors {
         let span = error.span().unwrap_or_default();
         faults.add_with(&Place::File(span.start), || match (error.message(), text.get(span.clone())) {
-            ("duplicate key", Some(key)) => format!("not TOML: the key {key} stands twice"),
+            ("duplicate key", Some(key)) => format!("not TOML: the key {key} is written twice"),
+            (message, _) if message.contains("recurs") => format!("not TOML: nested deeper than {DEPTH_MAX} levels"),
             (message, _) => format!("not TOML: {message}"),
         });
     }

@@ -5,7 +5,7 @@
 //! small n the recurrence `I_x(n, 1/2) = I_x(n + 1, 1/2) + x^n √(1 - x) / (n B(n, 1/2))`, a sum of positive terms, leads up to a large
 //! one. The exponent n - 1/4 is what makes S even.
 
-use super::erf::erfc;
+use libm::erfc;
 use std::f64::consts::PI;
 
 /// Coefficients of `u^(2j)` in S(u).

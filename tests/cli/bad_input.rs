@@ -180,6 +180,24 @@ fn an_experiment_with_faults_lists_them_with_places() {
     }
 }
 
+/// Deep nesting of any kind ends in a message, not in an overflow of the stack.
+#[test]
+fn deep_nesting_is_a_fault() {
+    const DEPTH: usize = 20_000;
+    let dir = tempfile::tempdir().unwrap();
+    let pairs = [("[", "]"), ("{a=", "}"), ("[{a=", "}]")];
+    let values = pairs.map(|(open, close)| format!("alpha = {}1{}", open.repeat(DEPTH), close.repeat(DEPTH)));
+    let unclosed = pairs.map(|(open, _)| format!("alpha = {}", open.repeat(DEPTH)));
+    let keys = [format!("{}a = 1", "a.".repeat(DEPTH)), format!("[{}a]", "a.".repeat(DEPTH))];
+    for line in values.into_iter().chain(unclosed).chain(keys) {
+        std::fs::write(dir.path().join("e.toml"), format!("name = \"e\"\n[axes]\n{line}\n")).unwrap();
+        let output = splitsum(dir.path(), &["plan", "e.toml"]);
+        let message = stderr(&output);
+        assert_eq!(output.status.code(), Some(2), "{line:.40}: {message}");
+        assert!(message.contains("nested deeper than 80 levels") || message.contains("is not closed"), "{message}");
+    }
+}
+
 /// Values that do not go together do not hide a question that cannot be answered.
 #[test]
 fn what_is_asked_and_what_is_set_are_judged_together() {

@@ -2,9 +2,9 @@
 
 use crate::chi_square::{Random, fit_of_half_vectors};
 use glam::{DVec2, DVec3};
+use libm::erfc;
 use rayon::prelude::*;
 use splitsum::brdf::{self, Brdf, MODELS, MaskingShadowing};
-use splitsum::math::erf::erfc;
 use splitsum::math::quadrature::{Rectangle, Tolerance, integrate_columns};
 use splitsum::math::sampling::{direction_from_polar, hammersley};
 use splitsum::precompute::dfg::reference::dfg;

@@ -1,8 +1,9 @@
 //! Frames, point sets, special functions, quadrature, spherical harmonics, the equirectangular mapping.
 
 use glam::{DVec2, DVec3};
+use libm::{erf, erfc};
 use splitsum::math::equirect::{direction_from_uv, texel_solid_angle, uv_from_direction};
-use splitsum::math::erf::{erf, erfc};
+use splitsum::math::erf::erf_inverse;
 use splitsum::math::frame::Frame;
 use splitsum::math::incomplete_beta::{gamma_ratio_half, incomplete_beta_half};
 use splitsum::math::quadrature::{Bounded, GaussLegendre, Rectangle, Tolerance, integrate_rectangle};
@@ -78,7 +79,7 @@ fn cosine_samples_have_the_moments_of_their_density() {
 }
 
 #[test]
-fn error_function_matches_published_digits() {
+fn error_function_and_its_inverse_match_published_digits() {
     // Abramowitz and Stegun, table 7.1; NIST DLMF 7.
     for (x, value) in [
         (0.1, 0.112_462_916_018_284_9),
@@ -88,9 +89,15 @@ fn error_function_matches_published_digits() {
     ] {
         assert!((erf(x) - value).abs() < 3e-16 && (erf(-x) + value).abs() < 3e-16, "erf({x}) = {}", erf(x));
     }
-    // erfc(3), erfc(5): the tail keeps its relative precision.
-    for (x, value) in [(3.0, 2.209_049_699_858_544e-5), (5.0, 1.537_459_794_428_035e-12)] {
-        assert!((erfc(x) / value - 1.0).abs() < 1e-13, "erfc({x}) = {}", erfc(x));
+    // The tail keeps its relative precision.
+    for (x, value) in
+        [(3.0, 2.209_049_699_858_544_1e-5), (5.0, 1.537_459_794_428_034_9e-12), (26.0, 5.663_192_408_856_143e-296)]
+    {
+        assert!((erfc(x) / value - 1.0).abs() < 5e-16, "erfc({x}) = {}", erfc(x));
+    }
+    for x in [1e-3, 0.5, 2.0, 5.0] {
+        let found = erf_inverse(-erf(x), erfc(x) * (1.0 + erf(x)));
+        assert!((found / -x - 1.0).abs() < 1e-14, "erf_inverse(erf({})) = {found}", -x);
     }
 }
 

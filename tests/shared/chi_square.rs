@@ -1,7 +1,7 @@
 //! Pearson's chi-square test, and points random enough for it: for the samplers of the host and of the device.
 
 use glam::{DVec2, DVec3};
-use splitsum::math::erf::erfc;
+use libm::erfc;
 use splitsum::math::sampling::direction_from_polar;
 use std::f64::consts::TAU;
 

@@ -332,8 +332,8 @@ fn a_key_that_stands_twice_hides_no_other_fault() {
         &[
             "e.toml:6:26: prefilter_level_count is 9, but",
             "e.toml:10:10: timing.rounds: 0 is outside [1, 100000]",
-            "e.toml:11:1: not TOML: the key rounds stands twice",
-            "e.toml:12:2: not TOML: the key axes stands twice",
+            "e.toml:11:1: not TOML: the key rounds is written twice",
+            "e.toml:12:2: not TOML: the key axes is written twice",
         ],
     );
 }
