@@ -97,7 +97,7 @@ fn error_function_and_its_inverse_match_published_digits() {
     }
     for x in [1e-3, 0.5, 2.0, 5.0] {
         let found = erf_inverse(-erf(x), erfc(x) * (1.0 + erf(x)));
-        assert!((found / -x - 1.0).abs() < 1e-14, "erf_inverse(erf({})) = {found}", -x);
+        assert!((found + x).abs() < 1e-14 * x.max(0.1), "erf_inverse(erf({})) = {found}", -x);
     }
 }
 
