@@ -15,7 +15,6 @@ const LINES: usize = 3;
 /// The longest name of a step below an axis, pixels.
 const UPRIGHT_LONGEST: f64 = 120.0;
 
-/// A label with its value.
 #[derive(Clone, Debug, PartialEq)]
 struct Label {
     value: f64,
@@ -32,7 +31,6 @@ pub struct Labels {
     pub depth: f64,
 }
 
-/// Numbers on one line each.
 fn numbers(found: Vec<Tick>) -> Vec<Label> {
     found.into_iter().map(|(value, full)| Label { value, lines: vec![full.clone()], full }).collect()
 }
@@ -83,7 +81,6 @@ impl Labels {
         LABEL.widest(self.all.iter().flat_map(|label| &label.lines))
     }
 
-    /// The labelled values.
     pub fn values(&self) -> Vec<f64> {
         self.all.iter().map(|label| label.value).collect()
     }
@@ -98,7 +95,6 @@ impl Labels {
         self.all.iter().map(|label| label.lines.len()).max().unwrap_or(1) as f64 * LABEL.line()
     }
 
-    /// Words below a panel.
     pub fn words_below(&self, axis: &Axis, bottom: f64, [left, right]: [f64; 2]) -> Vec<Words> {
         let words = self.all.iter().flat_map(|label| {
             let (at, anchor, y) = match self.is_upright {

@@ -116,7 +116,6 @@ pub enum Shape {
 }
 
 impl Figure {
-    /// The marks of all panels.
     fn marks(&self) -> impl Iterator<Item = &Mark> {
         self.panels.iter().flat_map(|panel| &panel.marks)
     }
@@ -159,7 +158,6 @@ impl Scale {
         Some(Self { label: label.to_owned(), kind: ScaleKind::Linear { lo: lo - pad, hi: hi + pad } })
     }
 
-    /// Named steps.
     pub fn steps(label: &str, names: Vec<String>) -> Self {
         Self { label: label.to_owned(), kind: ScaleKind::Steps(names) }
     }

@@ -22,7 +22,6 @@ pub const WIDTHS: [u32; 2] = [760, 360];
 /// A figure has at least this width.
 const NARROWEST: u32 = 240;
 
-/// An SVG document of that width.
 pub fn svg(figure: &Figure, width: u32) -> String {
     let layout = layout(figure, f64::from(width.max(NARROWEST)));
     let (width, height) = (px(layout.width), px(layout.height.ceil()));

@@ -52,7 +52,6 @@ impl<T: Copy> Pixels<T> {
         Self { width, height, data }
     }
 
-    /// An image of one value.
     pub fn filled(width: u32, height: u32, value: T) -> Self {
         Self { width, height, data: vec![value; width as usize * height as usize] }
     }

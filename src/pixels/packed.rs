@@ -23,7 +23,6 @@ pub struct Encoded {
     pub clamped_count: usize,
 }
 
-/// Encodes an image.
 pub fn texels<const N: usize>(image: &Pixels<[f32; N]>) -> Encoded {
     let clamped_count = image.data.iter().flatten().filter(|value| **value > HALF_MAX).count();
     let halves: Vec<[u16; N]> =

@@ -22,10 +22,8 @@ pub enum WriteError {
     Json { path: PathBuf, error: serde_json::Error },
 }
 
-/// One answer in words.
 #[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
 pub struct ToldAnswer {
-    /// Key of the question.
     pub question: String,
     pub asks: String,
     pub sentence: String,
@@ -47,7 +45,6 @@ pub struct AnswerRecord {
     /// Of the last invocation; empty where it is not known.
     pub commit: String,
     pub is_cpu_timed: bool,
-    /// Files of the folder.
     pub files: Vec<String>,
 }
 

@@ -83,7 +83,6 @@ pub const RELATIVE_ERROR: ColorScale = ColorScale { palette: Palette::Magma, ran
 /// For signed relative error: blue where the test is too dark, red where it is too bright.
 pub const SIGNED_ERROR: ColorScale =
     ColorScale { palette: Palette::BlueRed, range: Range::Linear { lo: -0.5, hi: 0.5 } };
-/// For FLIP maps.
 pub const FLIP_ERROR: ColorScale = ColorScale { palette: Palette::Magma, range: Range::Linear { lo: 0.0, hi: 1.0 } };
 
 /// Parts that the ticks cut a linear range into.

@@ -1,17 +1,14 @@
-//! Tidy tables on disk (CSV, RFC 4180, UTF-8, `\n`): one header, one row a case, appended as each case finishes.
-//!
-//! Never torn: a row is handed to the system in one append of the whole line, so a killed program leaves whole rows. What a
-//! crash of the machine cuts off is found by [`TableWriter::resume`] and removed.
+//! Tidy tables on disk (CSV, RFC 4180, UTF-8, `\n`): one header, one row a case.
 //!
 //! Numbers are written with the fewest digits that read back to the same f64; infinities as `inf` and `-inf`, which pandas,
 //! R and DuckDB read. A missing value is an empty cell. Text that a spreadsheet would take for a formula is written with an apostrophe
 //! before it, and read back without; see [`guarded`].
 
-use crate::files::{open_regular, read_regular};
+use crate::files::open_regular;
 use std::borrow::Cow;
 use std::collections::HashMap;
-use std::fs::{File, OpenOptions};
-use std::io::{Read, Seek, Write};
+use std::fs::File;
+use std::io::{Read, Seek};
 use std::path::{Path, PathBuf};
 
 /// One value of a row.
@@ -123,8 +120,6 @@ pub enum TableError {
     File { path: PathBuf, source: std::io::Error },
     #[error("{}: {source}", path.display())]
     Syntax { path: PathBuf, source: ::csv::Error },
-    #[error("{}: the columns are {found:?}, expected {expected:?}; the table belongs to another plan", path.display())]
-    Columns { path: PathBuf, found: Vec<String>, expected: Vec<String> },
     #[error("{}: row {row}, column {column}: {value:?} is not a number", path.display())]
     Number { path: PathBuf, row: usize, column: String, value: String },
     #[error("{}: ends within a row; expected a whole table", path.display())]
@@ -136,89 +131,26 @@ pub enum TableError {
 /// A whole table as text, for what is written in one piece.
 pub fn to_text<'r>(columns: &[String], rows: impl IntoIterator<Item = &'r [Cell]>) -> Vec<u8> {
     let mut writer = ::csv::Writer::from_writer(Vec::new());
-    let mut write = |fields: &[String]| writer.write_record(fields).expect("memory takes rows of equal length");
-    write(columns);
+    writer.write_record(columns).expect("memory takes rows of equal length");
     for row in rows {
-        assert_eq!(row.len(), columns.len(), "cells of a row");
-        write(&row.iter().map(Cell::field).collect::<Vec<_>>());
+        writer.write_record(row.iter().map(Cell::field)).expect("memory takes rows of equal length");
     }
     writer.into_inner().expect("memory can be flushed")
 }
 
-/// Appends rows to a table file.
-#[derive(Debug)]
-pub struct TableWriter {
-    path: PathBuf,
-    file: File,
-    column_count: usize,
-}
-
-impl TableWriter {
-    /// Starts a table: replaces the file and writes the header.
-    pub fn create(path: &Path, columns: &[&str]) -> Result<Self, TableError> {
-        let file = File::create(path).map_err(|source| file_error(path, source))?;
-        let mut writer = Self { path: path.to_owned(), file, column_count: columns.len() };
-        writer.write_line(columns)?;
-        Ok(writer)
+/// Writes a table row by row: whole, it may take many times the memory of what it is made of.
+pub fn write<E: From<TableError>>(
+    path: &Path,
+    columns: &[String],
+    rows: impl IntoIterator<Item = Result<Vec<Cell>, E>>,
+) -> Result<(), E> {
+    let fault = |source: ::csv::Error| TableError::Syntax { path: path.to_owned(), source };
+    let mut writer = ::csv::Writer::from_path(path).map_err(fault)?;
+    writer.write_record(columns).map_err(fault)?;
+    for row in rows {
+        writer.write_record(row?.iter().map(Cell::field)).map_err(fault)?;
     }
-
-    /// Continues a table: removes a torn last line, checks the header and returns the rows that are there. A file that does not
-    /// exist, or ends inside its header, is started.
-    pub fn resume(path: &Path, columns: &[&str]) -> Result<(Self, Table), TableError> {
-        let mut file = OpenOptions::new()
-            .create(true)
-            .truncate(false)
-            .read(true)
-            .append(true)
-            .open(path)
-            .map_err(|source| file_error(path, source))?;
-        let mut bytes = Vec::new();
-        file.read_to_end(&mut bytes).map_err(|source| file_error(path, source))?;
-        let whole = whole_lines(&bytes);
-        let names: Vec<String> = columns.iter().map(|&name| name.to_owned()).collect();
-        let table = match whole {
-            0 => Table { path: path.to_owned(), columns: names.clone(), rows: Vec::new() },
-            _ => Table::parse(path, &bytes[..whole])?,
-        };
-        // Before anything is removed: the file may be someone else's.
-        if table.columns != names {
-            return Err(TableError::Columns { path: path.to_owned(), found: table.columns, expected: names });
-        }
-        file.set_len(whole as u64).map_err(|source| file_error(path, source))?;
-        let mut writer = Self { path: path.to_owned(), file, column_count: columns.len() };
-        if whole == 0 {
-            writer.write_line(columns)?;
-        }
-        Ok((writer, table))
-    }
-
-    /// Appends one row. Panics when the number of cells is not that of the columns: the plan makes both.
-    pub fn append(&mut self, cells: &[Cell]) -> Result<(), TableError> {
-        assert_eq!(cells.len(), self.column_count, "cells of a row of {}", self.path.display());
-        let fields: Vec<String> = cells.iter().map(Cell::field).collect();
-        self.write_line(&fields)
-    }
-
-    fn write_line<T: AsRef<[u8]>>(&mut self, fields: &[T]) -> Result<(), TableError> {
-        let mut line = ::csv::Writer::from_writer(Vec::new());
-        line.write_record(fields).map_err(|source| TableError::Syntax { path: self.path.clone(), source })?;
-        let bytes = line.into_inner().map_err(|error| file_error(&self.path, error.into_error()))?;
-        self.file.write_all(&bytes).and_then(|()| self.file.flush()).map_err(|source| file_error(&self.path, source))
-    }
-}
-
-/// Length of the leading bytes that are whole lines. A line break inside quotes does not end a line.
-fn whole_lines(bytes: &[u8]) -> usize {
-    let (mut is_quoted, mut whole) = (false, 0);
-    for (i, byte) in bytes.iter().enumerate() {
-        match byte {
-            // A doubled quote inside quotes switches twice.
-            b'"' => is_quoted = !is_quoted,
-            b'\n' if !is_quoted => whole = i + 1,
-            _ => {}
-        }
-    }
-    whole
+    Ok(writer.flush().map_err(|source| file_error(path, source))?)
 }
 
 /// A table read back.
@@ -229,17 +161,16 @@ pub struct Table {
     pub rows: Vec<Vec<String>>,
 }
 
-/// Largest table that is read, bytes: a million rows of a kilobyte.
-const MAX_FILE_BYTES: u64 = 1 << 30;
-
 impl Table {
     /// Reads a whole table; every row must have as many cells as the header, and the last line must be whole.
     pub fn read(path: &Path) -> Result<Self, TableError> {
-        let bytes = read_regular(path, MAX_FILE_BYTES).map_err(|source| file_error(path, source))?;
-        if whole_lines(&bytes) < bytes.len() {
-            return Err(TableError::Torn { path: path.to_owned() });
-        }
-        Self::parse(path, &bytes)
+        let mut table = TableRows::open(path)?;
+        let mut rows = Vec::new();
+        table.each(|row| {
+            rows.push(row.record.iter().map(|field| unguarded(field).to_owned()).collect());
+            Ok(())
+        })?;
+        Ok(Self { path: table.path, columns: table.columns, rows })
     }
 
     /// The file that the table was read from.
@@ -247,17 +178,6 @@ impl Table {
         &self.path
     }
 
-    fn parse(path: &Path, bytes: &[u8]) -> Result<Self, TableError> {
-        let syntax_error = |source| TableError::Syntax { path: path.to_owned(), source };
-        let fields =
-            |record: &::csv::StringRecord| record.iter().map(|field| unguarded(field).to_owned()).collect::<Vec<_>>();
-        let mut reader = ::csv::Reader::from_reader(bytes);
-        let columns = fields(reader.headers().map_err(syntax_error)?);
-        let rows: Result<_, _> = reader.records().map(|record| record.map(|record| fields(&record))).collect();
-        Ok(Self { path: path.to_owned(), columns, rows: rows.map_err(syntax_error)? })
-    }
-
-    /// The place of a column.
     pub fn column(&self, name: &str) -> Result<usize, TableError> {
         self.columns.iter().position(|column| column == name).ok_or_else(|| TableError::NoColumn {
             path: self.path.clone(),

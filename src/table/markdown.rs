@@ -6,9 +6,7 @@ use std::fmt::{self, Write};
 /// Side on which the cells of a column line up.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Align {
-    /// Names.
     Left,
-    /// Numbers.
     Right,
 }
 

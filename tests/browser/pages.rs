@@ -7,8 +7,8 @@ use crate::fixture::{
     write_page,
 };
 use serde_json::{Value, json};
+use splitsum::report::page::PageOptions;
 use splitsum::report::page::images::{Choice, Window};
-use splitsum::report::page::{PageError, PageOptions, check_out};
 use splitsum::table::csv::Table;
 use std::path::{Path, PathBuf};
 
@@ -255,15 +255,4 @@ fn values_that_round_to_the_same_keep_their_digits() {
     // A bare number in a label says what it is.
     assert!(text.contains("bias 1.292") && !text.contains("1.29248"), "{text}");
     assert_clean(&page);
-}
-
-#[test]
-fn a_page_is_written_over_a_page_alone() {
-    let dir = tempfile::tempdir().unwrap();
-    let run = finished_run(dir.path(), "run", None);
-    let report = page_of(&run, Choice::None);
-    assert!(check_out(&report).is_ok());
-    assert!(matches!(check_out(dir.path()), Err(PageError::OutIsFolder { .. })));
-    assert!(matches!(check_out(&run.join("errors.csv")), Err(PageError::NotAReport { .. })));
-    assert!(check_out(&dir.path().join("new.html")).is_ok());
 }

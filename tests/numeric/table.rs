@@ -1,12 +1,12 @@
 //! Tables on disk and in Markdown, and the colours of error maps.
 
+use crate::snapshot::assert_snapshot;
 use splitsum::pixels::GrayImage;
 use splitsum::table::colormap::{
     ColorScale, FLIP_ERROR, NAN_COLOR, OFF_MASK_COLOR, Palette, RELATIVE_ERROR, Range, SIGNED_ERROR,
 };
-use splitsum::table::csv::{Cell, Table, TableError, TableWriter, guarded, to_text, unguarded};
+use splitsum::table::csv::{Cell, Table, guarded, to_text, unguarded};
 use splitsum::table::markdown::{Align, MarkdownTable, inline, link, paragraph, significant};
-use std::io::Write;
 
 const COLUMNS: [&str; 3] = ["method", "rmse", "samples"];
 
@@ -25,20 +25,22 @@ fn rows() -> Vec<[Cell; 3]> {
 fn csv_bytes_are_exact() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("errors.csv");
-    let mut writer = TableWriter::create(&path, &COLUMNS).unwrap();
-    for (i, row) in rows().iter().enumerate() {
-        writer.append(row).unwrap();
-        // Each row is in the file while the writer lives.
-        assert_eq!(Table::read(&path).unwrap().rows.len(), i + 1);
-    }
+    let text = to_text(&COLUMNS.map(str::to_owned), rows().iter().map(|row| &row[..]));
     let expected = "method,rmse,samples\nsplit-sum,0.1,0\n\"a,b \"\"quoted\"\"\nsecond line\",0.3333333333333333,\
                     18446744073709551615\n'=1+1,inf,4\n,,\nünïcödé α,-1.5e-300,16\n";
-    assert_eq!(std::fs::read_to_string(&path).unwrap(), expected);
+    assert_eq!(String::from_utf8(text.clone()).unwrap(), expected);
+    std::fs::write(&path, &text).unwrap();
     let table = Table::read(&path).unwrap();
     assert_eq!(table.columns, COLUMNS);
     assert_eq!(table.rows[1][0], "a,b \"quoted\"\nsecond line");
     let numbers = [Some(0.1), Some(1.0 / 3.0), Some(f64::INFINITY), None, Some(-1.5e-300)];
     assert_eq!(table.numbers("rmse").unwrap(), numbers);
+    // Wherever a file is cut, it is refused, or what is left of it are whole rows.
+    for cut in 0..text.len() {
+        std::fs::write(&path, &text[..cut]).unwrap();
+        let is_whole = Table::read(&path).is_ok_and(|cut| table.rows.starts_with(&cut.rows));
+        assert!(is_whole || Table::read(&path).is_err(), "cut after {cut} bytes");
+    }
 }
 
 #[test]
@@ -68,12 +70,10 @@ fn no_text_is_a_formula_and_all_of_it_comes_back() {
 fn csv_numbers_read_back_exactly() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("numbers.csv");
-    let mut writer = TableWriter::create(&path, &["x"]).unwrap();
     let mut numbers = vec![f64::MIN_POSITIVE, 5e-324, f64::MAX, 1e16, 9.999e15, 1e-5, 9.9e-6, 0.1 + 0.2, -0.0, 1e23];
     numbers.extend((1u64..200).map(|i| f64::from_bits(i.wrapping_mul(0x9e37_79b9_7f4a_7c15) & !(1 << 62))));
-    for number in &numbers {
-        writer.append(&[Cell::Number(*number)]).unwrap();
-    }
+    let rows: Vec<[Cell; 1]> = numbers.iter().map(|number| [Cell::Number(*number)]).collect();
+    std::fs::write(&path, to_text(&["x".to_owned()], rows.iter().map(|row| &row[..]))).unwrap();
     let read = Table::read(&path).unwrap().numbers("x").unwrap();
     assert_eq!(read.len(), numbers.len());
     for (read, number) in read.into_iter().zip(numbers) {
@@ -84,44 +84,23 @@ fn csv_numbers_read_back_exactly() {
 }
 
 #[test]
-fn a_table_that_was_cut_anywhere_resumes_to_the_same_bytes() {
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("errors.csv");
-    let mut writer = TableWriter::create(&path, &COLUMNS).unwrap();
-    rows().iter().for_each(|row| writer.append(row).unwrap());
-    let whole = std::fs::read(&path).unwrap();
-    for cut in 0..=whole.len() {
-        std::fs::write(&path, &whole[..cut]).unwrap();
-        let (mut writer, table) = TableWriter::resume(&path, &COLUMNS).unwrap();
-        assert!(table.rows.iter().all(|row| row.len() == COLUMNS.len()));
-        rows()[table.rows.len()..].iter().for_each(|row| writer.append(row).unwrap());
-        assert_eq!(std::fs::read(&path).unwrap(), whole, "cut after {cut} bytes");
-    }
-    std::fs::remove_file(&path).unwrap();
-    assert!(TableWriter::resume(&path, &COLUMNS).unwrap().1.rows.is_empty());
-}
-
-#[test]
 fn table_errors_name_file_and_place() {
     let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("errors.csv");
-    let mut writer = TableWriter::create(&path, &COLUMNS).unwrap();
-    rows().iter().for_each(|row| writer.append(row).unwrap());
-    // Torn, and of another plan: not ours to repair.
-    std::fs::OpenOptions::new().append(true).open(&path).unwrap().write_all(b"torn").unwrap();
-    let before = std::fs::read(&path).unwrap();
-    let error = TableWriter::resume(&path, &["method", "mae"]).unwrap_err();
-    assert!(matches!(error, TableError::Columns { .. }) && error.to_string().contains("errors.csv"));
-    assert_eq!(std::fs::read(&path).unwrap(), before, "a table of another plan must stay as it was");
-    let (_, table) = TableWriter::resume(&path, &COLUMNS).unwrap();
-    let message = table.numbers("method").unwrap_err().to_string();
-    assert!(message.contains("row 1, column method: \"split-sum\" is not a number"), "{message}");
-    assert!(table.column("rms").unwrap_err().to_string().contains("no column \"rms\""));
-    std::fs::write(&path, "a,b\n1,2\n3\n").unwrap();
-    let message = Table::read(&path).unwrap_err().to_string();
-    assert!(message.contains("line: 3"), "{message}");
-    let missing = TableWriter::create(&folder.path().join("no/such/folder.csv"), &COLUMNS).unwrap_err().to_string();
-    assert!(missing.contains("no/such/folder.csv"), "{missing}");
+    let read = |text: &str| {
+        std::fs::write(folder.path().join("t.csv"), text).unwrap();
+        Table::read(&folder.path().join("t.csv"))
+    };
+    let table = read("method,rmse\nsplit-sum,1\n").unwrap();
+    let faults = [
+        table.numbers("method").unwrap_err(),
+        table.column("rms").unwrap_err(),
+        read("a,b\n1,2\n3\n").unwrap_err(),
+        read("a,b\n1,2\n3,").unwrap_err(),
+        read("a,b\n1,\"2\n").unwrap_err(),
+        Table::read(&folder.path().join("none.csv")).unwrap_err(),
+    ];
+    let faults = faults.map(|fault| fault.to_string().replace(&format!("{}/", folder.path().display()), ""));
+    assert_snapshot("tables_that_are_refused", &faults.join("\n"));
 }
 
 #[test]

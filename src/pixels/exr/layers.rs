@@ -4,7 +4,6 @@ use crate::pixels::file::Fault;
 use ::exr::meta::header::Header;
 use std::collections::{HashMap, HashSet};
 
-/// A layer with colour.
 pub(super) struct Layer {
     pub part: usize,
     /// What stands before the dot of its channels' names, else the name of the part.

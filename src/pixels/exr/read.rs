@@ -188,7 +188,6 @@ fn put<'t>(targets: impl Iterator<Item = &'t mut f32>, bytes: &[u8], kind: Sampl
     }
 }
 
-/// Converts from the primaries of the header.
 fn convert_to_rec709(rgb: &mut [[f32; 3]], header: &Header, warnings: &mut Vec<String>) {
     let xy = |Vec2(x, y): Vec2<f32>| DVec2::new(x.into(), y.into());
     let chromaticities = header.shared_attributes.chromaticities.map(|c| Chromaticities {

@@ -154,7 +154,6 @@ pub fn collect(runs: &[Told], choice: Choice, budget: usize) -> Result<ImageSet,
     Ok(set)
 }
 
-/// The scenes of the runs that are designs.
 fn designs(runs: &[Told]) -> HashSet<Value> {
     let scenes: HashSet<&Value> =
         runs.iter().flat_map(|run| &run.finished.cells).map(|cell| &cell.point[SCENE]).collect();

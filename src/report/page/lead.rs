@@ -82,7 +82,6 @@ fn case<'r, 'f>(told: &Told, frame: &'r Frame<'f>, lead: Option<usize>) -> Optio
     worst(&|row| is_shown(row) && draws_none(row)).or_else(|| worst(&draws_none)).or_else(|| worst(&|_| true))
 }
 
-/// The words of a case on the axes of a role.
 pub fn words(row: &Row, axes: &[PageAxis], role: Role) -> String {
     let word = |axis: &PageAxis| {
         let text = axis.text(row.cell)?;

@@ -38,7 +38,6 @@ pub struct Light {
     pub models: Vec<LiveModel>,
     /// Vertical field of view of the background behind an orthographic camera.
     pub fov_deg: f64,
-    /// The floor of alpha.
     pub alpha_min: f32,
     /// What is missing and why, one sentence each.
     pub notes: Vec<String>,
@@ -154,7 +153,6 @@ impl Light {
         }
     }
 
-    /// Bytes of all tables.
     fn bytes(&self) -> usize {
         let maps = self.environments.iter().flat_map(|e| {
             let prefiltered = e.prefiltered.iter().flat_map(|map| &map.levels);

@@ -44,7 +44,6 @@ impl PageOptions {
     }
 }
 
-/// A written page.
 #[derive(Debug)]
 pub struct Written {
     pub path: PathBuf,
@@ -156,7 +155,6 @@ pub fn write(options: &PageOptions, runs: &[Told]) -> Result<Written, PageError>
     Ok(Written { path: options.out.clone(), bytes, notes })
 }
 
-/// What the scripts need of a run.
 fn for_scripts(run: &Json) -> Json {
     let keys = ["label", "name", "link", "failures", "sheets", "shared"];
     keys.into_iter().map(|key| (key.to_owned(), run[key].clone())).collect::<serde_json::Map<_, _>>().into()
@@ -168,7 +166,6 @@ fn row_bytes(runs: &[Told]) -> usize {
     ROW_BYTES * runs.iter().map(|run| run.finished.cells.len()).sum::<usize>()
 }
 
-/// Bytes of a value in the page.
 fn json_bytes(value: &impl serde::Serialize) -> usize {
     serde_json::to_vec(value).map_or(0, |text| text.len())
 }

@@ -33,7 +33,6 @@ pub enum Role {
     Display,
 }
 
-/// An axis of the page.
 #[derive(Clone, Debug, serde::Serialize)]
 pub struct PageAxis {
     pub name: &'static str,

@@ -51,7 +51,6 @@ impl<'a> Told<'a> {
             .unwrap_or_else(|| self.finished.text("/name"))
     }
 
-    /// Device and driver.
     pub fn device(&self) -> String {
         format!("{} · {}", self.session("/device/name"), self.session("/device/driver"))
     }
@@ -147,7 +146,6 @@ pub fn repeats(runs: &[Told]) -> Vec<String> {
     (0..runs.len()).filter_map(say).collect()
 }
 
-/// The score of a cell by a metric.
 pub fn score(cell: &FinishedCell, metric: &dyn Metric) -> Option<f64> {
     cell.scores.as_ref()?.get(metric.description().name)
 }

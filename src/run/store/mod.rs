@@ -213,9 +213,7 @@ impl Store {
         rows: impl IntoIterator<Item = Result<Vec<csv::Cell>, StoreError>>,
     ) -> Result<(), StoreError> {
         let (path, part) = (self.dir.join(name), self.dir.join(format!("{name}.part")));
-        let columns: Vec<&str> = columns.iter().map(String::as_str).collect();
-        let mut writer = csv::TableWriter::create(&part, &columns)?;
-        rows.into_iter().try_for_each(|row| Ok::<_, StoreError>(writer.append(&row?)?))?;
+        csv::write(&part, columns, rows)?;
         std::fs::rename(&part, &path).map_err(|error| StoreError::Io { path, error })
     }
 
