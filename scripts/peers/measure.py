@@ -20,29 +20,29 @@ LABELS = {
 }
 OWN = {"linear 5": "splitsum", "linear 7": "splitsum, 7 levels", "quadratic 6": "splitsum, 6 levels, quadratic"}
 SPLIT = "exact tables: the split itself"
-BAKES_TITLE, SPEED_TITLE = "How good are the bakes of others?", "What splitsum costs beside its peers"
+BAKES_TITLE, SPEED_TITLE = "How wrong are the bakes of other tools?", "What splitsum costs compared with other tools"
 TITLES = {
     "image": """## The error in the image
 
 relMSE against the split sum with exact factors, median over maps; scene `design`, GGX, f0 1, with our DFG table. All cubes have 256
-texels a side; CPU s is the cost of one map ([speed](../speed/README.md) says what is timed).""",
+texels a side; CPU s is the cost of one map ([what is timed](../speed/README.md)).""",
     "level": """## Each level against its integral
 
 relMSE of the texels against the exact integral at the level's alpha (`splitsum check-bake`), and the range of the bias over maps. Our
-levels and the judge are the same convolution, so that our errors are those of rounding. `check-bake` holds three directions of each cube
-against adaptive cubature, too: under the studio they agree within 2e-5.""",
+levels and their judge are the same convolution, so our errors are rounding. `check-bake` also compares three directions of each cube with
+adaptive cubature: under the studio they agree within 2e-5.""",
     "cost": """## Prefiltered maps
 
 CPU seconds, user and system, of all threads, for a map of 1024x512. Bakers take turns, map by map; `over ours` is the median of the
 paired ratios.""",
     "dfg": """## DFG table
 
-256x256, correlated masking. Largest error and rms against the exact integral; then relMSE of the image with the table beside our own
-cube, under the first map. Ours is timed as the difference of two bakes.""",
+256x256, correlated masking. Largest error and rms against the exact integral; then relMSE of the image with the table and our own cube,
+under the first map. Our time is the difference of two bakes.""",
     "reference": """## Reference
 
-CPU seconds until relMSE 1e-3 of a metal ball, GGX at alpha 0.2, 128x128, under the first map. Each renderer is judged by its own image
-of many samples; start and compilation are left out.""",
+CPU seconds until relMSE 1e-3 of a metal ball, GGX at alpha 0.2, 128x128, under the first map. Each renderer is compared with its own
+image of many samples; start and compilation are excluded.""",
 }
 TARGET = 1e-3  # relMSE that references are timed to
 
@@ -208,7 +208,7 @@ def bakes_page(bakers, rows, pictures, map):
         seconds = f"{median(float(row['cpu_s']) for row in mine):.2g}" if mine else ""
         lines.append([label, seconds, *(error(pictures, prefiltered=name, dfg="splitsum", alpha=str(alpha)) for alpha in ALPHAS)])
     text = f"{TITLES['image']}\n\n{markdown(['baker', 'CPU s', *(f'alpha {alpha}' for alpha in ALPHAS)], lines)}\n"
-    text += f"![Spheres by alpha and baker](bakes.png)\n\nSpheres under {map.stem}, f0 1. With exact tables only the split is wrong.\n\n"
+    text += f"![Spheres by alpha and baker](bakes.png)\n\nSpheres under {map.stem}, f0 1. With exact tables only the split errs.\n\n"
     lines = []
     for name in names:
         for level in range(max(row["level"] for row in rows if row["baker"] == name) + 1):
