@@ -38,6 +38,7 @@ mod snapshot;
 mod study;
 mod table;
 mod tonemap;
+mod words;
 
 /// CPU time of this thread: what else a machine does leaves it as it is.
 pub fn cpu_time() -> std::time::Duration {
