@@ -1,15 +1,15 @@
 #!/bin/sh
-# Runs what others bake and render with beside splitsum, in one go, and writes tables of CPU seconds and errors:
+# Runs other bakers and renderers beside splitsum, and writes tables of CPU seconds and errors:
 #
 #     sh scripts/bench-peers.sh [--peers NAME,NAME...] [--out FOLDER] [MAP.hdr...]
 #
-# Peers are cmgen (Filament), khronos (glTF-IBL-Sampler), three (three.js in Chromium) and mitsuba. Each is installed where that is
-# possible: packages of Debian by apt-get, all else in a temporary folder that is removed at the end. What cannot be installed is named, and
-# the rest runs. BENCH_PEERS_WORK names a folder to keep instead, so that the next run need not download again;
-# SPLITSUM names a program in place of the one that is built.
+# Peers are cmgen (Filament), khronos (glTF-IBL-Sampler), three (three.js in Chromium) and mitsuba. The script installs
+# them: Debian packages by apt-get, the rest in a temporary folder that it removes at the end. It names a peer that it
+# cannot install, and runs the others. BENCH_PEERS_WORK names a folder to keep, so that the next run downloads nothing;
+# SPLITSUM names another program than the one it builds.
 # Bevy does not run: its build takes 40 CPU minutes. `scripts/check-clients.sh --bevy` has its filter.
-# Maps are those of experiments/environments; pages and tables go to runs/peers/bakes and runs/peers/speed (gitignored), or with
-# --out results to what is published. Ten maps take about 12 CPU minutes. Not part of scripts/test.sh.
+# The default maps are in experiments/environments. Pages and tables go to runs/peers/bakes and runs/peers/speed
+# (gitignored), or with --out results to the published ones. Ten maps take about 12 CPU minutes. Not part of scripts/test.sh.
 set -eu
 cd "$(dirname "$0")/.."
 . scripts/setup.sh

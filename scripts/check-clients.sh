@@ -40,7 +40,7 @@ for engine in bevy khronos cesium filament raw; do
 done
 "$program" bake marker.hdr --for khronos --format rgb9e5 --set prefilter_size=64x64 --set dfg_size=8 --out packed > /dev/null
 
-# KTX-Software's own validator, where it is installed. Our keys are no error, but a warning each (7010).
+# KTX-Software's own validator, if it is installed. Our keys give warnings (7010), not errors.
 if command -v ktx > ktx.log; then
     find . -name '*.ktx2' -exec sh -c 'ktx validate "$1" || echo "FAILED $1"' _ {} \; > ktx.log 2>&1
     if grep FAILED ktx.log; then cat ktx.log; exit 1; fi

@@ -1,5 +1,5 @@
 #!/bin/sh
-# Runs a small experiment in shards with cluster/Snakefile and compares the merged tables with those of one run.
+# Runs a small experiment in shards with cluster/Snakefile and compares the merged tables with the tables of one run.
 #
 #     sh scripts/cluster-test.sh local    # Snakemake on this machine
 #     sh scripts/cluster-test.sh slurm    # Snakemake over Slurm, which it installs, starts and stops (root)
@@ -118,7 +118,7 @@ say "one run"
 say "the same in shards, by Snakemake $("$venv/bin/snakemake" --version)"
 workflow >"$work/snakemake.log" 2>&1 || stop "FAILED: the workflow: $(cat "$work/snakemake.log")"
 for table in errors.csv errors_by_n_dot_v.csv images.csv; do
-    check "$table of the shards is that of one run" cmp "$work/out/$table" "$work/whole/$table"
+    check "$table of the shards equals the table of one run" cmp "$work/out/$table" "$work/whole/$table"
 done
 check "both faults were met" test -d "$work/first-1" -a -d "$work/first-2"
 check "a report" test -s "$work/out/report.html"

@@ -1,8 +1,9 @@
 #!/bin/sh
 # The tests without a device under AddressSanitizer: scripts/sanitize.sh [FILTER...]
 #
-# Without arguments those that read files of anyone's making, where the C libraries and the unsafe code of dependencies work.
-# Needs the nightly toolchain; without it the same tests run under valgrind. GPU drivers are no part of it: they are not built so.
+# Without arguments it runs the tests that read files from outside, where C libraries and unsafe code of dependencies
+# work. Needs the nightly toolchain; without it the same tests run under valgrind. GPU drivers are excluded: they are not
+# built with AddressSanitizer.
 set -eu
 cd "$(dirname "$0")/.."
 [ $# -gt 0 ] || set -- robustness:: pixels:: scene::obj table:: metrics::
@@ -10,7 +11,7 @@ cd "$(dirname "$0")/.."
 host=$(rustc -vV | sed -n 's/^host: //p')
 # A folder of its own, and `--target`, so that build scripts and macros are built without it.
 export CARGO_TARGET_DIR=target/sanitize
-# Two C libraries below define a table of the same name; what lives until the end of the process is no leak.
+# Two C libraries below define a table of the same name; memory that lives until the end of the process is not a leak.
 export ASAN_OPTIONS=detect_odr_violation=0:detect_leaks=0
 # Fewer mutated files: each costs several times as much here.
 export SPLITSUM_MUTATIONS="${SPLITSUM_MUTATIONS:-100}"

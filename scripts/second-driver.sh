@@ -1,17 +1,16 @@
 #!/bin/sh
-# Runs the device tests on a second driver: SwiftShader, which Debian's package chromium brings along. Tolerances are
-# those of the first driver.
+# Runs the device tests on a second driver: SwiftShader, which Debian's package chromium contains. Tolerances are
+# the same as on the first driver.
 #
 # Skips with one line and exit status 77 if SwiftShader is missing. SPLITSUM_SECOND_DRIVER names another manifest
 # (icd.json). Arguments go to the test binary: `sh scripts/second-driver.sh golden furnace` runs a part.
 #
-# Known limits of SwiftShader (that of chromium 156), none of which a tolerance hides:
+# Known limits of SwiftShader (from chromium 156); no tolerance hides them:
 # - Vertices are rounded to 1/16 of a pixel (subPixelPrecisionBits 4, Vulkan's least; lavapipe has 8): edges of meshes
-#   move by up to 1/32
-#   pixel. tests/device/gbuffer.rs asks the device for its grid.
+#   move by up to 1/32 pixel. tests/device/gbuffer.rs asks the device for its grid.
 # - Compute shaders see black beyond the edges of a cube's faces: maps are octahedral here
 #   (DeviceInfo::has_seamless_cubes).
-# - Bits differ from those of lavapipe. Bit-identity is tested from run to run on each driver, never between them.
+# - Bits differ from lavapipe's. Tests compare bits between runs on one driver, never between drivers.
 set -eu
 cd "$(dirname "$0")/.."
 . scripts/setup.sh

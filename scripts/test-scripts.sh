@@ -280,7 +280,7 @@ everything() {
     install_packages nothing
     require absent || true
 }
-# Those of the shell itself, and of this comparison.
+# Variables that the shell and this comparison do not set.
 variables() {
     set | grep -Ev '^(_|BASH.*|EPOCH.*|LINENO|OPTIND|PIPESTATUS|PPID|RANDOM|SECONDS|SRANDOM)='
 }

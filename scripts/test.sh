@@ -184,8 +184,7 @@ provide "the tests of the window" Xvfb xdotool openbox keyboard
 # Without a browser or a display tests skip; here they must not.
 [ -z "${CI:-}" ] || export SPLITSUM_REQUIRE_BROWSER=1 SPLITSUM_REQUIRE_WINDOW=1
 
-# Test binaries run without cargo, so that their signals show. Those of the browser and of the device keep one core busy
-# each.
+# Test binaries run without cargo, so that their signals show. The binaries `browser` and `device` keep one core busy each.
 while read -r name path; do
     case $name in
         browser | numeric) ;;

@@ -84,7 +84,7 @@ def bakes(program, bakers, maps, work):
 
 
 def images(program, experiment, bakers, maps, files, luts, work):
-    """A row a map, cube, table and alpha: the error that the tables cause, beside that of the split itself."""
+    """A row a map, cube, table and alpha: the error that the tables cause, beside the error of the split itself."""
     rows = []
     for map in maps:
         out = work / f"{map.stem}-images"
@@ -253,7 +253,7 @@ def origin(maps):
 
 
 def publish(folder, title, text, maps):
-    """The page of a folder: the remark that a person wrote for it, and the tables."""
+    """The page of a folder: its hand-written remark, and the tables."""
     remark = folder / "remark.md"
     remark = f"{remark.read_text().strip()}\n\n" if remark.exists() else ""
     (folder / "README.md").write_text(f"# {title}\n\nWritten by `scripts/bench-peers.sh`.\n\n{remark}{text}\n{origin(maps)}")

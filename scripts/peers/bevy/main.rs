@@ -90,7 +90,7 @@ fn texels(app: &App, image: &Handle<Image>) -> Vec<u8> {
     texels
 }
 
-/// The camera is that of `splitsum render`: 4 from the centre along +z, a square of half side 1.05, or 32 degrees.
+/// The camera of `splitsum render`: 4 from the centre along +z, a square of half side 1.05, or 32 degrees.
 fn sphere([specular, diffuse, size, camera, roughness, out]: [String; 6]) {
     let mut app = app_without_window();
     let [specular_map, diffuse_map] = [specular, diffuse].map(|path| cube(&mut app, &path));
