@@ -1,5 +1,6 @@
 #!/bin/sh
-# Checks the scripts of the report's page: their format (prettier) and their types (tsc over JSDoc). Installs axe-core for the browser tests.
+# Checks the scripts of the report's page: format (prettier) and types (tsc over JSDoc). Installs axe-core for the browser
+# tests.
 #
 # All are pinned in assets/report/package-lock.json and installed below target/, once for each lock file.
 # `check-page.sh --write` formats the scripts instead.

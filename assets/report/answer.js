@@ -1,4 +1,4 @@
-// Behaviour of the answers, which stand in the page already: tips and keys of the marks, whole tables, files to save.
+// Behaviour of the answers, which the page contains: tips and keys of the marks, complete tables, files to save.
 
 import { model } from "report/data";
 import { csvText, download, h } from "report/dom";
@@ -63,7 +63,7 @@ function showTip(mark, pointer = null) {
   });
 }
 
-/** Makes one mark of a drawing the one that the tabulator key reaches. */
+/** Makes one mark of a drawing reachable by the tab key. */
 function rove(svg, mark) {
   for (const other of svg.querySelectorAll('.mark[tabindex="0"]')) other.setAttribute("tabindex", "-1");
   mark?.setAttribute("tabindex", "0");
@@ -76,7 +76,7 @@ function follow(mark) {
   go({ view: "compare", cell: mark.dataset.cell, run: answerOf(mark).run || undefined });
 }
 
-/** Where an arrow key leads from a mark, by the order of the marks. */
+/** The mark that an arrow key leads to, by the order of the marks. */
 function target(svg, mark, key) {
   const marks = [...svg.querySelectorAll(".mark")];
   const at = marks.indexOf(mark);
@@ -101,7 +101,7 @@ export function startAnswer(view) {
   document.body.append(tip);
   for (const svg of view.querySelectorAll(".figure-box svg")) {
     rove(svg, svg.querySelector(".mark"));
-    // The page has tips of its own; a browser would show the titles of the file, too.
+    // The page shows its own tips; a browser would also show the titles of the file.
     for (const title of svg.querySelectorAll(".mark > title")) title.remove();
   }
   const on = (name, selector, act) =>
@@ -118,7 +118,7 @@ export function startAnswer(view) {
   });
   on("focusout", ".mark", () => showTip(null));
   on("keydown", ".mark", (mark, event) => onMarkKey(event, mark));
-  // A finger has no other way to read a tip: the first touch shows it, the second follows.
+  // On a touch screen the first touch shows the tip, the second follows the link.
   on("click", ".mark", (mark, event) => {
     const isFirst = event.pointerType === "touch" && tip.textContent !== mark.dataset.tip;
     if (isFirst) mark.focus();

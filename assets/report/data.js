@@ -24,7 +24,7 @@ let shaders = null;
 /** The text of one of the page's shaders. */
 export const shaderText = (name) => (shaders ??= json("shaders"))[name];
 let light = null;
-/** The tables of the live view. They stand last in the page and are read when they are needed. */
+/** The tables of the live view, at the end of the page; read when needed. */
 export const lightTables = () => (light ??= json("light"));
 /** The name of the metric of the page's errors. */
 export const headline = model.headline;
@@ -39,14 +39,14 @@ const textOf = (kind) => (axis, value) => {
   const place = axisOf[axis]?.values.indexOf(value) ?? -1;
   return place < 0 ? value : axisOf[axis][kind][place];
 };
-/** A value as people say it: builtins without prefix, files without folder and extension, numbers rounded. */
+/** A value for readers: builtins without prefix, files without folder and extension, numbers rounded. */
 export const short = textOf("labels");
-/** The same with what it is: "5 lv", "alpha 0.25 (roughness 0.5)". */
+/** The same with its unit or name: "5 lv", "alpha 0.25 (roughness 0.5)". */
 export const word = textOf("words");
-/** The name of an axis as people say it. */
+/** The name of an axis for readers. */
 export const symbol = (name) => name.replaceAll("_", " ");
 
-/** JSON has no infinity: it is written by its name. */
+/** JSON has no infinity, so its name is written. */
 const real = (field) => ({ inf: Infinity, "-inf": -Infinity, nan: NaN })[field] ?? field;
 
 const placeOf = Object.fromEntries(model.columns.map((name, i) => [name, i]));
@@ -67,20 +67,20 @@ function rowFrom(fields) {
 export const rows = model.rows.map(rowFrom);
 export const rowOf = (cell, run = 0) => rows.find((row) => row.cell === cell && row.run === Number(run));
 
-/** What names a cell among all runs: two runs of one plan have the same cells. */
+/** Name of a cell among all runs: two runs of one plan have the same cells. */
 export const idOf = (row) => (row.run ? `${row.cell}@${row.run}` : row.cell);
 
 const methods = (axisOf.method?.values ?? []).filter(Boolean);
-/** What the images are held against; a way to make them may be called reference, too. */
+/** Label of the reference; a method may have the same name. */
 export const truthName = methods.includes("reference") ? "reference (truth)" : "reference";
 
-/** An image without a specular term is named by its diffuse one. */
+/** An image without a specular term is named by its diffuse term. */
 function bareName(diffuse) {
   if (!diffuse || diffuse === "none") return "no specular term";
   return methods.length > 1 ? `${diffuse} only` : diffuse;
 }
 
-/** Who made an image: "sampled 16", "split-sum"; axes that are not told are left out. */
+/** Who made an image: "sampled 16", "split-sum"; unknown axes are omitted. */
 function maker(axes, names) {
   const isTold = (name) => names.includes(name) && axes[name];
   if (axes.method === "none") return isTold("method") || isTold("diffuse") ? bareName(axes.diffuse) : "";
@@ -97,7 +97,7 @@ export function variantLabel(row, without = []) {
   const names = all.filter((name) => !without.includes(name));
   const others = names.filter((name) => !["method", "samples", "diffuse"].includes(name) && row.axes[name]);
   const parts = others.map((name) => word(name, row.axes[name]));
-  // The run comes first: it says whose image it is.
+  // The run comes first: it tells images of two runs apart.
   const run = others.includes("run") ? parts.splice(others.indexOf("run"), 1) : [];
   return [...run, maker(row.axes, names), ...parts].filter(Boolean).join(" · ");
 }
@@ -206,7 +206,7 @@ export function mask(reference) {
   return masks.get(image.mask);
 }
 
-/** Where the full EXR of an image lies. */
+/** Path of the complete EXR of an image. */
 export const exrLink = (index) => {
   const image = model.images[index];
   return `${model.runs[image.run].link}/images/${encodeURIComponent(image.file)}`;
@@ -225,7 +225,7 @@ export function texelError(t, r, mean) {
   return { relative: Math.sqrt(squares / 3), signed: sum / 3 };
 }
 
-/** The colours and ticks of the map of an error, and where a value lies on it, 0 to 1. */
+/** The colours and ticks of the map of an error, and the position of a value on it, 0 to 1. */
 export function errorMap(isSigned) {
   const { magma, blue_red, relative, signed, relative_ticks, signed_ticks } = model.colors;
   if (isSigned) {

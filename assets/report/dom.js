@@ -14,7 +14,7 @@ export function h(tag, attributes, ...children) {
 }
 export const byId = (id) => document.getElementById(id);
 
-/** A number for people: `digits` significant digits, no exponent where one is not needed. */
+/** A number for readers: `digits` significant digits, an exponent only if needed. */
 export function number(x, digits = 3) {
   if (x === null || x === undefined || Number.isNaN(x)) return "–";
   if (!Number.isFinite(x)) return x > 0 ? "∞" : "−∞";
@@ -35,7 +35,7 @@ export function download(name, text, type) {
   setTimeout(() => URL.revokeObjectURL(link.href), 1000);
 }
 
-/** Whether a spreadsheet would run the text, as src/table/csv.rs says it. */
+/** Whether a spreadsheet would run the text; same rule as src/table/csv.rs. */
 const isLikeFormula = (text) =>
   /^'*[=+\-@\t\r]/.test(text) &&
   !(/^[+-]/.test(text) && (Number.isFinite(Number(text)) || /^.(inf|infinity|nan)$/i.test(text)));
@@ -52,11 +52,11 @@ export const csvText = (columns, rows) => [columns, ...rows].map((row) => `${row
 /** Says something to screen readers. */
 export const announce = (text) => say(byId("announcer"), text);
 
-/** What may be wider than its place: it scrolls, by keyboard too. */
+/** A box that scrolls content wider than itself, by keyboard too. */
 export const scrollBox = (name, label, ...children) =>
   h("div", { class: `scroll ${name}`, tabindex: 0, role: "region", "aria-label": label }, ...children);
 
-/** Writes a text where it is another one: a new node costs a layout. */
+/** Replaces a text only if it differs: a new node costs a layout. */
 export function say(element, text) {
   if (element.textContent !== text) element.textContent = text;
 }
@@ -75,7 +75,7 @@ export function select(label, options, value, onchange) {
   return h("label", { class: "choice" }, h("span", {}, label), box);
 }
 
-/** Buttons of which one is pressed; `options` are [value, label]. */
+/** Buttons with one pressed; `options` are [value, label]. */
 export function choice(label, options, value, onchange) {
   const state = (own) => ({ type: "button", value: own, "aria-pressed": String(own === value) });
   const button = ([own, text]) => h("button", { ...state(own), onclick: () => onchange(own) }, text);

@@ -9,7 +9,7 @@ import { go, keep } from "report/state";
 
 const MODE_NAMES = { image: "Image", error: "Error", signed: "Signed" };
 
-/** Draws an image, or its error, into a canvas; false where the page holds no pixels of it. */
+/** Draws an image, or its error, into a canvas; false if the page has no pixels of it. */
 async function paint(canvas, row, mode, settings, isReference) {
   const texels = await pixels(isReference ? row.reference : row.image);
   if (!texels) return false;
@@ -47,7 +47,7 @@ const observer = new IntersectionObserver(
   { rootMargin: "300px" },
 );
 
-/** A picture with its score that opens the comparison; it is painted when it is seen. */
+/** A picture with its score that opens the comparison; painted when scrolled into view. */
 function thumbnail(row, mode, settings, { isReference = false, isLowest = false } = {}) {
   const canvas = h("canvas", { width: 8, height: 8, "aria-hidden": "true" });
   const floor = row.floor === null ? "" : `floor ${number(row.floor, 2)}`;
@@ -71,7 +71,7 @@ function thumbnail(row, mode, settings, { isReference = false, isLowest = false 
   return button;
 }
 
-/** The linear EXR files of every scene, where the page holds no pixels. */
+/** The linear EXR files of every scene, if the page has no pixels. */
 function exrTable() {
   const line = (scene, name, index, score) => {
     const link = () => ({ href: exrLink(index), "aria-label": `${scene.label}, ${name}: linear EXR` });
@@ -87,7 +87,7 @@ function exrTable() {
   return scrollBox("", "Linear EXR files", table);
 }
 
-/** What the page says of its images: what is left out, where the contact sheets lie. */
+/** Notes about the images: omitted ones, links to the contact sheets. */
 function notesOf() {
   const notes = model.image_notes.map((text) => h("p", { class: "warning" }, text));
   const sheets = model.runs.flatMap((run) => run.sheets);
@@ -129,13 +129,13 @@ export function showGrid(view, state) {
   const filters = sceneAxes.filter((name) => axisOf[name].values.length > 1).map(pick);
   const legend = h("div", { class: "error-legend" });
   if (mode !== "image") fillErrorLegend(legend, mode === "signed", false);
-  // Ways of which the page holds no pixels at all (further point sets of a large run) would be columns of nothing.
+  // Methods without any pixels in the page (further point sets of a large run) would be empty columns.
   const holds = (label) => (row) => variantLabel(row) === label && (row.image === null || hasPixels(row));
   const labels = variantLabels.filter((label) => own.some((scene) => scene.variants.some(holds(label))));
   const line = (scene) => {
     const { exposure, contrast } = scene.main.axes;
     const settings = { exposure: (Number(exposure) || 1) * 2 ** stops, contrast: Number(contrast) || 1 };
-    // Of one image there is no lowest.
+    // A single image gets no "lowest" mark.
     const scores = scene.variants.map((row) => row.scores[headline]).filter((score) => score !== null);
     const best = scores.length > 1 ? Math.min(...scores) : NaN;
     const cell = (label) => {

@@ -7,8 +7,8 @@ const RELATIVE = "√ of the RGB mean of d² / (r² + 0.01 m²), m the light's m
 const SIGNED = "mean of d / √(r² + 0.01 m²), m the light's mean luminance; blue too dark, red too bright. ";
 
 /**
- * Fills `element` with the ramp, ticks and formula of the relative or the signed error; `marks` says that what lies
- * beyond can be marked.
+ * Fills `element` with the ramp, ticks and formula of the relative or the signed error; `marks` adds that values beyond
+ * can be marked.
  */
 export function fillErrorLegend(element, isSigned, marks) {
   const { colors, ticks, place } = errorMap(isSigned);

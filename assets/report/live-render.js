@@ -1,5 +1,5 @@
 // The WebGL2 side of the live view: the run's tables and models on the device, and the renderer's passes over them. The
-// build script writes the shaders from the renderer's own libraries (shaders/page); here is what they are bound to.
+// build script writes the shaders from the renderer's own libraries (shaders/page); this file binds their inputs.
 
 import { lightTables, shaderText } from "report/data";
 import { cameraOf, loadChain, loadPart, makePoints, relativeError } from "report/live-scene";
@@ -9,7 +9,7 @@ const GBUFFER = ["gbuffer_position", "gbuffer_normal", "gbuffer_albedo", "gbuffe
 /** Time that the samples of one frame may take, ms. */
 const FRAME_MS = 24;
 const SAMPLES_A_FRAME_MAX = 128;
-/** Samples of the reference. It ends where half of its samples differ from all by so small a share of the error. */
+/** Samples of the reference. It ends when half of its samples differ from all by this small a share of the error. */
 const REFERENCE_SAMPLES = 4096;
 const ENDS = [256, 1024, REFERENCE_SAMPLES];
 const NOISE_SHARE = 0.01;
@@ -17,7 +17,7 @@ const NOISE_SHARE = 0.01;
 export class LiveRender {
   constructor(canvas) {
     this.canvas = canvas;
-    /** Why nothing can be drawn; empty when all is there. */
+    /** The reason why nothing can be drawn; empty if drawing works. */
     this.missing = "";
     this.gl = canvas.getContext("webgl2", { antialias: false, alpha: false });
     if (!this.gl) this.missing = "This browser has no WebGL2, which the live view needs.";
@@ -44,7 +44,7 @@ export class LiveRender {
     return this.kept.get(key);
   }
 
-  /** Loads what a view shows and makes it the one that is drawn. */
+  /** Loads the content of a view and makes it current. */
   async show(view) {
     const { environments, lobes, models } = lightTables();
     const light = environments[view.env];
@@ -100,7 +100,7 @@ export class LiveRender {
     this.targets.gbuffer = gbuffer;
   }
 
-  /** The target of one colour of a name, made where there is none. */
+  /** The target with one colour attachment of this name, made if missing. */
   colored(name) {
     const { width, height } = this.targets.gbuffer;
     return (this.targets[name] ??= this.target(width, height));
@@ -139,7 +139,7 @@ export class LiveRender {
       prefilter_level_count: view.levelCount,
       environment_scale: view.brightness * view.light.scale,
     };
-    // The columns of the rotation are the rows of what is handed over.
+    // The uniform's rows are the columns of the rotation.
     const columns = [[1, 0, 0], [0, 1, 0], [0, 0, 1]].map((axis) => this.turned(axis)); // prettier-ignore
     for (const i of [0, 1, 2]) values[`environment_from_world_${i}`] = [...columns.map((column) => column[i]), 0];
     const named = Object.entries(values).map(([name, value]) => [`params.${name}`, value]);
@@ -147,7 +147,7 @@ export class LiveRender {
     return { ...Object.fromEntries(named), MASKING, LEVEL_BEND: view.light.level_bend, DFG_AXES: view.lobe.dfg_axes };
   }
 
-  /** Makes a program of the g-buffer current; returns what sets a material, its own but for what the view sets. */
+  /** Makes a program of the g-buffer current; returns a setter of materials, which the view's settings override. */
   startSurface(name, values, vertex = undefined) {
     const { view, camera } = this;
     const { gbuffer } = this.targets;
@@ -195,7 +195,7 @@ export class LiveRender {
     gl.disable(gl.DEPTH_TEST);
   }
 
-  /** What the passes after the g-buffer read. */
+  /** Inputs of the passes after the g-buffer. */
   get inputs() {
     return { ...this.targets.gbuffer.named, ...this.view.tables };
   }
@@ -227,7 +227,7 @@ export class LiveRender {
     });
   }
 
-  /** Adds `count` samples of a way to those that are done. The reference is the last method that takes samples. */
+  /** Adds `count` samples of a method. The reference is the last method that takes samples. */
   drawSamples(way, count) {
     const { view, targets, done } = this;
     const { methods } = lightTables();
@@ -240,7 +240,7 @@ export class LiveRender {
       ...this.params(way === "reference" ? 0 : view.bias, total, count),
       first_sample: done[way],
     }); // prettier-ignore
-    // Half of the samples of an end stay: by them the reference's own noise is known there.
+    // Keeps half of the samples of each stopping point: they give the reference's own noise.
     const isHalf = way === "reference" && ENDS.includes(2 * done.reference);
     Object.assign(targets, isHalf ? { half: before, spare: half } : { spare: before }, { [way]: after });
     if (isHalf) done.half = done.reference;
@@ -248,8 +248,8 @@ export class LiveRender {
   }
 
   /**
-   * Compares the method with what it is held against, once both are there. The reference's own error is that of half of
-   * its samples against all, as if they were independent.
+   * Compares the method with its reference, once both are ready. The reference's own error is estimated from half of
+   * its samples against all of them, as if they were independent.
    */
   judge() {
     const { method, against } = this.view;
@@ -263,7 +263,7 @@ export class LiveRender {
     this.isJudged = noise <= NOISE_SHARE * own || reference === REFERENCE_SAMPLES;
   }
 
-  /** Shows a way on the canvas, as an image or as its error; or writes its linear values. */
+  /** Shows a method on the canvas, as an image or as its error; or writes its linear values. */
   drawResult(way, mode, isLinear = false) {
     const { against } = this.view;
     const share = (name) => this.total(name) / Math.max(1, this.done[name]);
@@ -286,7 +286,7 @@ export class LiveRender {
     });
   }
 
-  /** What is drawn is no longer what is wanted. */
+  /** Marks the drawn image as outdated. */
   restart() {
     this.isStale = true;
     const ways = [...lightTables().methods.map(({ name }) => name), "reference", "half"];
@@ -294,7 +294,7 @@ export class LiveRender {
     this.forget();
   }
 
-  /** What is compared is no longer what was. */
+  /** Marks the comparison as outdated. */
   forget() {
     this.errors = null;
     this.isJudged = false;
@@ -308,13 +308,13 @@ export class LiveRender {
     if ("method" in details || "against" in details) this.forget();
   }
 
-  /** All samples of a way: a method without samples is one, what is no method is the reference. */
+  /** Sample count of a method: 1 for a method without samples; any other name is the reference. */
   total(way) {
     const method = lightTables().methods.find(({ name }) => name === way);
     return !method ? REFERENCE_SAMPLES : method.is_sampled ? this.view.n : 1;
   }
 
-  /** The way that needs samples now; undefined when all is there. */
+  /** The method that needs samples now; undefined if none does. */
   get missingWay() {
     const { method, against } = this.view;
     const isOpen = (way) => way !== "reference" && this.done[way] < this.total(way);
@@ -325,7 +325,7 @@ export class LiveRender {
     return !this.isStale && !this.missingWay;
   }
 
-  /** Draws as much as fits a frame. False while the last frame is still being drawn: then nothing is done. */
+  /** Draws as much as fits a frame. Does nothing and returns false while the last frame is still being drawn. */
   step(isMoving) {
     const { gl } = this;
     if (this.fence) {

@@ -1,4 +1,4 @@
-// The run's tables, models and camera for the live view, and the error that it states.
+// The run's tables, models and camera for the live view, and its error.
 
 import { decode, texelError } from "report/data";
 import { makeTexture } from "report/program";
@@ -21,7 +21,7 @@ export function cameraOf({ camera, low, high }, { yaw, pitch, distance }, width,
 }
 
 /**
- * Packed levels as one trilinear texture by a map layout. The faces of a cube stand below each other; u of a lat-long
+ * Packed levels as one trilinear texture by a map layout. The faces of a cube are below each other; u of a lat-long
  * map repeats.
  */
 export async function loadChain(gl, levels, layout = "") {
@@ -54,7 +54,7 @@ export async function loadPart(gl, { positions, normals, triangles, vertex_count
   const [fractions, octahedra, corners] = (await Promise.all(texts)).map(({ rgba }) => rgba);
   const vertices = gl.createVertexArray();
   gl.bindVertexArray(vertices);
-  // A texel has four words, of which the last is not ours.
+  // A texel has four words; the last one is unused.
   const attribute = (location, data, components, type) => {
     gl.bindBuffer(gl.ARRAY_BUFFER, gl.createBuffer());
     gl.bufferData(gl.ARRAY_BUFFER, data, gl.STATIC_DRAW);
@@ -70,7 +70,7 @@ export async function loadPart(gl, { positions, normals, triangles, vertex_count
   return { vertices, count: 3 * size };
 }
 
-/** The Hammersley set of the renderer, in an order of which every beginning covers the whole lobe. */
+/** The renderer's Hammersley set, in an order whose every prefix covers the whole lobe. */
 export function makePoints(gl, count) {
   const divisor = (a, b) => (b ? divisor(b, a % b) : a);
   let step = Math.max(1, Math.round(count * 0.618));

@@ -20,7 +20,7 @@ const toCode = (x) => Math.round(255 * x ** (1 / 2.2));
 const fromCode = (code) => (code / 255) ** 2.2;
 const hex = (color) => `#${color.map((x) => toCode(x).toString(16).padStart(2, "0")).join("")}`;
 
-/** The middle of the values that the run gives an axis; null when it leaves it alone. */
+/** The middle of the run's values of an axis; null if the run does not sweep it. */
 function middle(name) {
   const values = (axisOf[name]?.values ?? []).filter(Boolean);
   return values.length ? values[values.length >> 1].split(",").map(Number) : null;
@@ -62,7 +62,7 @@ class Live {
     });
   }
 
-  /** Every setting under its name in the address. What is null is as in the model. */
+  /** Every setting under its name in the address. Null takes the model's value. */
   defaults() {
     const albedo = middle("albedo");
     const alpha = middle("alpha")?.[0];
@@ -78,7 +78,7 @@ class Live {
     };
   }
 
-  /** The settings that the address asks for; what it does not name, or names wrongly, is the default. */
+  /** The settings in the address; missing and invalid ones are the default. */
   read(state) {
     const { start, tables } = this;
     const index = (list) => (text) => Math.trunc(real(text, [0, list.length - 1]));
@@ -118,7 +118,7 @@ class Live {
     return this.apply();
   }
 
-  /** Draws the settings anew: after anything that changes shading. */
+  /** Redraws after a change of shading. */
   async apply() {
     this.changed = performance.now();
     this.syncControls();
@@ -139,7 +139,7 @@ class Live {
     return undefined;
   }
 
-  /** What is seen: while space is held what the method is held against, which has no error. */
+  /** The visible image: the method, or its reference (without an error) while space is held. */
   get shown() {
     const { method, against, mode } = this.settings;
     const seen = this.isHeld ? against : method;
@@ -197,7 +197,7 @@ class Live {
     }
   }
 
-  /** The linear values under the pointer, or in the middle; of the samples, those that are done. */
+  /** The linear values under the pointer, or in the middle, from the samples so far. */
   probe() {
     const { render, canvas } = this;
     if (!render.view || render.isStale || render.gl.isContextLost()) return;
@@ -247,7 +247,7 @@ class Live {
     const { settings, tables, controls } = this;
     const light = tables.environments[settings.env];
     const model = tables.models[settings.model];
-    // What is the model's own is shown as that of its first surface.
+    // The model's own values are shown as its first surface's.
     const { alpha, albedo, metallic, f0 } = (model.spheres[0] ?? model.parts[0]).surface;
     const own = { roughness: Math.sqrt(alpha), albedo, metallic, f0: f0[0] };
     const given = Object.fromEntries(Object.entries(settings).map(([name, value]) => [name, value ?? own[name]]));
@@ -267,7 +267,7 @@ class Live {
     say(this.parts.caption, `${light.layout} tables: environment ${finest} texels, prefiltered ${prefiltered}`);
   }
 
-  /** Handles a key; true when it was one of the view's. */
+  /** Handles a key; true if the view uses it. */
   key(event) {
     if (this.isEmpty) return false;
     const { ev, mode } = this.settings;
@@ -296,7 +296,7 @@ class Live {
     return true;
   }
 
-  /** Shows what the method is held against while a key is down. */
+  /** Shows the reference of the method while a key is down. */
   hold(isHeld) {
     if (this.isEmpty || this.isHeld === isHeld) return;
     this.isHeld = isHeld;

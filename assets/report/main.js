@@ -9,7 +9,7 @@ import { showTables } from "report/tables";
 import { showViewer, viewerKey, viewerRelease } from "report/viewer";
 
 const nothing = () => {};
-/** Views by name: title, key that leads there, what fills it. Answer and Run stand in the page already. */
+/** Views by name: title, key, function that fills it. The page already contains Answer and Run. */
 const VIEWS = {
   answer: ["Answer", "a", nothing],
   images: ["Images", "i", showGrid],
@@ -42,7 +42,7 @@ function show(current) {
   if (anchor) anchor.scrollIntoView();
   if (!isNew) return;
   if (!anchor) scrollTo(0, places.get(name) ?? 0);
-  // What had the focus is gone: the keyboard goes on at the new view's beginning.
+  // The focused element is gone: move the focus to the start of the new view.
   if (hadFocus) byId("main").focus({ preventScroll: true });
 }
 
@@ -103,7 +103,7 @@ export function start() {
     show(state());
     document.body.dataset.ready = String(Math.round(performance.now()));
   };
-  // The images stand after the script; they are needed only once the page is parsed.
+  // The images come after the script; they are needed only once the page is parsed.
   if (document.readyState === "loading") addEventListener("DOMContentLoaded", begin);
   else begin();
 }

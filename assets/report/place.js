@@ -1,4 +1,4 @@
-// Where the image of the comparison lies on its canvas.
+// Position of the comparison's image on its canvas.
 
 import { clamp } from "report/stage";
 
@@ -15,7 +15,7 @@ export class Place {
     this.isFitted = true;
   }
 
-  /** Whole canvas pixels per texel where the image is smaller than the canvas: no texel is wider than its neighbour. */
+  /** Whole canvas pixels per texel if the image is smaller than the canvas, so that all texels are equally wide. */
   fit({ width, height }) {
     const scale = Math.min(this.canvas.width / width, this.canvas.height / height);
     this.scale = this.fitScale = scale >= 1 ? Math.floor(scale) : scale;

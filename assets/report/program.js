@@ -1,15 +1,15 @@
-// What the comparison and the live view need of WebGL2: programs of the page's shaders, textures, colours.
+// WebGL2 helpers of the comparison and the live view: programs of the page's shaders, textures, colours.
 
 import { model, shaderText } from "report/data";
 
 /** One triangle over the target. */
 const VERTEX =
   "#version 300 es\nvoid main() { gl_Position = vec4(vec2(gl_VertexID & 1, gl_VertexID >> 1) * 4.0 - 1.0, 0.0, 1.0); }";
-/** What a uniform is set by, by its type; samplers are set by the texture. */
+/** Setters of uniforms by type; samplers are set by the texture. */
 const SETTERS = { FLOAT: "1f", INT: "1i", BOOL: "1i", UNSIGNED_INT: "1ui" };
 const VECTORS = { FLOAT_VEC2: "2fv", FLOAT_VEC3: "3fv", FLOAT_VEC4: "4fv" };
 
-/** The program of the shader `name`: {program, set: what sets a uniform, by name}. Arrays are listed without `[0]`. */
+/** The program of the shader `name`: {program, set: setters of uniforms by name}. Arrays are listed without `[0]`. */
 export function makeProgram(gl, name, vertex = VERTEX) {
   const program = gl.createProgram();
   const check = (isDone, log) => {
@@ -60,13 +60,13 @@ export function errorColors(light_mean) {
   return { relative_range: relative, signed_range: signed, nan_color, off_mask_color, light_mean };
 }
 
-/** A context that is lost and comes back: `restored` makes everything anew. */
+/** Handles a lost context that comes back: `restored` makes everything again. */
 export function keepContext(canvas, restored) {
   canvas.addEventListener("webglcontextlost", (event) => event.preventDefault());
   canvas.addEventListener("webglcontextrestored", restored);
 }
 
-/** Makes a program current over `target`, a canvas or {framebuffer, width, height}. What it lacks is left out. */
+/** Makes a program current over `target`, a canvas or {framebuffer, width, height}. Missing uniforms are skipped. */
 export function useProgram(gl, { program, set }, target, textures, values) {
   gl.useProgram(program);
   gl.bindFramebuffer(gl.FRAMEBUFFER, target.framebuffer ?? null);

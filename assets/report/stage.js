@@ -1,5 +1,5 @@
-// What the comparison and the live view share: the canvas on its stage, pointers, controls, the probe. Their elements
-// stand in the page as templates (stage.html).
+// Shared by the comparison and the live view: the canvas on its stage, pointers, controls, the probe. Their elements
+// are templates in the page (stage.html).
 
 import { errorColor } from "report/data";
 import { byId, h, number, say } from "report/dom";
@@ -75,7 +75,7 @@ export function build(view, id) {
   return Object.fromEntries([...view.querySelectorAll("[data-ref]")].map((part) => [part.dataset.ref, part]));
 }
 
-/** The controls of a view, by the settings that they make: sliders, boxes, fields, pickers, groups of buttons. */
+/** The controls of a view, by setting: sliders, boxes, fields, pickers, groups of buttons. */
 export class Controls {
   constructor(view, set) {
     this.named = Object.fromEntries([...view.querySelectorAll("[data-set]")].map((part) => [part.dataset.set, part]));
@@ -87,7 +87,7 @@ export class Controls {
     }
   }
 
-  /** Shows settings; `texts` stand beside the sliders. */
+  /** Shows settings; `texts` are beside the sliders. */
   show(settings, texts) {
     for (const [name, control] of Object.entries(this.named)) {
       const value = String(settings[name]);
@@ -112,7 +112,7 @@ export class Controls {
     for (const part of [control, ...control.querySelectorAll("button")]) part.disabled = isDisabled;
   }
 
-  /** What a slider reaches, and so what an address may ask for. */
+  /** The range of a slider, which also limits the address. */
   range(name) {
     return [Number(this.named[name].min), Number(this.named[name].max)];
   }

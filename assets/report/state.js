@@ -30,7 +30,7 @@ function write() {
   history.replaceState(null, "", link(current));
 }
 
-/** Writes what waits. */
+/** Writes pending changes. */
 function flush() {
   if (timer) write();
 }
@@ -43,7 +43,7 @@ export function go(next) {
   changed();
 }
 
-/** Changes details of the view that is shown; an empty value removes one. Tells nobody: the caller has drawn. */
+/** Changes details of the view that is shown; an empty value removes one. Calls no listener: the caller has drawn. */
 export function keep(details) {
   current = { ...current, ...details };
   if (timer) return;
@@ -52,11 +52,11 @@ export function keep(details) {
   else timer = setTimeout(write, wait);
 }
 
-/** Calls `listener` when another state is to be shown. */
+/** Calls `listener` when the state changes. */
 export const onState = (listener) => listeners.add(listener);
 
 function changed() {
-  // What waited belonged to the entry of the history that has been left.
+  // Pending changes belong to the history entry that has been left.
   clearTimeout(timer);
   timer = 0;
   current = parse();
@@ -66,5 +66,5 @@ function changed() {
 addEventListener("hashchange", changed);
 addEventListener("popstate", changed);
 addEventListener("pagehide", flush);
-// A link leaves the entry: what waits is written first.
+// A link leaves the entry: pending changes are written first.
 addEventListener("click", flush, { capture: true });

@@ -7,7 +7,7 @@ import { drawOver, errorColors, keepContext, makePalette, makeProgram, makeTextu
 const TEXTURE_MAX = 96;
 /** Shaded images kept, so that flipping back and forth only places them. */
 const SHADED_MAX = 16;
-/** Uploads bind here, so that they leave the units of the drawing alone. */
+/** Uploads bind to this unit, so that they do not change the units used for drawing. */
 const UPLOAD_UNIT = 7;
 const BACKGROUND = { light: [0.93, 0.93, 0.925], dark: [0.06, 0.063, 0.07] };
 const isDark = matchMedia("(prefers-color-scheme: dark)");
@@ -65,7 +65,7 @@ export class Surface {
     return this.images.get(index);
   }
 
-  /** An image as it is to be seen, as a texture: shaded now, or kept from before. */
+  /** A shaded image as a texture, from the cache if possible. */
   shaded(image, reference, look) {
     const { gl, framebuffer } = this;
     const { width, height } = image;
@@ -94,7 +94,7 @@ export class Surface {
     return shaded;
   }
 
-  /** Draws at once; right of `split`, a share of the width, the truth. `look` has mode, tone, exposure, contrast. */
+  /** Draws; the reference is right of `split`, a share of the width. `look` has mode, tone, exposure, contrast. */
   draw(image, reference, { origin, scale }, split, isClipped, look) {
     const { gl, canvas } = this;
     const left_image = this.shaded(image, reference, look);

@@ -4,7 +4,7 @@ import { axisOf, model, rows, short } from "report/data";
 import { csvText, download, h, number, scrollBox, select, tableHead, unseen } from "report/dom";
 import { go, keep } from "report/state";
 
-/** Rows put on the page at once; a button adds as many again. */
+/** Rows shown at first; a button adds as many again. */
 const PAGE_ROWS = 200;
 const ROUGHNESS = "perceptual_roughness";
 
@@ -13,7 +13,7 @@ const ROUGHNESS = "perceptual_roughness";
 /** The text of a field: numbers short. */
 const text = (field) =>
   typeof field === "number" && !Number.isInteger(field) ? number(field, 4) : String(field ?? "");
-/** A cell of a table; what is shown of it may be short, its title is whole. */
+/** A cell of a table; its text may be shortened, its title is complete. */
 const cellOf = (field, shown = text(field)) =>
   h("td", { class: typeof field === "number" ? "number" : "", title: field ?? "" }, shown);
 
@@ -41,7 +41,7 @@ function order(a, b) {
   return Number.isNaN(x) || Number.isNaN(y) ? String(a).localeCompare(String(b)) : x - y;
 }
 
-/** Columns of the cells that tell something: swept axes, the roughness of alpha, scores. */
+/** Columns of the table of cells: swept axes, the roughness of alpha, scores. */
 function cellColumns() {
   const isSwept = (name) => name !== "run" && axisOf[name]?.values.length > 1;
   const axes = model.columns.filter(isSwept);
@@ -88,7 +88,7 @@ export function showTables(view, state) {
     const button = h("button", { type: "button", "data-sort": name, onclick: () => press(name) }, name, arrow);
     return h("th", { scope: "col", title: formulaOf(name) }, button);
   });
-  /** The records that the filters leave, in order. */
+  /** The filtered records, in order. */
   const found = () => {
     const own = records.filter(({ row }) => axes.every((name) => !filters[name] || row.axes[name] === filters[name]));
     const name = sort.replace(/^-/, "");

@@ -1,4 +1,4 @@
-// What the comparison of images shows first, and what its keys do.
+// The first image of the comparison, and its keys.
 
 import { hasPixels, rows, scenes, variantLabel } from "report/data";
 import { clamp } from "report/stage";
@@ -16,7 +16,7 @@ export function firstRow() {
 
 /**
  * The images that the keys 1 to 9 show: those with pixels, of several point sets the first. Methods without samples
- * always have a key: where there are too many images, the largest sample counts go without.
+ * always have a key; with too many images, the largest sample counts get none.
  */
 export function keyedVariants(scene) {
   const ways = new Map();
@@ -30,7 +30,7 @@ export function keyedVariants(scene) {
   return shown.filter((row) => fixed.includes(row) || sampled.includes(row));
 }
 
-/** Handles a key of the comparison; true when it was one. */
+/** Handles a key; true if the comparison uses it. */
 export function key(viewer, event) {
   if (!viewer.row || !viewer.scene) return false;
   const { mode, tone, isClipped, split } = viewer;

@@ -28,7 +28,7 @@ export class Viewer {
     this.listen();
   }
 
-  /** Shows what the address asks for; without a cell the split sum, wiped against the reference. */
+  /** Shows the address's cell; by default the split sum, wiped against the reference. */
   async show(state) {
     const row = rowOf(state.cell, state.run ?? 0) ?? firstRow();
     if (!this.surface.gl) return this.sayNothing(row);
@@ -77,7 +77,7 @@ export class Viewer {
   /** Says why there is no picture. */
   sayNothing(row) {
     this.parts.stage.classList.add("empty");
-    // The next picture is fitted anew.
+    // The next picture is fitted again.
     this.place.origin = null;
     const failure = model.runs[row.run].failures.find((one) => one.cell === row.cell);
     const missing = failure ? `This cell failed: ${failure.reason}` : "No pixels of this cell are in the page.";
@@ -168,7 +168,7 @@ export class Viewer {
     this.set({});
   }
 
-  /** Where the reference begins, a share of the width; of errors it would show none. */
+  /** Left edge of the reference, a share of the width; null in error modes, where it has no error to show. */
   get wipe() {
     return this.mode === "image" ? this.split : null;
   }
@@ -303,7 +303,7 @@ export class Viewer {
     const isImage = this.mode === "image";
     const texts = { stops: stopsText(this.stops), contrast: number(Number(this.contrast.toFixed(3))) };
     controls.show({ ...this, at: scenes.indexOf(this.scene), isSplit: this.split !== null }, texts);
-    // Errors are of linear values: no tone curve reaches them.
+    // Errors use linear values, without the tone curve.
     for (const name of ["stops", "tone", "isSplit"]) controls.disable(name, !isImage);
     controls.disable("contrast", !isImage || this.tone === "srgb");
     say(parts.isClippedText, isImage ? "Mark clipped" : "Mark beyond the range");
@@ -314,7 +314,7 @@ export class Viewer {
   fillVariants() {
     const { parts, scene } = this;
     say(parts.shared, model.runs[this.row.run].shared);
-    // What has a key stands first, in the order of the keys; of many point sets the rest would bury it.
+    // Images with a key come first, in the order of the keys; many point sets would bury them otherwise.
     const keyed = keyedVariants(scene);
     const rest = scene.variants.filter((row) => !keyed.includes(row));
     const item = (row, name) => {
