@@ -1,11 +1,12 @@
 #!/bin/sh
-# Checks what `splitsum bake --for` writes by programs of others: ktx-parse and three.js from npm, in a temporary folder, and Chromium.
-# Needs node, npm, a network for npm, and chromium. 10 s beside the build. scripts/test.sh runs it where CI is set.
+# Checks the files of `splitsum bake --for` in other programs: ktx-parse and three.js from npm, in a temporary folder, and
+# Chromium. Needs node, npm, a network for npm, and chromium. Takes 10 s after the build. scripts/test.sh runs it if CI
+# is set.
 #
 #     sh scripts/check-clients.sh [--bevy]
 #
-# --bevy has Bevy draw with our pair and filter a cube of ours, too, on any Vulkan device. Its build takes 40 CPU minutes and 2 GB in
-# target/bevy, its pictures a minute; BEVY_PEER names a built program in its place.
+# With --bevy, Bevy also renders with our pair of maps and filters our cube, on any Vulkan device. Its build takes 40 CPU
+# minutes and 2 GB in target/bevy, its pictures a minute; BEVY_PEER names a program that is already built.
 set -eu
 [ $# -eq 0 ] || [ "$*" = --bevy ] || { echo "usage: sh scripts/check-clients.sh [--bevy]" >&2; exit 2; }
 root=$(cd "$(dirname "$0")/.." && pwd)
@@ -14,7 +15,7 @@ work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 cd "$work"
 
-# Six lights of their own colours on a floor, and a hot texel off every axis: u = 0.25 is +x, the centre +z.
+# Six lights of different colours on a floor, and a hot texel off every axis: u = 0.25 is +x, the centre +z.
 node --input-type=module - <<'JS'
 import { writeFileSync } from 'node:fs';
 const [w, h] = [256, 128];
@@ -148,7 +149,7 @@ grep -q '^PASSED three.js' three.log || { tail -5 chromium.log; echo "FAILED thr
 [ $# -gt 0 ] || exit 0
 
 # Bevy, built without zstd, gets the same texels unpacked. Its DFG factors are a polynomial of n.v and r (Karis 2014, the fit for
-# mobile devices) unless its feature dfg_lut is on: as a table they are ours for this comparison.
+# mobile devices) unless its feature dfg_lut is on: for this comparison they are our table.
 bevy=${BEVY_PEER:-$root/target/bevy/release/bevy-peer}
 [ -n "${BEVY_PEER:-}" ] || cargo build --release --manifest-path "$root/scripts/peers/bevy/Cargo.toml" --target-dir "$root/target/bevy"
 "$program" bake marker.hdr --for bevy --format rgba16f --set prefilter_size=256x256 --out half > /dev/null
@@ -215,7 +216,7 @@ done
 draw bevy/specular-plain.ktx2 bevy/diffuse-plain.ktx2 perspective 0.5 'roughness 0.5 in perspective' right
 draw khronos/specular.ktx2 khronos/diffuse.ktx2 ortho 0.5 'the pair for the Khronos viewer must not fit'
 
-# GeneratedEnvironmentMapLight: what it makes of level 0.
+# GeneratedEnvironmentMapLight: the levels that it makes from level 0.
 "$bevy" filter half/specular-plain.ktx2 filtered.raw 2> bevy.log || { tail -5 bevy.log; echo "FAILED Bevy: filter"; exit 1; }
 node --input-type=module - <<'JS'
 import { readFileSync, writeFileSync } from 'node:fs';

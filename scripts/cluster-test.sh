@@ -35,7 +35,7 @@ install_snakemake() {
     "$venv/bin/pip" install -q --disable-pip-version-check $packages || skip "pip cannot install Snakemake (no network?)"
 }
 
-# A splitsum whose first attempts at shards 1 and 2 do not end well.
+# A splitsum whose first attempts at shards 1 and 2 fail.
 write_unlucky() {
     cat >"$work/unlucky" <<UNLUCKY
 #!/bin/sh

@@ -3,11 +3,12 @@
 #
 #     scripts/standard-set.sh [--only NAME,NAME...] [--runs FOLDER] [--publish FOLDER]
 #
-# Runs go to runs/standard/NAME (gitignored), the small files of each to results/NAME, and results/README.md is written from the answers of
-# all published runs; a run of an earlier plan is replaced. A set that was stopped goes on where it stopped. Under 50 minutes on two quiet
-# cores with a software driver.
-# Answers about light rest on the ten measured maps of experiments/environments.csv, which are not part of the repository: save each as
-# experiments/environments/NAME_1k.hdr. Where one is missing, or is another file, the set says so and runs without it.
+# Runs go to runs/standard/NAME (gitignored), the small files of each to results/NAME, and the answers of all published
+# runs to results/README.md; a run of an earlier plan is replaced. Run the script again to resume. Takes up to 50 minutes
+# on two quiet cores with a software driver.
+# Answers about light rest on the ten measured maps of experiments/environments.csv, which are not part of the repository:
+# save each as experiments/environments/NAME_1k.hdr. If one is missing or is another file, the set says so and runs
+# without it.
 set -eu
 cd "$(dirname "$0")/.."
 . scripts/setup.sh
@@ -40,7 +41,7 @@ say "building (the first time takes a few minutes)"
 cargo build --release --locked
 require_device target/release/splitsum
 
-# Measured maps that are what the table says, as values of an axis.
+# Measured maps with the hash in the table, as values of an axis.
 maps=""
 while IFS=, read -r name hash _; do
     [ "$name" = name ] && continue
@@ -54,7 +55,7 @@ while IFS=, read -r name hash _; do
     fi
 done <experiments/environments.csv
 
-# Lights of an experiment: its formulas, then the measured maps. Nothing for one that asks about formulas or pictures.
+# Lights of an experiment: its formulas, then the measured maps. Empty for an experiment about formulas or pictures.
 lights_of() {
     case $1 in
     break-even | break-even-of-pairs | better-method | level-bias | tables | ladder | split-sums) echo "builtin:studio,builtin:sky$maps" ;;
