@@ -23,9 +23,6 @@ pub struct Arguments {
     /// The folder that the shards share.
     #[arg(value_name = "DIR")]
     dir: PathBuf,
-    /// Writes the timed passes to trace.json, which Perfetto opens (needs [timing] in the experiment).
-    #[arg(long)]
-    trace: bool,
     /// Sets NaN, infinite and negative texels of environments to 0, as the shards did.
     #[arg(long)]
     clamp_invalid: bool,
@@ -38,12 +35,12 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let dir = &arguments.dir;
     progress::doing("checking records and images");
     if provenance::read(dir).map_err(Failure::input)?.is_none() {
-        let why = "holds no run; expected the --out of `splitsum run --shard`".to_owned();
+        let why = "contains no run; expected the --out of `splitsum run --shard`".to_owned();
         return Err(Failure::input(StoreError::Refused { dir: dir.clone(), why }));
     }
     let options = LoadOptions { clamp_invalid: arguments.clamp_invalid, ..LoadOptions::default() };
     let (plan, _) = frozen::load(&dir.join(EXPERIMENT_FILE), &[], &options).map_err(Failure::input)?;
-    let options = RunOptions { command_line: command_line(), trace: arguments.trace, ..RunOptions::new(dir, &STOP) };
+    let options = RunOptions { command_line: command_line(), ..RunOptions::new(dir, &STOP) };
     let merged = merge(&plan, &options)?;
     merged.notes.iter().for_each(|note| tell(&format!("warning: {note}")));
     let failed = conclude(&plan, &merged.outcome)?;

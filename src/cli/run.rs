@@ -39,14 +39,11 @@ pub struct Arguments {
     #[command(flatten)]
     subject: Subject,
     /// Does part K of N in the folder --out, which all parts share; `splitsum merge` then writes the tables.
-    #[arg(long, value_name = "K/N", requires = "out", conflicts_with = "trace")]
+    #[arg(long, value_name = "K/N", requires = "out")]
     shard: Option<Shard>,
     /// Ends the run at the first cell that fails; without it the others are still done.
     #[arg(long)]
     fail_fast: bool,
-    /// Writes the timed passes to trace.json, which Perfetto opens (needs [timing] in the experiment).
-    #[arg(long)]
-    trace: bool,
     #[command(flatten)]
     cache: CacheArguments,
     /// Index of the device, as `splitsum devices` lists them.
@@ -61,10 +58,6 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     if plan.cells.is_empty() {
         return Err(subject.nothing_to_do());
     }
-    if arguments.trace && plan.config.timing.is_none() {
-        let file = plan.config.path.display();
-        return Err(Failure::input(format!("--trace: {file} times nothing; expected a [timing] section")));
-    }
     let mut progress = begin(&plan)?;
     let options = RunOptions {
         dir: subject.dir(&plan),
@@ -73,10 +66,9 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         shard: arguments.shard,
         speeds: arguments.cache.speeds(),
         fail_fast: arguments.fail_fast,
-        trace: arguments.trace,
     };
     let is_whole = arguments.shard.is_none();
-    if let Some(told) = Store::at(&options.dir).told_when_done(&plan).filter(|_| is_whole && !arguments.trace) {
+    if let Some(told) = Store::at(&options.dir).told_when_done(&plan).filter(|_| is_whole) {
         return print(&told);
     }
     let outcome = run(&plan, &mut opener(arguments), &options, &mut progress)?;

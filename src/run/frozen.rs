@@ -1,5 +1,5 @@
-//! The experiment that a run froze: its text, byte for byte, beside a provenance that says in which folder the files it names are and which
-//! `--set` texts took part. So the file in a run's folder can be run again as it stands.
+//! Loads experiments. The copy in a run's folder can be run again: the provenance beside it names the folder of its files and its `--set`
+//! texts.
 
 use super::provenance::{self, experiment_hash};
 use crate::environment::LoadOptions;
@@ -15,28 +15,28 @@ use std::path::{Path, PathBuf};
 
 /// Largest experiment file, bytes.
 const FILE_BYTES_MAX: u64 = 1 << 22;
-/// The frozen experiment in the folder of a run.
+/// The copy of the experiment in the folder of a run.
 pub const EXPERIMENT_FILE: &str = "experiment.toml";
 
-/// Facts in the provenance about the experiment file beside it.
+/// Facts about the experiment file in the provenance beside it.
 #[derive(Debug)]
 struct Frozen {
-    /// The folder that paths in the file are relative to; `None` where it names no file.
+    /// Base folder of paths in the file; `None` if it names no file.
     file_dir: Option<PathBuf>,
-    /// The folder that paths of `overrides` are relative to; `None` where they name no file.
+    /// Base folder of paths in `overrides`; `None` if they name no file.
     set_dir: Option<PathBuf>,
     overrides: Vec<String>,
     is_unchanged: bool,
 }
 
 impl Frozen {
-    /// Of the file at `path`, where that stands in the folder of a run.
+    /// Facts about the file at `path`, if it is in the folder of a run.
     fn beside(path: &Path, text: &str) -> Option<Self> {
         if path.file_name().is_none_or(|name| name != EXPERIMENT_FILE) {
             return None;
         }
         let dir = path.parent()?;
-        // What is no provenance says nothing of the file: it is one like any other.
+        // Without a valid provenance it is an ordinary file.
         let value = provenance::read(dir).ok()??;
         let folder = |key: &str| value[key].as_str().map(|folder| dir.join(folder));
         Some(Self {
@@ -59,36 +59,36 @@ impl Plan {
     }
 }
 
-fn text_of(bytes: Vec<u8>) -> std::io::Result<String> {
+fn read_text(path: &Path) -> std::io::Result<String> {
+    let bytes = read_given(path, FILE_BYTES_MAX)?;
     String::from_utf8(bytes).map_err(|error| std::io::Error::new(std::io::ErrorKind::InvalidData, error))
 }
 
-/// The experiment at `path` as written, where every value of it can be read.
+/// Parses the experiment at `path`; `None` if it has a fault.
 pub fn config(path: &Path, overrides: &[String]) -> Option<Config> {
-    let text = read_given(path, FILE_BYTES_MAX).and_then(text_of).ok()?;
+    let text = read_text(path).ok()?;
     let mut faults = Faults::new(path, &text);
     let config = Config::parse(path, &text, overrides, &mut faults);
     faults.is_empty().then_some(config)
 }
 
-/// Reads, checks and expands the experiment at `path`; `overrides` are the texts of `--set`. One that a run froze is run as it was then: its
-/// files are found where they were, and its own `--set` texts hold for every axis that `overrides` do not name. The sentence says so.
+/// Reads, checks and expands the experiment at `path`; `overrides` are the texts of `--set`. The copy of a run uses the files of that run and
+/// its `--set` texts, except for axes that `overrides` name; then there is a note for the user.
 pub fn load(path: &Path, overrides: &[String], options: &LoadOptions) -> Result<(Plan, Option<String>), ConfigError> {
     let fault = |text: &str, what: String| {
         let mut faults = Faults::new(path, text);
         faults.add(&Place::Default, what);
         faults.into_result().expect_err("one fault was added")
     };
-    let text = read_given(path, FILE_BYTES_MAX)
-        .and_then(text_of)
+    let text = read_text(path)
         .map_err(|error| fault("", format!("cannot be read: {error}; expected an experiment file (TOML)")))?;
     let Some(frozen) = Frozen::beside(path, &text) else {
         let source = Source { path, text: &text, overrides, file_dir: None, set_dir: Path::new("") };
         return Ok((Plan::from_source(&source, options)?, None));
     };
     if !frozen.is_unchanged {
-        let what = "is the frozen experiment of a run, and was changed since (its hash in provenance.json is another); to make an experiment of \
-                    it copy it to another folder";
+        let what = "is the experiment of a finished run but was edited (its hash differs from provenance.json); copy it to another folder \
+                    to run it";
         return Err(fault(&text, what.to_owned()));
     }
     let axis_of = |text: &String| text.split('=').next().unwrap_or_default().trim().to_owned();
@@ -106,7 +106,7 @@ pub fn load(path: &Path, overrides: &[String], options: &LoadOptions) -> Result<
     if set_dir.is_some() && names_input(overrides) {
         let kept = kept.join(", ");
         let what = format!(
-            "was run with --set {kept}, whose files are in another folder; expected --set of all of them, or none"
+            "was run with --set {kept}, whose files are in another folder; give --set for all of them, or for none"
         );
         return Err(fault(&text, what));
     }
@@ -119,6 +119,6 @@ pub fn load(path: &Path, overrides: &[String], options: &LoadOptions) -> Result<
     words.extend((!kept.is_empty()).then(|| format!("with --set {}", kept.join(" --set "))));
     words.extend(set_dir.map(|dir| format!("whose files are in {}", dir.display())));
     let path = path.display();
-    let note = (!words.is_empty()).then(|| format!("{path}: taken as its run froze it: {}", words.join(", ")));
+    let note = (!words.is_empty()).then(|| format!("{path}: repeats its run: {}", words.join(", ")));
     Ok((plan, note))
 }

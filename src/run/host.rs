@@ -5,10 +5,10 @@ use serde::{Deserialize, Serialize};
 use std::path::Path;
 use std::process::{Command, Stdio};
 
-/// The word for a value that neither the driver nor the system tells.
+/// In tables, for a value that neither the driver nor the system reports.
 pub const UNKNOWN: &str = "unknown";
 
-/// One observation. What is not told is `None`.
+/// One observation. Unreported values are `None`.
 #[derive(Clone, Debug, Default, Deserialize, PartialEq, Serialize)]
 pub struct HostState {
     /// Runnable tasks over the last 1, 5 and 15 minutes.
@@ -18,7 +18,6 @@ pub struct HostState {
     pub gpu: Option<GpuState>,
 }
 
-/// The state of a GPU by its driver.
 #[derive(Clone, Debug, Default, Deserialize, PartialEq, Serialize)]
 pub struct GpuState {
     pub name: String,
@@ -27,7 +26,7 @@ pub struct GpuState {
     pub throttle: Option<Vec<String>>,
 }
 
-/// Bits of NVML's clock event reasons, with the words of its documentation.
+/// NVML's clock event reasons, named as in its documentation.
 const REASONS: &[(u64, &str)] = &[
     (0x001, "gpu-idle"),
     (0x002, "applications-clocks-setting"),
@@ -39,14 +38,14 @@ const REASONS: &[(u64, &str)] = &[
     (0x080, "hw-power-brake-slowdown"),
     (0x100, "display-clock-setting"),
 ];
-/// Reasons that are no disturbance: an idle device, or a clock that its user chose.
+/// Harmless reasons: an idle device, or a clock that its user chose.
 const HARMLESS: &[&str] = &["gpu-idle", "applications-clocks-setting", "display-clock-setting"];
 
 /// The reasons' field of `nvidia-smi`, which driver 535 renamed.
 const QUERIES: [&str; 2] = ["clocks_event_reasons.active", "clocks_throttle_reasons.active"];
 
 impl HostState {
-    /// The machine as it is now; the clocks of `device` where its driver has a tool that tells them.
+    /// Observes the machine, and the clocks of `device` if `nvidia-smi` reports them.
     pub fn observe(device: &DeviceInfo) -> Self {
         Self {
             load_average: std::fs::read_to_string("/proc/loadavg").ok().and_then(|text| load_average(&text)),
@@ -55,12 +54,12 @@ impl HostState {
         }
     }
 
-    /// The clock that times depend on, MHz: the GPU's, or the processors' for a CPU driver.
+    /// Clock that times depend on, MHz: the GPU's, or the processors' for a CPU driver.
     pub fn clock_mhz(&self, device_type: &str) -> Option<f64> {
         if device_type == "cpu" { self.cpu_mhz } else { self.gpu.as_ref()?.sm_mhz }
     }
 
-    /// Reasons for a slow GPU, as words with spaces; empty for nothing, [`UNKNOWN`] where nobody tells.
+    /// Reasons for a slow GPU, separated by spaces; [`UNKNOWN`] if unreported.
     pub fn slowdown(&self) -> String {
         match self.gpu.as_ref().and_then(|gpu| gpu.throttle.as_ref()) {
             Some(reasons) => {
@@ -78,7 +77,7 @@ pub fn load_average(text: &str) -> Option<Vec<f64>> {
     (numbers.len() == 3).then_some(numbers)
 }
 
-/// Mean of `cpu*/cpufreq/scaling_cur_freq` (kHz) below `root`, in MHz; `None` where the system has no such files (virtual machines).
+/// Mean of `cpu*/cpufreq/scaling_cur_freq` (kHz) below `root`, in MHz; `None` without such files (virtual machines).
 pub fn cpu_mhz(root: &Path) -> Option<f64> {
     let cpus = std::fs::read_dir(root).ok()?.flatten();
     let clock = |cpu: std::fs::DirEntry| -> Option<f64> {
@@ -89,7 +88,7 @@ pub fn cpu_mhz(root: &Path) -> Option<f64> {
     (!clocks.is_empty()).then(|| clocks.iter().sum::<f64>() / clocks.len() as f64)
 }
 
-/// The state of the GPU of that name by NVIDIA's own tool, where it is installed.
+/// Queries NVIDIA's own tool, if it is installed.
 fn nvidia(name: &str) -> Option<GpuState> {
     QUERIES.iter().find_map(|reasons| {
         let fields = format!("name,clocks.sm,{reasons}");
@@ -100,13 +99,13 @@ fn nvidia(name: &str) -> Option<GpuState> {
     })
 }
 
-/// The GPU `name` in the lines of `nvidia-smi --format=csv,noheader,nounits`: name, SM clock (MHz), reasons (hexadecimal). `None` when no
-/// line fits, or more than one: which is meant is not known then.
+/// Finds the GPU `name` in the lines of `nvidia-smi --format=csv,noheader,nounits`: name, SM clock (MHz), reasons (hexadecimal). `None` if
+/// not exactly one line fits.
 pub fn parse_nvidia(text: &str, name: &str) -> Option<GpuState> {
     let gpus = text.lines().filter_map(|line| {
         let fields: Vec<&str> = line.split(',').map(str::trim).collect();
         let [found, sm_mhz, reasons] = fields[..] else { return None };
-        // A field that the device does not tell reads [N/A] or [Not Supported].
+        // An unreported field reads [N/A] or [Not Supported].
         let sm_mhz = sm_mhz.parse().ok();
         let bits = reasons.strip_prefix("0x").and_then(|digits| u64::from_str_radix(digits, 16).ok());
         let words = |bits: u64| {
@@ -117,4 +116,9 @@ pub fn parse_nvidia(text: &str, name: &str) -> Option<GpuState> {
     });
     let mut named = gpus.filter(|gpu| gpu.name == name);
     named.next().filter(|_| named.next().is_none())
+}
+
+/// A device with its driver, for people.
+pub fn device_words(name: &str, driver: &str) -> String {
+    format!("{name} ({driver})")
 }

@@ -1,5 +1,6 @@
-//! The images of a run: linear EXR, tone-mapped PNG, error maps; what their files are called.
+//! The images of a run (linear EXR, tone-mapped PNG, error maps) and their file names.
 
+use super::columns::{CELL, IMAGES};
 use super::store::Store;
 use super::tables::{CellResult, Results, Rows};
 use crate::environment::BUILTIN_PREFIX;
@@ -15,21 +16,20 @@ use crate::table::csv::Cell as Field;
 use blake3::Hash;
 use rayon::prelude::*;
 use std::borrow::Cow;
-use std::collections::{BTreeMap, BTreeSet, HashSet};
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 /// The layer of a reference that holds its standard error.
 pub const STANDARD_ERROR_LAYER: &str = "standard_error";
-/// File names stop here; the id after it keeps them apart.
+/// Longest beginning of a file name; the id follows.
 const SLUG_LENGTH: usize = 120;
 
-/// A value as people say it: builtins without their prefix, files without folder and extension, numbers in a few digits. Tables for
-/// programs hold the value whole.
+/// A value for people: builtins without prefix, files without folder and extension, numbers with few digits.
 pub fn short_text(named: Named, point: &Point) -> String {
     short_value(named.entry(), &named.shown(&point[named.axis]).to_string()).into_owned()
 }
 
-/// As [`short_text`], of a value as tables hold it.
+/// As [`short_text`], for a value from a table.
 pub fn short_value<'v>(axis: &Axis, text: &'v str) -> Cow<'v, str> {
     match (axis.kind.path_in(text), text.strip_prefix(BUILTIN_PREFIX)) {
         (None, _) => short_number(text),
@@ -38,19 +38,16 @@ pub fn short_value<'v>(axis: &Axis, text: &'v str) -> Cow<'v, str> {
     }
 }
 
-/// The axes whose values begin a file name, for people; the id after them tells files apart. They are the same in every plan, so that a larger
-/// one finds the files of a smaller one.
+/// The axes whose values begin a file name. They are the same in every plan, so that a larger plan finds the files of a smaller one.
 const NAMING: [usize; 7] = [ENVIRONMENT, SCENE, BRDF, ALPHA, METHOD, DIFFUSE_METHOD, SAMPLES];
 
-/// The values of a point that begin a file name.
 fn slug(point: &Point) -> String {
     let words: Vec<String> =
         NAMING.iter().map(|&axis| short_text(Named::own(axis), point)).filter(|word| !word.is_empty()).collect();
     file_words(&words.join("_"))
 }
 
-/// A text as part of a file name. It begins with a letter, digit or `_`, or as a number does: nothing that a spreadsheet, a shell or a
-/// listing takes for something else.
+/// Makes a text safe as part of a file name: no leading `-` or `.` unless it is a number, nothing that a shell interprets.
 pub fn file_words(text: &str) -> String {
     let is_number = text.strip_prefix('-').is_some_and(|rest| rest.starts_with(|c: char| c.is_ascii_digit()));
     let plain = |(place, c): (usize, char)| match c {
@@ -62,7 +59,6 @@ pub fn file_words(text: &str) -> String {
     text.chars().enumerate().map(plain).take(SLUG_LENGTH).collect()
 }
 
-/// File name of the linear image of a point.
 pub fn radiance_name(point: &Point, id: &str) -> String {
     format!("{}.{id}.exr", slug(point))
 }
@@ -71,7 +67,7 @@ pub(super) fn picture_name(cell: &Cell) -> String {
     format!("{}.{}.png", slug(&cell.point), cell.id)
 }
 
-/// Cells that differ in the tone curve only share it.
+/// Shared by cells that differ only in the tone curve.
 pub(super) fn error_name(cell: &Cell) -> String {
     format!("{}.{}.error.png", slug(&cell.point), cell.radiance)
 }
@@ -87,38 +83,31 @@ pub(super) fn reference_picture_name(plan: &Plan, cell: &Cell) -> String {
     format!("{}.{}.{}.png", slug(&point), display.join("-"), cell.reference)
 }
 
-/// Writes linear RGBA (A is the mask) and, for a reference, its standard error as a layer.
+/// Writes linear RGBA (A is the mask); for a reference also its standard error, as a layer.
 pub fn write_radiance(path: &Path, frame: &Frame) -> Result<(), PixelsError> {
     let layers: Vec<_> = frame.standard_error.iter().map(|image| (STANDARD_ERROR_LAYER, image)).collect();
     exr::write_rgba(path, &frame.radiance, &frame.mask, &layers)
 }
 
-/// Whether cells differ in the tone curve only: then each has its own map of visible differences.
+/// Whether the tone curve is swept: then each cell has its own map of visible differences.
 pub(super) fn sweeps_display(plan: &Plan) -> bool {
     plan.swept().any(|axis| !AXES[axis].changes_radiance())
 }
 
-/// Every file of `images/` that belongs to a finished cell.
+/// All files of a finished cell in `images/`.
 pub(super) fn files(plan: &Plan, cell: &Cell) -> Vec<String> {
     let flip = sweeps_display(plan).then(|| flip_name(cell));
     index_names(plan, cell).into_iter().chain(flip).collect()
 }
 
-/// The content hashes in a cell's record, in the order of [`files`]; none for a file that it does not tell of.
-pub(super) fn hashes(plan: &Plan, cell: &Cell, recorded: &BTreeMap<String, String>) -> Box<[Option<Hash>]> {
-    // What is no hash is that of no file.
-    let hash = |hex: &String| Hash::from_hex(hex).unwrap_or(Hash::from_bytes([0; blake3::OUT_LEN]));
-    files(plan, cell).iter().map(|name| recorded.get(name).map(hash)).collect()
-}
-
-/// The linear images of a cell and its reference.
+/// File names of the linear images of a cell and its reference.
 pub fn linear_files(plan: &Plan, cell: &Cell) -> [String; 2] {
     let reference = plan.reference_point(&cell.point);
     [radiance_name(&cell.point, &cell.radiance), radiance_name(&reference, &cell.reference)]
 }
 
-/// Whether a file of `images/` is whole, as far as the file itself tells.
-pub(super) fn is_whole(path: &Path) -> bool {
+/// Whether a file looks complete: a whole EXR, a PNG that is not empty.
+fn is_whole(path: &Path) -> bool {
     match path.extension().is_some_and(|extension| extension == "exr") {
         true => exr::check_whole(path).is_ok(),
         false => std::fs::metadata(path).is_ok_and(|metadata| metadata.len() > 0),
@@ -131,34 +120,34 @@ fn index_names(plan: &Plan, cell: &Cell) -> [String; 5] {
     [radiance, reference, picture_name(cell), reference_picture_name(plan, cell), error_name(cell)]
 }
 
-/// Files of finished cells that are missing or not what the cells' records say, in the order of their names. Each cell comes with the
-/// [`hashes`] of its record; where that has none, a file need only be whole.
-pub(super) fn damaged<'p>(
-    plan: &Plan,
-    store: &Store,
-    cells: impl Iterator<Item = (&'p Cell, &'p [Option<Hash>])>,
-) -> BTreeSet<String> {
-    // What cells share must be what each of them says.
-    let mut said: BTreeMap<String, HashSet<Hash>> = BTreeMap::new();
-    for (cell, hashes) in cells {
-        for (name, hash) in files(plan, cell).into_iter().zip(hashes) {
-            said.entry(name).or_default().extend(hash);
-        }
+/// The content hashes that the records of finished cells name for each file. A file without a hash need only be whole.
+pub(super) type Recorded = BTreeMap<String, Vec<Hash>>;
+
+/// Notes the files of a finished cell with the hashes in its record.
+pub(super) fn note(recorded: &mut Recorded, plan: &Plan, cell: &Cell, hashes: &BTreeMap<String, String>) {
+    for name in files(plan, cell) {
+        // An invalid hash fits no file.
+        let hash = hashes.get(&name).map(|hex| Hash::from_hex(hex).unwrap_or(Hash::from_bytes([0; blake3::OUT_LEN])));
+        let known = recorded.entry(name).or_default();
+        known.extend(hash.filter(|hash| !known.contains(hash)));
     }
-    let is_sound = |name: &str, hashes: &HashSet<Hash>| {
+}
+
+/// Files that are missing or differ from their records, by name.
+pub(super) fn damaged(store: &Store, recorded: Recorded) -> BTreeSet<String> {
+    let is_sound = |name: &str, hashes: &[Hash]| {
         let path = store.image_path(name);
         match hashes.is_empty() {
             true => is_whole(&path),
             false => content_hash(&path).is_ok_and(|found| hashes.iter().all(|hash| *hash.to_hex() == *found)),
         }
     };
-    said.into_par_iter().filter(|(name, hashes)| !is_sound(name, hashes)).map(|(name, _)| name).collect()
+    recorded.into_par_iter().filter(|(name, hashes)| !is_sound(name, hashes)).map(|(name, _)| name).collect()
 }
 
-/// `images.csv`: which files of `images/` belong to a cell. One row a finished cell.
+/// `images.csv`: the files of each finished cell.
 pub fn index(plan: &Plan, results: &Results) -> Rows {
-    let columns =
-        ["cell", "radiance", "reference", "picture", "reference_picture", "error"].map(str::to_owned).to_vec();
+    let columns = [CELL].iter().chain(IMAGES).map(|column| column.name.to_owned()).collect();
     let is_done = |cell: &&Cell| matches!(results.get(&cell.id), Some(CellResult::Done(_)));
     let row = |cell: &Cell| {
         std::iter::once(Field::from(cell.id.as_str())).chain(index_names(plan, cell).map(Field::Text)).collect()

@@ -1,4 +1,4 @@
-//! What a run leaves for the live view of its report: the tables that light a surface and the scenes, packed, in `live.json`.
+//! `live.json`: packed tables and scenes for the live view of the report.
 
 use super::images::short_text;
 use super::live_model::{LiveModel, models};
@@ -9,17 +9,15 @@ use crate::experiment::value::Value;
 use crate::pipeline::{LightTables, RenderRequest};
 use crate::pixels::packed::{self, HALF_MAX};
 use crate::pixels::{Pixels, RgbImage};
-use crate::precompute::dfg::DfgAxes;
 use crate::shade::Shading;
 use crate::spelling::Listed;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-/// The file in the folder of a run.
 pub const LIVE_FILE: &str = "live.json";
-/// Environments of a run that are kept; a live view shows one at a time.
+/// Most environments that are kept.
 const ENVIRONMENT_COUNT: usize = 4;
-/// Levels of an environment with more texels are left out: a background of so many is as sharp as a screen.
+/// Larger levels of an environment are left out: this size is as sharp as a screen.
 const ENVIRONMENT_TEXELS: u32 = 1 << 19;
 
 /// The content of [`LIVE_FILE`].
@@ -27,10 +25,8 @@ const ENVIRONMENT_TEXELS: u32 = 1 << 19;
 pub struct LiveRecord {
     pub environments: Vec<LiveEnvironment>,
     pub lobes: Vec<LiveLobe>,
-    /// Environments of the run that are not here.
+    /// Environments of the run that are not kept.
     pub left_out: usize,
-    /// Older runs have none.
-    #[serde(default)]
     pub models: Vec<LiveModel>,
 }
 
@@ -41,63 +37,43 @@ pub struct PackedImage {
     pub base64: String,
 }
 
-/// One environment with what was made of it. Packed radiance and `sh9` are divided by `scale`.
+/// An environment and its tables. Packed radiance and `sh9` are divided by `scale`.
 #[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
 pub struct LiveEnvironment {
-    /// For people.
     pub label: String,
-    /// Power of two, 1 unless the radiance leaves the range of half floats.
+    /// Power of two; 1 unless the radiance exceeds the range of half floats.
     pub scale: f32,
-    /// Mean luminance. Older runs have none.
-    #[serde(default = "one")]
     pub mean_luminance: f64,
-    /// How the maps lie in texels: a map layout's name. Older runs have none.
-    #[serde(default = "equirect")]
+    /// Name of the map layout.
     pub layout: String,
-    /// b of `precompute::prefilter::LevelMapping`. Older runs have none.
-    #[serde(default)]
+    /// b of `precompute::prefilter::LevelMapping`.
     pub level_bend: f64,
-    /// The faces of a level below each other.
+    /// The faces of a level are below each other.
     pub levels: Vec<PackedImage>,
     /// Radiance coefficients in the order of `shaders/lib/sh.glsl`.
     pub sh9: Vec<[f32; 3]>,
     pub prefiltered: Vec<LivePrefiltered>,
 }
 
-fn one() -> f64 {
-    1.0
-}
-
-fn centres() -> u32 {
-    DfgAxes::Centres as u32
-}
-
-fn equirect() -> String {
-    "equirect".to_owned()
-}
-
-/// The prefiltered levels of one model.
 #[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
 pub struct LivePrefiltered {
     pub brdf: String,
     pub levels: Vec<PackedImage>,
 }
 
-/// The DFG table of one model and masking: what scales f0 in R, what is added in G.
+/// The DFG table of one model and masking: scale of f0 in R, addend in G.
 #[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
 pub struct LiveLobe {
     pub brdf: String,
     pub masking: String,
     pub dfg: PackedImage,
-    /// One of `DFG_AXES_*`; records from before there was a choice do not say.
-    #[serde(default = "centres")]
+    /// One of `DFG_AXES_*`.
     pub dfg_axes: u32,
-    /// The table of lobe shapes (`precompute::lobe_shape`). Older runs have none.
-    #[serde(default)]
-    pub lobe_shapes: Option<PackedImage>,
+    /// `precompute::lobe_shape`.
+    pub lobe_shapes: PackedImage,
 }
 
-/// Makes the tables of every model in the first environments of a plan.
+/// Computes the tables of every model in the first environments of a plan.
 pub fn record(plan: &Plan, renderer: &mut dyn Renderer) -> Result<LiveRecord, RenderFault> {
     let mut record = LiveRecord { environments: Vec::new(), lobes: Vec::new(), left_out: 0, models: models(plan) };
     let environments = distinct(plan, &[], |request| request.environment.hash.clone());
@@ -117,7 +93,7 @@ pub fn record(plan: &Plan, renderer: &mut dyn Renderer) -> Result<LiveRecord, Re
             if !has_lobe {
                 let dfg = pack(&tables.dfg.map(|[a, b]| [a, b, 0.0]), 1.0);
                 let (masking, dfg_axes) = (masking.to_owned(), tables.dfg_axes as u32);
-                let lobe_shapes = Some(pack(&tables.lobe_shapes, 1.0));
+                let lobe_shapes = pack(&tables.lobe_shapes, 1.0);
                 record.lobes.push(LiveLobe { brdf: brdf.clone(), masking, dfg, dfg_axes, lobe_shapes });
             }
             let environment = environment.get_or_insert_with(|| of_environment(point, request, &tables));
@@ -132,7 +108,7 @@ pub fn record(plan: &Plan, renderer: &mut dyn Renderer) -> Result<LiveRecord, Re
     Ok(record)
 }
 
-/// The first cell's point and request for every value of `key`, of the cells that use all of `axes`.
+/// Point and request of the first cell for every value of `key`, among cells that use all of `axes`.
 fn distinct<K: PartialEq>(
     plan: &Plan,
     axes: &[usize],

@@ -1,7 +1,7 @@
-//! The scenes of a run as the live view draws them: exact spheres, and triangles in 16-bit numbers.
+//! Scenes for the live view: exact spheres, and triangles in 16-bit numbers, packed like images.
 //!
-//! A position is three fractions of the scene's box, so it is off by at most 1/131070 of its side. A normal is octahedral \[Cigolle14\]: its two
-//! coordinates are signed fractions of 32767, so it is off by less than 0.01 degrees. Both, and the triangles, are packed as images are.
+//! Positions are fractions of the scene's box (error at most 1/131070 of its side). Normals are octahedral \[Cigolle14\], in signed fractions of
+//! 32767 (error below 0.01 degrees).
 
 use super::images::short_text;
 use crate::experiment::axis;
@@ -14,19 +14,17 @@ use glam::{DVec3, Vec3};
 use serde::{Deserialize, Serialize};
 use std::collections::HashMap;
 
-/// Triangles of all scenes that are kept: more would make the page too large. A scene beyond that is shown as a sphere.
+/// Most triangles of all scenes. A scene beyond that is shown as a sphere.
 pub const TRIANGLES_MAX: usize = 100_000;
-/// Scenes of a run that are kept.
 const SCENE_COUNT: usize = 4;
-/// Vertices of a part, so that 16 bits name one.
+/// Vertices of a part have 16-bit indices.
 const PART_VERTICES_MAX: usize = 1 << 16;
 
 /// A scene and the camera through which the run looks at it.
 #[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
 pub struct LiveModel {
-    /// For people.
     pub label: String,
-    /// What is not as in the run, a sentence; empty where all is.
+    /// Differences to the run, one sentence; may be empty.
     pub note: String,
     /// Corners of the box around the scene.
     pub low: [f64; 3],
@@ -41,7 +39,7 @@ pub struct LiveModel {
 pub struct LiveCamera {
     /// From the middle to the eye, along the camera's right, up and backward.
     pub offset: [f64; 3],
-    /// Of the backward axis (0, 0, 1), turned about +y and then raised, radians.
+    /// Rotation of the backward axis (0, 0, 1) about +y, then its elevation; radians.
     pub yaw: f64,
     pub pitch: f64,
     /// Half width and half height of the image plane: world units, or at distance 1 from the eye.
@@ -49,7 +47,7 @@ pub struct LiveCamera {
     pub is_perspective: bool,
 }
 
-/// A material with the means of its maps.
+/// A material with the means of its textures.
 #[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
 pub struct LiveSurface {
     pub albedo: [f32; 3],
@@ -65,7 +63,7 @@ pub struct LiveSphere {
     pub surface: LiveSurface,
 }
 
-/// Triangles of one surface, texts of [`packed::words`].
+/// Triangles of one surface; the texts are from [`packed::words`].
 #[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
 pub struct LivePart {
     pub surface: LiveSurface,
@@ -75,7 +73,7 @@ pub struct LivePart {
     /// Two octahedral coordinates as signed 32767ths, and a zero.
     pub normals: String,
     pub triangle_count: usize,
-    /// Three vertices each; counter-clockwise from the side that their normals point to.
+    /// Three vertices each, counter-clockwise as seen from the side of their normals.
     pub triangles: String,
 }
 
@@ -93,35 +91,31 @@ pub fn models(plan: &Plan) -> Vec<LiveModel> {
 }
 
 fn model(label: &str, request: &RenderRequest, triangles_max: usize) -> LiveModel {
-    if request.scene.is_design {
-        let note = format!("{label} is no picture, so a sphere is shown.");
-        return sphere(label, note, request.camera.projection, stand_in(&request.scene));
-    }
     let (scene, aspect) = (&request.scene, f64::from(request.size[0]) / f64::from(request.size[1]));
+    if scene.is_design {
+        let note = format!("{label} is not a picture, so a sphere is shown.");
+        return sphere(label, note, request);
+    }
     let count: usize = scene.meshes.iter().map(|mesh| mesh.indices.len() / 3).sum();
     if count > triangles_max {
-        let note = format!(
-            "{label} has {count} triangles; the page has room for {triangles_max} of them, so a sphere is shown."
-        );
-        return sphere(label, note, request.camera.projection, stand_in(scene));
+        let note =
+            format!("{label} has {count} triangles, but the page has room for {triangles_max}, so a sphere is shown.");
+        return sphere(label, note, request);
     }
     let has_map = scene.materials.iter().any(|material| material.maps().next().is_some());
-    let note = if has_map { format!("The textures of {label} are shown as their means.") } else { String::new() };
+    let note = if has_map { format!("The textures of {label} are replaced by their means.") } else { String::new() };
     of_scene(label, note, scene, &request.camera, aspect)
 }
 
-fn stand_in(scene: &Scene) -> Material {
-    scene.materials.first().map_or_else(Material::default, |material| averaged(scene, material))
-}
-
-/// What stands for a scene that is not here: the unit sphere.
-pub fn sphere(label: &str, note: String, projection: Projection, material: Material) -> LiveModel {
-    let kind = match projection {
+/// The unit sphere in place of a scene that is not kept.
+fn sphere(label: &str, note: String, request: &RenderRequest) -> LiveModel {
+    let material = request.scene.materials.first().map(|material| averaged(&request.scene, material));
+    let kind = match request.camera.projection {
         Projection::Ortho { .. } => CameraKind::Ortho,
         Projection::Perspective { .. } => CameraKind::Perspective,
     };
     let mut scene = Scene::sphere();
-    scene.materials = vec![material];
+    scene.materials = vec![material.unwrap_or_default()];
     let camera = Camera::for_scene(kind, &scene, [1, 1]);
     of_scene(label, note, &scene, &camera, 1.0)
 }
@@ -154,7 +148,7 @@ fn of_scene(label: &str, note: String, scene: &Scene, camera: &Camera, aspect: f
     }
 }
 
-/// The material with the means of its maps in their place.
+/// The material with the means of its textures.
 fn averaged(scene: &Scene, material: &Material) -> Material {
     let mean = |map: Option<usize>| map.map_or([1.0; 3], |map| scene.textures[map].mean());
     let albedo = mean(material.albedo_map);
@@ -169,7 +163,7 @@ fn averaged(scene: &Scene, material: &Material) -> Material {
     }
 }
 
-/// A mesh in parts of which each has few enough vertices.
+/// Splits a mesh into parts of at most [`PART_VERTICES_MAX`] vertices.
 fn parts(mesh: &Mesh, surface: &LiveSurface, low: DVec3, high: DVec3) -> Vec<LivePart> {
     let mut parts = Vec::new();
     let (mut places, mut vertices, mut triangles) = (HashMap::new(), Vec::new(), Vec::new());
@@ -216,7 +210,7 @@ fn part(
     }
 }
 
-/// A unit vector on the octahedron that is unfolded to a square; `shaders/page/mesh.vert` has the inverse.
+/// Octahedral coordinates of a unit vector; `shaders/page/mesh.vert` has the inverse.
 fn octahedral(n: [f32; 3]) -> [u16; 3] {
     let [x, y, z] = n.map(f64::from);
     let sum = x.abs() + y.abs() + z.abs();

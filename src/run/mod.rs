@@ -1,6 +1,4 @@
-//! Doing an experiment: renders and scores the cells of a plan and writes them to a folder.
-//!
-//! A run ends with tables; `crate::study` answers questions from them.
+//! Renders and scores the cells of a plan into a folder of records, images and tables. `crate::study` answers questions from the tables.
 
 pub mod columns;
 pub mod environments;
@@ -25,7 +23,6 @@ pub mod store;
 pub mod tables;
 pub mod timing;
 pub mod timing_ratios;
-pub mod trace;
 
 pub use execute::{MakeRenderer, Merged, Outcome, Progress, RunError, RunOptions, Work, merge, run};
 pub use images::{STANDARD_ERROR_LAYER, file_words, write_radiance};

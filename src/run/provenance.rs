@@ -1,4 +1,4 @@
-//! Where a run comes from: enough to do it again.
+//! `provenance.json`: everything that is needed to repeat a run.
 
 use super::host::UNKNOWN;
 use crate::experiment::plan::{Plan, SCHEMA_VERSION};
@@ -9,38 +9,36 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::SystemTime;
 
-/// The file in the folder of a run.
 pub const PROVENANCE_FILE: &str = "provenance.json";
-/// Key of the folder that paths in the frozen experiment are relative to, itself relative to that of the run; null where it names no file.
+/// Key of the folder that paths in the frozen experiment are relative to, relative to the run's folder; null if it names no file.
 pub const EXPERIMENT_FOLDER: &str = "experiment_folder";
-/// Key of the folder that paths in its overrides are relative to; null where they name no file.
+/// Key of the same for paths in its overrides.
 pub const SET_FOLDER: &str = "set_folder";
-/// Largest one that is read, bytes: every session adds a few thousand.
+/// Largest file, bytes; every session adds a few thousand.
 const MAX_FILE_BYTES: u64 = 1 << 28;
 
-/// A file that cannot be the provenance of a run for this program.
 #[derive(Debug, thiserror::Error)]
 pub enum ProvenanceError {
     #[error("{}: cannot be read: {error}", path.display())]
     Io { path: PathBuf, error: std::io::Error },
     #[error(
-        "{}: is not a provenance file of splitsum: {what}; expected it as `splitsum run` wrote it (a copy of it, or another folder)",
+        "{}: is not a provenance file of splitsum: {what}; restore it from a copy, or choose another folder",
         path.display()
     )]
     Strange { path: PathBuf, what: String },
     #[error(
-        "{}: holds a run in the format {found}, and this program knows formats up to {SCHEMA_VERSION}; expected the newer program that \
-         wrote it, or another folder", dir.display()
+        "{}: holds a run in format {found}, but this program knows formats up to {SCHEMA_VERSION}; use the newer program that wrote it, or \
+         choose another folder", dir.display()
     )]
     Newer { dir: PathBuf, found: u64 },
 }
 
-/// The provenance of the run in a folder, whoever asks for it; `None` when there is none. It is an object that says its format.
+/// Reads the provenance of the run in a folder, an object with its format; `None` if there is no file.
 pub fn read(dir: &Path) -> Result<Option<Value>, ProvenanceError> {
     read_file(&dir.join(PROVENANCE_FILE))
 }
 
-/// As [`read`], of a file.
+/// As [`read`], for a file.
 pub(super) fn read_file(path: &Path) -> Result<Option<Value>, ProvenanceError> {
     let path = path.to_owned();
     let bytes = match read_regular(&path, MAX_FILE_BYTES) {
@@ -54,7 +52,7 @@ pub(super) fn read_file(path: &Path) -> Result<Option<Value>, ProvenanceError> {
     };
     let strange = |what: &str| Err(ProvenanceError::Strange { path: path.clone(), what: what.to_owned() });
     match value.get("schema_version").map(Value::as_u64) {
-        _ if !value.is_object() => strange("it holds no object"),
+        _ if !value.is_object() => strange("it is not an object"),
         None => strange("it has no schema_version"),
         Some(None) => strange("its schema_version is not a whole number"),
         Some(Some(found)) if found > SCHEMA_VERSION.into() => {
@@ -65,15 +63,14 @@ pub(super) fn read_file(path: &Path) -> Result<Option<Value>, ProvenanceError> {
     }
 }
 
-/// Hash of an experiment's text, as the provenance names it.
 pub fn experiment_hash(text: &str) -> String {
     blake3::hash(text.as_bytes()).to_hex().to_string()
 }
 
-/// Keys of a provenance that hold what the user typed: the same experiment may be named in another way.
+/// Keys of user input: the same experiment may be named differently.
 const AS_TYPED: [&str; 2] = ["experiment_file", "overrides"];
 
-/// The provenance `found` in the folder `dir`, rewritten for `plan` and its text, with the sessions kept; `None` if it says the same.
+/// Rewrites the provenance `found` in `dir` for `plan`, with its sessions; `None` if nothing changes.
 pub(super) fn of_now(found: &Value, plan: &Plan, dir: &Path) -> Option<Value> {
     let mut new = provenance(plan, dir);
     new["sessions"] = found["sessions"].clone();
@@ -84,7 +81,7 @@ pub(super) fn of_now(found: &Value, plan: &Plan, dir: &Path) -> Option<Value> {
     (!is_same).then_some(new)
 }
 
-/// The provenance of a new run in the folder `dir`; `sessions` stays empty until [`session`] is added.
+/// The provenance of a new run in the folder `dir`, without sessions.
 pub fn provenance(plan: &Plan, dir: &Path) -> Value {
     let from_here = |folder: Option<&Path>| folder.map(|folder| relative(dir, folder));
     let inputs: serde_json::Map<String, Value> =
@@ -123,7 +120,7 @@ pub fn provenance(plan: &Plan, dir: &Path) -> Value {
     })
 }
 
-/// One invocation that did work: program, device, host, time. `command_line` is what the user typed.
+/// An entry for one invocation that did work: program, device, host, time.
 pub fn session(device: &DeviceInfo, command_line: &[String]) -> Value {
     json!({
         "date_utc": now_utc(),
@@ -144,12 +141,12 @@ pub fn session(device: &DeviceInfo, command_line: &[String]) -> Value {
             "cpu": host_cpu(),
             "cpu_count": std::thread::available_parallelism().map_or(0, usize::from),
         },
-        // Written at the end; a run that was killed leaves it so.
+        // Replaced at the end of the run.
         "wall_s": UNKNOWN,
     })
 }
 
-/// Commit and state of the working tree that the program stands in, or null when it stands in none.
+/// Commit and state of the working tree that contains the program; null if there is none.
 fn commit() -> Value {
     let folder: Option<PathBuf> = std::env::current_exe().ok().and_then(|exe| exe.parent().map(PathBuf::from));
     let git = |arguments: &[&str]| -> Option<String> {
@@ -171,7 +168,7 @@ fn host_cpu() -> Option<String> {
     Some(line.split_once(':')?.1.trim().to_owned())
 }
 
-/// The machine's name, for people; `host` where it has none.
+/// The machine's name; `host` if it has none.
 pub fn host_name() -> String {
     let text = std::fs::read_to_string("/proc/sys/kernel/hostname").ok();
     let name = text.or_else(|| std::env::var("HOSTNAME").ok()).or_else(|| std::env::var("COMPUTERNAME").ok());

@@ -10,7 +10,7 @@ use crate::table::csv::rounded;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-/// A number that a JSON file gives back bit for bit: it is written as text, which may also be `inf`.
+/// A number that JSON preserves bit for bit: it is written as text, which may be `inf`.
 #[derive(Clone, Copy, Debug, Deserialize, PartialEq, Serialize)]
 #[serde(into = "String", try_from = "String")]
 pub struct Exact(pub f64);
@@ -29,32 +29,29 @@ impl TryFrom<String> for Exact {
     }
 }
 
-/// Numbers by the name of their column.
+/// Numbers by column name.
 pub type Scores = BTreeMap<String, Exact>;
 
-/// Where a reference stopped: the least certain of its terms.
+/// Where the least certain term of a reference stopped.
 #[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
 pub struct ReferenceStop {
-    /// Samples a pixel and term; the fewest of the terms.
+    /// Samples per pixel and term, minimum over terms.
     pub samples: u64,
-    /// Relative standard error of the image (`shade::reference_pass::Convergence`); the largest of the terms.
+    /// Relative standard error of the image (`shade::reference_pass::Convergence`), maximum over terms.
     pub relative_error: Exact,
-    /// Which of the limits the experiment names was met.
     pub stopped_by: StopReason,
 }
 
-/// The reason why a reference stopped.
+/// The limit that a reference met.
 #[derive(Clone, Copy, Debug, Deserialize, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum StopReason {
-    /// The sample count: no error was asked for, or a term did not reach it before.
     Samples,
     /// Every term reached the requested relative standard error.
     RelativeError,
 }
 
 impl StopReason {
-    /// The word in tables.
     pub fn name(self) -> &'static str {
         match self {
             Self::Samples => "samples",
@@ -64,7 +61,7 @@ impl StopReason {
 }
 
 impl ReferenceStop {
-    /// Of the terms of one image; `None` when none of them is a reference. `wanted` is the relative error that was asked for.
+    /// Combines the terms of one image; `None` if none is a reference. `wanted` is the requested relative error.
     pub fn of(terms: &[Convergence], wanted: Option<f64>) -> Option<Self> {
         let samples = terms.iter().map(|term| term.sample_count).min()?;
         let is_met = wanted.is_some() && terms.iter().all(|term| term.is_met);
@@ -76,55 +73,65 @@ impl ReferenceStop {
     }
 }
 
-/// The record of a finished cell.
 #[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
 pub struct CellRecord {
     pub cell: String,
     /// Every axis by name.
     pub axes: BTreeMap<String, String>,
     pub scores: Scores,
-    /// Bias and variance by column name, where the experiment asks for them.
+    /// Empty without `[bias_variance]`.
     #[serde(default)]
     pub bias_variance: Scores,
-    /// Score to expect of an exact test, where the reference knows its own error.
+    /// Expected scores of an exact image, if the reference's standard error is known.
     pub noise_floors: Scores,
-    /// Where the reference stopped, where it is one that stops.
     #[serde(default)]
     pub reference: Option<ReferenceStop>,
     pub verdict: String,
     pub bins: Vec<BinRecord>,
-    /// Where the error comes from, where the experiment asks for it.
+    /// Empty without `[ladder]`.
     #[serde(default)]
     pub steps: Vec<StepRecord>,
     pub device: String,
     pub driver: String,
     #[serde(default)]
     pub spent: Spent,
-    /// Content hash of each file of `images/` that belongs to the cell. Empty in records of older programs.
+    /// Content hash by file of `images/`. Empty in records of older programs.
     #[serde(default)]
     pub files: BTreeMap<String, String>,
 }
 
-/// Host time of a cell by part, ms. Work that several cells share stands with the first of them only.
+/// Host time of a cell by part, ms. Shared work is in the first of its cells only.
 #[derive(Clone, Debug, Default, Deserialize, PartialEq, Serialize)]
 pub struct Spent {
-    /// The cell's image and its repeats, without tables.
+    /// Image and repeats, without tables.
     pub image_ms: Option<f64>,
-    /// Its reference, without tables; nothing where that was not rendered.
+    /// Reference, without tables; `None` if it was not rendered.
     pub reference_ms: Option<f64>,
-    /// The steps of its error.
     #[serde(default)]
     pub ladder_ms: Option<f64>,
-    /// Device time of each kind of table that was made.
+    /// Device time by kind of table.
     pub tables_ms: BTreeMap<String, f64>,
-    /// The tone curve of test and reference.
+    /// Tone curve of test and reference.
     pub display_ms: f64,
-    /// Scores and pictures, beside the device.
+    /// Scores and pictures.
     pub score_ms: f64,
 }
 
 impl Spent {
-    /// Adds the time of a frame that took `wall_ms` as `part`, with the tables that it needed apart.
+    /// The time of a kind of work (`estimate::work`).
+    pub fn ms(&self, kind: &str) -> Option<f64> {
+        let mut words = kind.split(' ');
+        match words.next()? {
+            "image" => self.image_ms,
+            "reference" => self.reference_ms,
+            "ladder" => self.ladder_ms,
+            "table" => self.tables_ms.get(words.next()?).copied(),
+            "display" => Some(self.display_ms),
+            _ => Some(self.score_ms),
+        }
+    }
+
+    /// Adds a frame that took `wall_ms` to `part`, without the tables that it needed.
     pub fn add(&mut self, part: fn(&mut Self) -> &mut Option<f64>, timings: &FrameTimings, wall_ms: f64) {
         let tables_ms: f64 = timings.precompute.iter().map(|time| time.ms).sum();
         for PassTime { pass, ms } in &timings.precompute {
@@ -140,11 +147,11 @@ pub struct BinRecord {
     pub lo: f64,
     pub hi: f64,
     pub pixel_count: usize,
-    /// Empty when no pixel fell into the bin.
+    /// Empty if the bin has no pixels.
     pub scores: Scores,
 }
 
-/// One step of a cell's error over the pixels with n·v in [`lo`, `hi`): as `ladder::StepNumbers`.
+/// One step of a cell's error (`ladder::StepNumbers`) over the pixels with n·v in [`lo`, `hi`).
 #[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
 pub struct StepRecord {
     pub lo: f64,
@@ -155,11 +162,10 @@ pub struct StepRecord {
     pub numbers: Scores,
 }
 
-/// Digits of the numbers of a step: more than the noise leaves.
+/// Significant digits of the numbers of a step: more than the noise leaves.
 const STEP_DIGITS: usize = 4;
 
 impl StepRecord {
-    /// The steps of some attributions.
     pub fn of(attributions: &[Attribution]) -> Vec<Self> {
         let of_one = |one: &Attribution| {
             let ([lo, hi], pixel_count, noise) = (one.seen_at, one.pixel_count, one.noise);
@@ -176,7 +182,7 @@ impl StepRecord {
     }
 }
 
-/// What a run keeps of a finished cell in memory, for its tables and sheets: the disk has the rest.
+/// The part of a record that a run keeps in memory, for tables and sheets.
 #[derive(Clone, Debug)]
 pub struct KeptCell {
     /// In the order of [`METRICS`].
@@ -190,7 +196,6 @@ pub struct KeptCell {
 }
 
 impl KeptCell {
-    /// Of a whole record.
     pub fn of(record: &CellRecord) -> Self {
         let of = |scores: &Scores, name: &str| scores.get(name).map(|score| score.0);
         let all = |scores: &Scores, metrics: &[&dyn Metric]| -> Box<[Option<f64>]> {
@@ -205,12 +210,11 @@ impl KeptCell {
         }
     }
 
-    /// The score by the metric of that name.
     pub fn score(&self, metric: &str) -> Option<f64> {
         self.scores[METRICS.iter().position(|known| known.description().name == metric)?]
     }
 
-    /// The score of an exact image by the metric of that name.
+    /// Expected score of an exact image.
     pub fn noise_floor(&self, metric: &str) -> Option<f64> {
         self.noise_floors[linear_metrics().iter().position(|known| known.description().name == metric)?]
     }
@@ -223,7 +227,6 @@ impl CellRecord {
     }
 }
 
-/// Why a cell failed.
 #[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
 pub struct FailureRecord {
     pub cell: String,

@@ -1,4 +1,4 @@
-//! The renderer as a run sees it, so that runs can be tested without a device.
+//! The renderer of a run, a trait so that runs can be tested without a device.
 
 use crate::ladder::Attribution;
 use crate::pipeline::{
@@ -7,41 +7,36 @@ use crate::pipeline::{
 use crate::pixels::{Rgb8Image, RgbImage};
 use crate::tonemap::ToneCurve;
 
-/// Why the renderer could not deliver.
 #[derive(Clone, Debug, thiserror::Error)]
 #[error("{message}")]
 pub struct RenderFault {
     pub message: String,
-    /// The device is gone: nothing more can be rendered in this process, but a new one may succeed.
+    /// The device is gone: only a new process may succeed.
     pub device_lost: bool,
-    /// The request cannot be served whatever is tried: it must be changed.
+    /// The request itself must be changed.
     pub is_input: bool,
 }
 
-/// Renders, tone-maps and times.
 pub trait Renderer {
-    /// The device.
     fn device(&self) -> DeviceInfo;
-    /// Whether a request can be served, as far as that can be told before any work.
+    /// Checks before any work whether a request can be served.
     fn check(&self, request: &RenderRequest) -> Result<(), RenderFault>;
-    /// Whether a cache holds the image of a request.
+    /// Whether the image of a request is cached.
     fn has_kept(&self, _: &RenderRequest) -> bool {
         false
     }
-    /// One radiance image.
     fn render(&mut self, request: &RenderRequest) -> Result<Frame, RenderFault>;
-    /// The display image of a radiance image.
     fn tonemap(&mut self, radiance: &RgbImage, curve: ToneCurve) -> Result<Rgb8Image, RenderFault>;
-    /// The tables that light a surface, without the levels of the environment that are wider than `width_max` texels.
+    /// The tables that light a surface, without levels of the environment wider than `width_max` texels.
     fn light_tables(&mut self, request: &RenderRequest, width_max: u32) -> Result<LightTables, RenderFault>;
-    /// The error of a split sum on the scene `design` by steps, over all pixels and over bands of n·v; what is drawn takes `samples` a pixel.
+    /// The error on the scene `design` by steps, over all pixels and over bands of n·v, with `samples` per pixel.
     fn attributions(
         &mut self,
         request: &RenderRequest,
         samples: u32,
         bands: &[[f64; 2]],
     ) -> Result<Vec<Attribution>, RenderFault>;
-    /// Times of the passes that run for every frame, or of those that make its tables; `warmup` executions come first and do not count.
+    /// Times the passes of a frame, or those of its tables, after `warmup` executions that do not count.
     fn time(
         &mut self,
         request: &RenderRequest,
@@ -49,11 +44,11 @@ pub trait Renderer {
         warmup: u32,
         rounds: u32,
     ) -> Result<TimingSamples, RenderFault>;
-    /// Host time in which the device worked or was waited for so far, ms.
+    /// Host time spent on the device so far, ms.
     fn waited_ms(&self) -> f64;
-    /// Work done once for several images so far, and the part of it that the disk had.
+    /// Work shared by several images so far, and the part read from disk.
     fn shared_work(&self) -> SharedWork;
-    /// Warnings since the last call. None is a fault of a cell.
+    /// Warnings since the last call.
     fn take_warnings(&mut self) -> Vec<String>;
 }
 

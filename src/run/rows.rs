@@ -1,7 +1,7 @@
-//! Cells put side by side: those that agree on the axes of a row.
+//! Groups cells that agree on some axes.
 //!
 //! A cell whose method ignores an axis has no value there. It belongs to every row that it does not contradict: the one `sampled` cell
-//! stands beside `split-sum` at each map size.
+//! is beside `split-sum` at each map size.
 
 use crate::experiment::axis::Point;
 use crate::experiment::value::Value;
@@ -26,7 +26,7 @@ fn fits(key: &[Value], row: &[Value]) -> bool {
     key.iter().zip(row).all(|(value, of_row)| *value == Value::Unset || value == of_row)
 }
 
-/// The point that tells a row's value on an axis: the first that has one.
+/// The first point of a row with a value on an axis, else its first point.
 pub fn teller<'p>(row: impl IntoIterator<Item = &'p Point>, axis: usize) -> &'p Point {
     let mut points = row.into_iter();
     let first = points.next().expect("a row has at least one cell");

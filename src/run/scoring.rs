@@ -1,4 +1,4 @@
-//! From images to the record of a cell. Pure host work: it runs beside the device, several cells at a time.
+//! Scores images into the record of a cell, on the host, several cells at a time.
 
 use super::images::{self, STANDARD_ERROR_LAYER};
 use super::renderer::RenderFault;
@@ -20,49 +20,37 @@ use std::path::Path;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use std::time::Instant;
 
-/// The reference of a cell.
 #[derive(Debug)]
 pub struct ReferenceImage {
     pub radiance: RgbImage,
     pub standard_error: Option<RgbImage>,
     pub mask: GrayImage,
-    /// Of its light.
     pub epsilon: Epsilon,
-    /// Where it stopped, unless its method does not stop by itself.
     pub stop: Option<ReferenceStop>,
-    /// The frame itself, unless the image was read back from an earlier invocation.
+    /// The frame, unless the image was read back.
     pub rendered: Option<Arc<Frame>>,
     noise_floors: OnceLock<Result<Scores, String>>,
-    /// Name and content hash of its linear image, once that is written.
+    /// Its linear image, once written.
     file: Mutex<Option<Kept>>,
-    /// Its display images by tone curve; of the last few, since a sweep takes them one after the other.
+    /// The last few display images by tone curve.
     displays: Mutex<Vec<(ToneCurve, Arc<Displayed>)>>,
 }
 
 /// Name and content hash of a file of `images/`.
 type Kept = (String, String);
 
-/// Memory for what is kept of a reference's display images, bytes; one is kept whatever its size.
+/// Memory for a reference's display images, bytes; one is always kept.
 const DISPLAY_BYTES: usize = 64 << 20;
 
 impl ReferenceImage {
-    /// The reference that was just rendered.
     pub fn of_frame(frame: Arc<Frame>, request: &RenderRequest) -> Self {
-        Self {
-            stop: ReferenceStop::of(&frame.convergences, request.reference_error),
-            epsilon: request.epsilon(),
-            radiance: frame.radiance.clone(),
-            standard_error: frame.standard_error.clone(),
-            mask: GrayImage::clone(&frame.mask),
-            rendered: Some(frame),
-            noise_floors: OnceLock::new(),
-            file: Mutex::default(),
-            displays: Mutex::default(),
-        }
+        let stop = ReferenceStop::of(&frame.convergences, request.reference_error);
+        let mask = GrayImage::clone(&frame.mask);
+        let own = Self::new(frame.radiance.clone(), frame.standard_error.clone(), mask, request, stop);
+        Self { rendered: Some(frame), ..own }
     }
 
-    /// The reference that an earlier invocation wrote, bit for bit; `None` when it is not there or not whole. `stop` is what it left
-    /// beside the image.
+    /// Reads back a reference of an earlier invocation, bit for bit; `None` if it is missing or incomplete.
     pub fn read(path: &Path, request: &RenderRequest, stop: Option<ReferenceStop>) -> Option<Self> {
         let image = exr::read(path).ok()?;
         let standard_error = match request.has_reference_term() {
@@ -72,8 +60,18 @@ impl ReferenceImage {
         };
         let has_size = [image.rgb.width, image.rgb.height] == request.size;
         let mask = image.alpha.filter(|_| has_size)?;
-        Some(Self {
-            radiance: image.rgb,
+        Some(Self::new(image.rgb, standard_error, mask, request, stop))
+    }
+
+    fn new(
+        radiance: RgbImage,
+        standard_error: Option<RgbImage>,
+        mask: GrayImage,
+        request: &RenderRequest,
+        stop: Option<ReferenceStop>,
+    ) -> Self {
+        Self {
+            radiance,
             standard_error,
             mask,
             epsilon: request.epsilon(),
@@ -82,10 +80,10 @@ impl ReferenceImage {
             noise_floors: OnceLock::new(),
             file: Mutex::default(),
             displays: Mutex::default(),
-        })
+        }
     }
 
-    /// Its linear image, written unless an earlier invocation did that.
+    /// Its linear image, written if necessary.
     fn file(&self, store: &Store, name: String) -> Result<Kept, CellFault> {
         let mut file = self.file.lock().unwrap_or_else(PoisonError::into_inner);
         if file.is_none() {
@@ -96,10 +94,9 @@ impl ReferenceImage {
         Ok(file.clone().expect("it was written"))
     }
 
-    /// The comparison with a test image, which finds the reference's display image ready where another one made it.
+    /// Compares a test image, reusing the reference's display image.
     fn comparison<'a>(&'a self, test: &'a RgbImage, curve: ToneCurve) -> Result<Comparison<'a>, MetricsError> {
         let comparison = Comparison::new(test, &self.radiance, &self.mask, curve, self.epsilon)?;
-        // A thread that panicked left a whole list: entries are added in one step.
         let known = || self.displays.lock().unwrap_or_else(PoisonError::into_inner);
         let ready = known().iter().find(|(of, _)| *of == curve).map(|(_, display)| display.clone());
         if let Some(display) = ready {
@@ -115,7 +112,7 @@ impl ReferenceImage {
         Ok(comparison)
     }
 
-    /// The score of an exact test by metric, where it is known. Computed once.
+    /// Expected scores of an exact image. Computed once.
     fn noise_floors(&self) -> Result<Scores, String> {
         let compute = || {
             let Some(standard_error) = &self.standard_error else { return Ok(Scores::default()) };
@@ -127,7 +124,6 @@ impl ReferenceImage {
     }
 }
 
-/// A rendered cell, ready to be scored.
 #[derive(Debug)]
 pub struct Rendered<'p> {
     pub cell: &'p Cell,
@@ -137,15 +133,15 @@ pub struct Rendered<'p> {
     pub pictures: [Arc<Rgb8Image>; 2],
     pub bias_variance: Option<BiasVariance>,
     pub steps: Arc<Vec<StepRecord>>,
-    /// Scores and files that cells share which differ in the tone curve only.
+    /// Shared by cells that differ only in the tone curve.
     pub linear: Arc<Mutex<Option<Linear>>>,
     pub spent: Spent,
 }
 
-/// Everything about a cell that does not depend on the tone curve.
+/// The results of a cell that do not depend on the tone curve.
 #[derive(Clone, Debug)]
 pub struct Linear {
-    /// Its linear image and its error map.
+    /// Linear image and error map.
     files: [Kept; 2],
     scores: Scores,
     bins: Vec<BinRecord>,
@@ -154,9 +150,9 @@ pub struct Linear {
 /// Why a cell has no record.
 #[derive(Debug)]
 pub enum CellFault {
-    /// Of the cell alone: it fails.
+    /// Only this cell fails.
     Cell(String),
-    /// The folder takes no files: the run ends.
+    /// A file cannot be written: the run ends.
     Store(StoreError),
     /// The device is lost: the run ends.
     Lost(String),
@@ -247,17 +243,14 @@ impl Rendered<'_> {
     }
 }
 
-/// Writes a file of `images/`. Where something that is no file stands in its place the cell fails, and others can still be written.
+/// Writes a file of `images/`. If its path is not a file, only this cell fails.
 fn keep(store: &Store, name: String, write: impl FnOnce(&Path) -> Result<(), PixelsError>) -> Result<Kept, CellFault> {
     let path = store.image_path(&name);
-    let fault = |error: StoreError| match error.is_of_one_place(&path) {
-        true => CellFault::Cell(error.to_string()),
-        false => CellFault::Store(error),
-    };
-    write(&path).map_err(|error| fault(error.into()))?;
-    match content_hash(&path) {
+    let hash = || content_hash(&path).map_err(|error| StoreError::Io { path: path.clone(), error });
+    match write(&path).map_err(StoreError::from).and_then(|()| hash()) {
         Ok(hash) => Ok((name, hash)),
-        Err(error) => Err(fault(StoreError::Io { path: path.clone(), error })),
+        Err(error) if error.is_of_one_place(&path) => Err(CellFault::Cell(error.to_string())),
+        Err(error) => Err(CellFault::Store(error)),
     }
 }
 
@@ -265,7 +258,6 @@ fn by_name(values: Vec<(&'static str, f64)>) -> Scores {
     values.into_iter().map(|(name, value)| (name.to_owned(), Exact(value))).collect()
 }
 
-/// The verdict of the headline metric; `no-noise-floor` when the reference does not know its own error.
 fn verdict_name(scores: &Scores, floors: &Scores) -> String {
     let metric = <dyn Metric>::listed(HEADLINE);
     match (scores.get(HEADLINE), floors.get(HEADLINE)) {

@@ -1,25 +1,24 @@
-//! The checksum of a record: its last line is the hash of all that stands before it.
+//! The checksum of a record: its last member is the hash of everything before it.
 //!
-//! A guard against damage, and against a figure that somebody corrected by hand and forgot: not against malice, since who changes a
-//! figure can make a new hash as well.
+//! It detects damage and forgotten edits by hand, not forgery.
 
-/// The text between a record and its hash, and after it.
+/// Text before and after the hash.
 const BEFORE: &str = ",\n  \"checksum\": \"";
 const AFTER: &str = "\"\n}\n";
-/// The end of an indented object.
+/// End of an indented object.
 const END: &str = "\n}\n";
 
-/// An indented JSON object that is not empty, with its checksum as the last member.
+/// Appends the checksum to an indented, non-empty JSON object.
 pub fn sealed(object: &str) -> String {
     let body = object.strip_suffix(END).expect("an indented object ends so");
     format!("{body}{BEFORE}{}{AFTER}", hash(body))
 }
 
-/// Whether the text has a checksum and is not as [`sealed`] made it. Records of older programs have none.
+/// Whether the text differs from what [`sealed`] returned. Older records have no checksum.
 pub fn is_broken(text: &str) -> bool {
     match text.rsplit_once(BEFORE) {
         Some((body, rest)) if rest.strip_suffix(AFTER) == Some(hash(body).as_str()) => false,
-        // Another program may have written the same object with other spaces: whether its figures are those is not known.
+        // Reformatted text counts as broken, too.
         _ => text.contains("\"checksum\""),
     }
 }

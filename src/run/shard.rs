@@ -1,12 +1,10 @@
-//! The name of a part of a run that one process does.
+//! The part of a run that one process does.
 
 use std::fmt;
 use std::str::FromStr;
 
-/// The most parts.
 const COUNT_MAX: usize = 10_000;
 
-/// Which part of how many.
 #[derive(Clone, Copy, Debug, Eq, Ord, PartialEq, PartialOrd)]
 pub struct Shard {
     /// From 1.
@@ -15,12 +13,11 @@ pub struct Shard {
 }
 
 impl Shard {
-    /// Its name in the folder of the run.
+    /// File stem, such as `2-of-4`.
     pub fn stem(self) -> String {
         format!("{}-of-{}", self.index, self.count)
     }
 
-    /// The shard of this name.
     pub fn by_stem(stem: &str) -> Option<Self> {
         stem.replace("-of-", "/").parse().ok()
     }
@@ -36,8 +33,7 @@ impl FromStr for Shard {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
-        let numbers = text.split_once('/').and_then(|(k, n)| Some((k.parse().ok()?, n.parse().ok()?)));
-        match numbers {
+        match text.split_once('/').and_then(|(k, n)| Some((k.parse().ok()?, n.parse().ok()?))) {
             Some((index, count)) if (1..=count).contains(&index) && count <= COUNT_MAX => Ok(Self { index, count }),
             _ => Err(format!("expected K/N with 1 <= K <= N <= {COUNT_MAX}, such as 2/4")),
         }

@@ -1,10 +1,8 @@
-//! One run by several processes: each does its part of the plan in a folder that all share, and a merge writes the
-//! tables.
+//! Splits a plan between processes that share one folder. Parts have no cell, reference or image in common.
 //!
-//! Every process writes records and images by the id of their content, so there is nothing to join but the tables.
-//! Parts have no cell, reference or image in common.
+//! Records and images are named by the hash of their content, so a merge only writes the tables.
 
-use super::estimate::{Steps, Work};
+use super::estimate::Steps;
 use super::shard::Shard;
 use super::timing;
 use crate::experiment::axis::{BRDF, ENVIRONMENT, ENVIRONMENT_CLIP};
@@ -14,63 +12,50 @@ use std::collections::{BTreeMap, BTreeSet, HashMap};
 /// The part of a plan that one process does.
 #[derive(Clone, Debug, Default, Eq, PartialEq)]
 pub struct Share {
-    /// Ids of cells.
     pub cells: BTreeSet<String>,
-    /// Ids of timed configurations.
     pub timings: BTreeSet<String>,
-    /// Whether it makes what the live view of the report needs.
+    /// Whether it makes `live.json`.
     pub has_live: bool,
 }
 
 impl Share {
-    /// The part of a plan that belongs to a shard.
     pub fn of(plan: &Plan, shard: Shard) -> Self {
         split(plan, shard.count).swap_remove(shard.index - 1)
     }
 }
 
-/// Cells that share images.
-struct Unit<'p> {
-    cells: Vec<&'p Cell>,
-    seconds: f64,
-}
-
-/// A plan in `count` parts of about the same stated cost, the same on every machine. Cells that share a reference or an
-/// image stay together, and those of one environment and model follow each other, since they share tables. All timed
-/// configurations are in the last part: times of two devices cannot be compared.
+/// Splits a plan into `count` parts of similar stated work, the same on every machine. Cells that share a reference or an image stay together;
+/// cells of one environment and model, which share tables, follow each other. All timed configurations are in the last part: times of two
+/// devices cannot be compared.
 pub fn split(plan: &Plan, count: usize) -> Vec<Share> {
     let jobs = timing::jobs(plan);
     let mut steps = Steps::new(plan, &jobs, []);
-    let units: Vec<Unit> =
-        units(plan).into_iter().map(|cells| Unit { seconds: seconds(&cells, &mut steps), cells }).collect();
+    let mut seconds = |cells: &[&Cell]| cells.iter().map(|cell| steps.cell(cell).stated_s()).sum::<f64>();
+    let units: Vec<(f64, Vec<&Cell>)> = units(plan).into_iter().map(|cells| (seconds(&cells), cells)).collect();
     let timed: f64 = jobs.iter().map(|job| steps.timing(job).stated_s()).sum();
-    let cells: f64 = units.iter().map(|unit| unit.seconds).sum();
-    // Timings that fill a part leave the cells to the others.
+    let cells: f64 = units.iter().map(|(seconds, _)| seconds).sum();
+    // If timings fill a part, the others get the cells.
     let is_apart = count > 1 && timed * count as f64 >= cells + timed;
     let (parts, total) = if is_apart { (count - 1, cells) } else { (count, cells + timed) };
     let mut shares = vec![Share::default(); count];
     let mut begun = 0.0;
-    for unit in units {
-        // The part in which the middle of the unit falls.
-        let place = (begun + 0.5 * unit.seconds) / total * parts as f64;
-        begun += unit.seconds;
-        shares[(place as usize).min(parts - 1)].cells.extend(unit.cells.iter().map(|cell| cell.id.clone()));
+    for (seconds, unit) in units {
+        // The part that holds the middle of the unit.
+        let place = (begun + 0.5 * seconds) / total * parts as f64;
+        begun += seconds;
+        shares[(place as usize).min(parts - 1)].cells.extend(unit.iter().map(|cell| cell.id.clone()));
     }
     shares[count - 1].timings = jobs.into_iter().map(|job| job.id).collect();
-    shares.iter_mut().find(|share| !share.cells.is_empty()).into_iter().for_each(|first| first.has_live = true);
+    if let Some(first) = shares.iter_mut().find(|share| !share.cells.is_empty()) {
+        first.has_live = true;
+    }
     shares
 }
 
-fn seconds(cells: &[&Cell], steps: &mut Steps) -> f64 {
-    let mut work = Work::default();
-    cells.iter().for_each(|cell| work.append(&steps.cell(cell)));
-    work.stated_s()
-}
-
-/// The cells of a plan that share references or images, in the order of their environments and models.
+/// Groups the cells that share references or images, ordered by environment and model.
 fn units(plan: &Plan) -> Vec<Vec<&Cell>> {
     let groups = plan.groups();
-    // Groups with an image in common are one unit, named by the first of them.
+    // Groups with a common image are one unit, named by its first group.
     let mut unit_of: Vec<usize> = (0..groups.len()).collect();
     let mut known: HashMap<&str, usize> = HashMap::new();
     for (place, group) in groups.iter().enumerate() {

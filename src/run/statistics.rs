@@ -1,11 +1,10 @@
-//! Statistics of timing samples: order statistics, intervals by resampling, drift. Seeds are fixed, so results are repeatable.
+//! Statistics of samples: order statistics, bootstrap intervals, drift. Seeds are fixed, so results are repeatable.
 
-/// A small generator of 64-bit numbers: a Weyl sequence, hashed (splitmix64 \[Steele14\]).
+/// The random numbers of splitmix64 \[Steele14\], a hashed Weyl sequence.
 #[derive(Clone, Debug)]
 pub struct Random(u64);
 
 impl Random {
-    /// A generator whose sequence is determined by `seed`.
     pub fn new(seed: u64) -> Self {
         Self(seed)
     }
@@ -33,47 +32,47 @@ impl Random {
     }
 }
 
-/// Quantile of ascending samples with linear interpolation between them (\[HyndmanFan96\] type 7); NaN when there are none.
+/// Quantile of ascending samples by linear interpolation (\[HyndmanFan96\] type 7); NaN for no samples.
 pub fn quantile(sorted: &[f64], p: f64) -> f64 {
     let Some(last) = sorted.len().checked_sub(1) else { return f64::NAN };
     let place = p * last as f64;
     let below = place.floor() as usize;
     let (share, a, b) = (place - below as f64, sorted[below], sorted[(below + 1).min(last)]);
-    // Infinities as the limits of large numbers: one without weight counts nothing, one with any is the answer.
+    // An infinity counts unless its weight is 0.
     if share == 0.0 || a == b || a.is_infinite() && b.is_finite() { a } else { a + share * (b - a) }
 }
 
-/// Median of samples in any order; NaN when there are none.
+/// Median of samples in any order; NaN for no samples.
 pub fn median(samples: &[f64]) -> f64 {
     let mut sorted = samples.to_vec();
     sorted.sort_by(f64::total_cmp);
     quantile(&sorted, 0.5)
 }
 
-/// Draws of the bootstrap: the ends of a 95 % interval then vary by about 1 % of its width.
+/// Resamples of the bootstrap: the ends of a 95 % interval then vary by about 1 % of its width.
 const RESAMPLE_COUNT: usize = 2000;
 const RESAMPLE_SEED: u64 = 1;
 
-/// Fewer samples than this have no 95 % interval of their median, whatever is computed from them: the widest one there is, from the
-/// smallest to the largest, misses the median when all samples fall on one side of it, which happens with probability 2 0.5^n > 0.05.
+/// Fewer samples have no 95 % interval of their median: even the interval from the smallest to the largest misses it with probability
+/// 2 0.5^n > 0.05, if all samples fall on one side.
 pub const INTERVAL_SAMPLES_MIN: usize = 6;
-/// How often an interval holds the truth.
+/// Probability with which an interval holds the truth.
 pub const COVERAGE: f64 = 0.95;
 
-/// The chance with which the k-th order statistics from each end, k from 0, hold the median of any continuous distribution: all but
-/// 2 P(B <= k), where B counts heads of n fair coins.
+/// Probability with which the k-th order statistics from each end, k from 0, hold the median of any continuous distribution:
+/// 1 - 2 P(B <= k), with B the heads of n fair coins.
 pub fn order_coverage(n: usize, k: usize) -> f64 {
     let coins = |k: usize| (0..k).fold(0.5f64.powi(n as i32), |term, i| term * (n - i) as f64 / (i + 1) as f64);
     1.0 - 2.0 * (0..=k).map(coins).sum::<f64>()
 }
 
-/// The place k of the narrowest such pair that holds the median with at least 95 %. `None` where not even the outermost do.
+/// The k of the narrowest such pair with at least 95 %; `None` if even the outermost pair has less.
 pub fn median_order(n: usize) -> Option<usize> {
     (0..n.div_ceil(2)).take_while(|k| order_coverage(n, *k) >= COVERAGE).last()
 }
 
-/// 95 % interval of the median: the percentile interval by resampling with replacement \[Efron79\], and never narrower than the order
-/// statistics that hold the median with 95 % ([`median_order`]), as resampling few samples does. NaN below [`INTERVAL_SAMPLES_MIN`].
+/// 95 % interval of the median: the percentile interval of the bootstrap \[Efron79\], but never narrower than the order statistics of
+/// [`median_order`], since the bootstrap of few samples is too narrow. NaN below [`INTERVAL_SAMPLES_MIN`].
 pub fn median_interval(samples: &[f64]) -> [f64; 2] {
     let Some(outer) = median_order(samples.len()) else { return [f64::NAN; 2] };
     let mut sorted: Vec<(usize, f64)> = samples.iter().copied().enumerate().collect();
@@ -81,7 +80,7 @@ pub fn median_interval(samples: &[f64]) -> [f64; 2] {
     let mut rank_of = vec![0; samples.len()];
     sorted.iter().enumerate().for_each(|(rank, (index, _))| rank_of[*index] = rank);
     let mut random = Random::new(RESAMPLE_SEED);
-    // How often each rank is drawn: its median needs no sort.
+    // Counting the draws of each rank saves sorting.
     let mut drawn = vec![0; samples.len()];
     let mut medians: Vec<f64> = (0..RESAMPLE_COUNT)
         .map(|_| {
@@ -104,14 +103,13 @@ pub fn median_interval(samples: &[f64]) -> [f64; 2] {
     [quantile(&medians, 0.025).min(order[0]), quantile(&medians, 0.975).max(order[1])]
 }
 
-/// Slope of samples over their places: the median of the slopes of all pairs \[Sen68\]. NaN when no two places differ.
+/// Median of the slopes of all pairs of points \[Sen68\]; NaN if no two x differ.
 pub fn drift(points: &[(f64, f64)]) -> f64 {
     let pairs = points.iter().enumerate().flat_map(|(i, a)| points[i + 1..].iter().map(move |b| (a, b)));
     let slopes: Vec<f64> = pairs.filter(|(a, b)| a.0 != b.0).map(|(a, b)| (b.1 - a.1) / (b.0 - a.0)).collect();
     median(&slopes)
 }
 
-/// The middle of numbers in any order, and the ends of their middle half.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Spread {
     pub n: usize,

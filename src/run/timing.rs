@@ -1,7 +1,7 @@
-//! Timing of an experiment: which configurations are timed, and the statistics of the samples.
+//! The timed configurations of an experiment, and the statistics of their samples.
 //!
-//! Per-frame passes are timed once for each distinct configuration that can change their cost; passes that run once per
-//! environment or model are timed apart from them.
+//! Passes of a frame are timed once for each configuration that can change their cost, apart from passes that run once per environment or
+//! model.
 
 use super::host::{HostState, UNKNOWN};
 use super::statistics::{drift, median, median_interval, quantile};
@@ -9,27 +9,28 @@ use crate::experiment::axis::{AXES, Axis, ENVIRONMENT, METHOD, SAMPLES, SCENE, S
 use crate::experiment::plan::{Cell, Plan};
 use crate::shade::Method;
 use crate::spelling::Listed;
+use indexmap::IndexSet;
 use serde::{Deserialize, Serialize};
-use std::collections::{BTreeMap, BTreeSet, HashMap};
+use std::collections::{BTreeMap, BTreeSet};
 use std::time::Duration;
 
 /// Raw samples of one configuration.
 #[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
 pub struct TimingRecord {
-    /// The cell that stands for the configuration.
+    /// A cell with this configuration.
     pub cell: String,
     /// [`FRAME`] or [`PRECOMPUTE`].
     pub phase: String,
-    /// Names the configurations that were timed in the same rounds.
+    /// Configurations of one block were timed in the same rounds.
     #[serde(default)]
     pub block: String,
     pub environment_size: [u32; 2],
     pub size: [u32; 2],
-    /// The axes that tell configurations apart.
+    /// Axes that change times.
     pub axes: BTreeMap<String, String>,
     /// Executions before the first round.
     pub warmup: u32,
-    /// When and in which place each round timed this configuration.
+    /// Order and time in each round.
     #[serde(default)]
     pub rounds: Vec<Place>,
     pub passes: Vec<PassSamples>,
@@ -37,21 +38,20 @@ pub struct TimingRecord {
     pub device: String,
     pub device_type: String,
     pub driver: String,
-    /// The machine before the block's first round and after its last.
+    /// Before the first round of the block and after its last.
     #[serde(default)]
     pub host: [HostState; 2],
 }
 
-/// Where one sample stands among those of its block.
 #[derive(Clone, Copy, Debug, Deserialize, PartialEq, Serialize)]
 pub struct Place {
-    /// Place within the round, from 0.
+    /// Within the round, from 0.
     pub order: usize,
     /// Seconds since the first round of the block.
     pub start_s: f64,
 }
 
-/// Times of one pass, ms, one a round.
+/// Times of one pass, ms, one per round.
 #[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
 pub struct PassSamples {
     pub pass: String,
@@ -61,10 +61,10 @@ pub struct PassSamples {
 /// A configuration to time.
 #[derive(Clone, Debug)]
 pub struct TimingJob<'p> {
-    /// Hash of the configuration and the number of rounds: the name of its record.
+    /// Hash of the configuration and the number of rounds.
     pub id: String,
     pub phase: &'static str,
-    /// Configurations of one block are compared, so they are timed in the same rounds.
+    /// Configurations of one block are compared and timed in the same rounds.
     pub block: String,
     pub cell: &'p Cell,
     pub axes: BTreeMap<String, String>,
@@ -72,21 +72,20 @@ pub struct TimingJob<'p> {
     pub size: [u32; 2],
 }
 
-/// The phase of passes that run once per environment or model.
+/// Phase of passes that run once per environment or model.
 pub const PRECOMPUTE: &str = "precompute";
-/// The phase of passes that run for every frame.
+/// Phase of passes that run for every frame.
 pub const FRAME: &str = "frame";
 
-/// A configuration that is not stable after a warm-up of this length is timed all the same; its drift stands in the table.
+/// Longest warm-up; a configuration that is still unstable is timed all the same.
 pub const WARMUP_TIME_MAX: Duration = Duration::from_secs(3);
 
-/// Configurations to time, block after block in plan order; nothing without `[timing]`. The scene `design` is timed only in an experiment
-/// without pictures.
+/// Configurations to time, block by block in plan order. The scene `design` is timed only if there is no other.
 pub fn jobs(plan: &Plan) -> Vec<TimingJob<'_>> {
     let Some(timing) = plan.config.timing else { return Vec::new() };
     let mut seen = BTreeSet::new();
     let mut jobs = Vec::new();
-    /// Whether the time of a phase depends on an axis.
+    /// Whether an axis changes the times of a phase.
     type Costs = fn(&Axis) -> bool;
     let is_picture = |cell: &&Cell| !plan.inputs.scene(cell.point[SCENE].text()).is_design;
     let pictures: Vec<&Cell> = plan.cells.iter().filter(is_picture).collect();
@@ -96,7 +95,7 @@ pub fn jobs(plan: &Plan) -> Vec<TimingJob<'_>> {
         for &cell in &timed {
             let image = &plan.inputs.environment(cell.point[ENVIRONMENT].text()).image;
             let environment_size = [image.width, image.height];
-            // All axes appear in every record, so that the table has one header; what does not matter stays empty.
+            // Every record has all axes, so that the table has one header; irrelevant ones are empty.
             let all = AXES.iter().zip(&cell.point.0).filter(|(axis, _)| axis.tables_cost || axis.frames_cost);
             let axes: BTreeMap<String, String> = all
                 .map(|(axis, value)| {
@@ -106,7 +105,7 @@ pub fn jobs(plan: &Plan) -> Vec<TimingJob<'_>> {
             let key = format!("{phase} {environment_size:?} {:?} {axes:?} {timing:?}", plan.size_of(cell));
             let id = blake3::hash(key.as_bytes()).to_hex()[..16].to_owned();
             if seen.insert(id.clone()) {
-                // Tables are compared with nothing: each configuration is a block of its own.
+                // Tables are not compared: each configuration is a block.
                 let is_compared = |name: &str| AXES.iter().any(|axis| axis.is_compared && axis.name == name);
                 let shared = axes.iter().filter(|(name, _)| !is_compared(name));
                 let words: Vec<String> = shared.map(|(name, value)| format!("{name}={value}")).collect();
@@ -119,19 +118,15 @@ pub fn jobs(plan: &Plan) -> Vec<TimingJob<'_>> {
         }
     }
     // Blocks in the order of their first member.
-    let mut blocks: HashMap<String, usize> = HashMap::new();
-    for job in &jobs {
-        let next = blocks.len();
-        blocks.entry(job.block.clone()).or_insert(next);
-    }
-    jobs.sort_by_key(|job| blocks[&job.block]);
+    let blocks: IndexSet<String> = jobs.iter().map(|job| job.block.clone()).collect();
+    jobs.sort_by_key(|job| blocks.get_index_of(&job.block));
     jobs
 }
 
-/// Values by axis name, of a timed configuration or of a set of tables; empty where an axis does not matter.
+/// Values by axis name; empty if the axis is irrelevant.
 pub type Key = BTreeMap<String, String>;
 
-/// Axes with more than one value in these keys, in the order of all axes. An empty value is none.
+/// Axes with more than one non-empty value, in the order of all axes.
 pub fn swept_axes<'k>(keys: impl IntoIterator<Item = &'k Key>) -> Vec<&'static str> {
     let mut values: BTreeMap<&str, BTreeSet<&str>> = BTreeMap::new();
     for (name, value) in keys.into_iter().flatten().filter(|(_, value)| !value.is_empty()) {
@@ -141,12 +136,12 @@ pub fn swept_axes<'k>(keys: impl IntoIterator<Item = &'k Key>) -> Vec<&'static s
     AXES.iter().map(|axis| axis.name).filter(is_swept).collect()
 }
 
-/// Whether an axis tells methods apart, or how many samples one draws.
+/// Whether an axis is the method or its sample count.
 pub fn is_of_method(name: &str) -> bool {
     [METHOD, SAMPLES].iter().any(|&axis| AXES[axis].name == name)
 }
 
-/// Whether two keys have the same values wherever both have one, whatever their methods and sample counts.
+/// Whether two keys agree on all axes that both use, except method and sample count.
 pub fn is_alike(a: &Key, b: &Key) -> bool {
     let is_same = |value: &str, other: Option<&String>| {
         value.is_empty() || other.is_none_or(|other| other.is_empty() || other == value)
@@ -164,11 +159,11 @@ pub struct Summary {
     pub p05: f64,
     pub p95: f64,
     pub min: f64,
-    /// 95 % interval of the median; NaN below six samples.
+    /// 95 % interval of the median; NaN below [`INTERVAL_SAMPLES_MIN`](super::statistics::INTERVAL_SAMPLES_MIN).
     pub interval: [f64; 2],
 }
 
-/// The statistics of samples; all NaN when there are none.
+/// All NaN for no samples.
 pub fn summarize(samples: &[f64]) -> Summary {
     let mut sorted = samples.to_vec();
     sorted.sort_by(f64::total_cmp);
@@ -184,41 +179,40 @@ pub fn summarize(samples: &[f64]) -> Summary {
     }
 }
 
-/// Median, and median absolute deviation from it: a summary without its interval, which takes a thousand times as long.
+/// Median and median absolute deviation, without the slow interval.
 fn centre(samples: &[f64]) -> (f64, f64) {
     let middle = median(samples);
     let deviations: Vec<f64> = samples.iter().map(|x| (x - middle).abs()).collect();
     (middle, median(&deviations))
 }
 
-/// Passes may sum to this much more than the host's time: the clocks differ.
+/// Passes may sum to slightly more than the host's time: the clocks differ.
 const WALL_RATIO_MAX: f64 = 1.05;
-/// Below this share of the host's time, most of it is spent outside the timed passes.
+/// Below this, most of the host's time is outside the timed passes.
 const WALL_RATIO_MIN: f64 = 0.5;
 
-/// Fewer samples than this say little about tails.
 const FEW_SAMPLES: usize = 10;
-/// Seconds of measurement from which on a trend is told for each minute: over less it is noise, many times enlarged.
+/// Shorter measurements have no trend per minute: it would be enlarged noise.
 const DRIFT_SECONDS_MIN: f64 = 10.0;
-/// A drift that would move a time by this share within the measurement is named.
+/// A drift is flagged if it moves a time by this share within the measurement.
 const DRIFT_NAMED: f64 = 0.05;
 /// Samples this many scaled deviations from the median are outliers (\[Iglewicz93\] as hyperfine uses it).
 const OUTLIER_Z: f64 = 14.826;
 
 impl TimingRecord {
-    /// All that tells the configuration apart but the size of its environment: its axes, and the size of the image.
+    /// Axes and image size.
     pub fn key(&self) -> Key {
         let [width, height] = self.size;
         let size = (AXES[SIZE].name.to_owned(), format!("{width}x{height}"));
         self.axes.clone().into_iter().chain([size]).collect()
     }
 
-    /// The value on an axis; empty where it does not matter.
+    /// The value on an axis; empty if irrelevant.
     pub fn value(&self, axis: usize) -> &str {
         self.axes.get(AXES[axis].name).map_or("", String::as_str)
     }
 
-    /// The specular method, where this program knows it.
+    /// The specular method; `None` if unknown.
     pub fn method(&self) -> Option<&'static Method> {
         Method::by_name(self.value(METHOD))
     }
@@ -228,8 +222,7 @@ impl TimingRecord {
         self.rounds.last().map_or(0.0, |place| place.start_s / 60.0)
     }
 
-    /// Trend of a pass, in percent of its median a minute; NaN where the times of the rounds are not known, or all lie within
-    /// `DRIFT_SECONDS_MIN`.
+    /// Trend of a pass in percent of its median per minute; NaN for measurements below `DRIFT_SECONDS_MIN`.
     pub fn drift_percent_per_min(&self, pass: &PassSamples) -> f64 {
         if 60.0 * self.minutes() < DRIFT_SECONDS_MIN { f64::NAN } else { self.trend(pass) }
     }
@@ -240,7 +233,7 @@ impl TimingRecord {
         100.0 * drift(&points) / median(&pass.ms)
     }
 
-    /// Why the clock was low before or after the rounds, as words with spaces; empty for nothing, `unknown` where nobody tells.
+    /// Reasons for a low clock before or after the rounds, separated by spaces; `unknown` if unreported.
     pub fn slowdown(&self) -> String {
         let [before, after] = self.host.each_ref().map(HostState::slowdown);
         if before == after || after.is_empty() {
@@ -252,7 +245,7 @@ impl TimingRecord {
         }
     }
 
-    /// Cautions, as words with spaces: `few-samples`, `drift`, `outliers`, `throttled`; empty for nothing.
+    /// Warnings, separated by spaces: `few-samples`, `drift`, `outliers`, `throttled`.
     pub fn flags(&self, pass: &PassSamples) -> String {
         let (n, (middle, mad)) = (pass.ms.len(), centre(&pass.ms));
         let moved = self.trend(pass) / 100.0 * self.minutes();
@@ -272,12 +265,12 @@ impl TimingRecord {
         (0..rounds).map(|round| self.passes.iter().map(|pass| pass.ms[round]).sum()).collect()
     }
 
-    /// Median sum of the passes over the median of the host's time of the same submissions.
+    /// Median sum of the passes over the median host time of the same submissions.
     pub fn passes_over_wall(&self) -> f64 {
         median(&self.sums_ms()) / median(&self.wall_ms)
     }
 
-    /// `ok`, `passes-exceed-wall` (timestamps cannot be right) or `mostly-outside-passes`.
+    /// `ok`, `passes-exceed-wall` (wrong timestamps), `mostly-outside-passes` or `no-samples`.
     pub fn wall_check(&self) -> &'static str {
         match self.passes_over_wall() {
             ratio if ratio > WALL_RATIO_MAX => "passes-exceed-wall",

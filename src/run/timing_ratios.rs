@@ -1,29 +1,21 @@
 //! Two methods timed in the same rounds: the ratio of their times.
 
 use super::statistics::{median, median_interval};
-use super::timing::{FRAME, Key, TimingRecord, is_alike, is_of_method};
+use super::timing::{FRAME, TimingRecord, is_alike};
 use crate::experiment::axis::SAMPLES;
 use crate::shade::{METHODS, Method};
 
-/// Two methods timed in the same rounds with equal axes: a sampling one beside one that draws no samples, or two of one kind at the same count,
-/// of which the first in the list of methods stands as `sampled`.
+/// Two methods timed in the same rounds with equal axes: one with samples and one without, or two of one kind at the same count, of which
+/// `sampled` is the first in the list of methods.
 #[derive(Clone, Debug)]
 pub struct Ratio<'r> {
     pub sampled: &'r TimingRecord,
     pub fixed: &'r TimingRecord,
     /// Median over rounds of time of `sampled` / time of `fixed`.
     pub ratio: f64,
-    /// 95 % interval of it; the rounds are resampled, never single samples. NaN below six rounds.
+    /// 95 % interval of the ratio; rounds are resampled, not single samples. NaN below six rounds.
     pub interval: [f64; 2],
     pub rounds: usize,
-}
-
-impl Ratio<'_> {
-    /// The axes of both frames, without method and sample count.
-    pub fn key(&self) -> Key {
-        let all = [self.sampled, self.fixed].into_iter().flat_map(TimingRecord::key);
-        all.filter(|(name, value)| !is_of_method(name) && !value.is_empty()).collect()
-    }
 }
 
 /// Every pair of methods that was timed in one block.
@@ -32,7 +24,6 @@ pub fn ratios(records: &[TimingRecord]) -> Vec<Ratio<'_>> {
     let is_nothing = |record: &TimingRecord| record.method().is_none_or(Method::is_none);
     let frames: Vec<&TimingRecord> = records.iter().filter(|r| r.phase == FRAME && !is_nothing(r)).collect();
     let mut found = Vec::new();
-    // Records come in any order: the list of methods says which of two stands over the other.
     let place = |record: &TimingRecord| {
         METHODS.iter().position(|method| record.method().is_some_and(|own| own.name == method.name))
     };
@@ -53,7 +44,7 @@ pub fn ratios(records: &[TimingRecord]) -> Vec<Ratio<'_>> {
     found
 }
 
-/// Times of two devices, or of two drivers of one, are never compared: a run in chunks may hold both.
+/// Times of different devices or drivers, which shards may mix, are never compared.
 fn is_same_device(a: &TimingRecord, b: &TimingRecord) -> bool {
     (&a.device, &a.driver) == (&b.device, &b.driver)
 }

@@ -128,7 +128,7 @@ fn answers_of_a_run_under_way_are_told_and_not_written() {
     let lock = std::fs::File::options().write(true).open(run.join(".lock")).unwrap();
     lock.lock().unwrap();
     let output = splitsum(dir.path(), &["answers", "runs/tiny"]);
-    let note = "runs/tiny: under way: 12 of 12 cells";
+    let note = "runs/tiny: in progress: 12 of 12 cells";
     assert!(output.status.success() && stdout(&output).contains(note), "{}{}", stdout(&output), stderr(&output));
     assert!(!run.join("answers").exists());
     assert_ends(
@@ -146,7 +146,7 @@ fn answers_of_a_run_under_way_are_told_and_not_written() {
     let publish = ["answers", "runs/other", "--publish", "results"];
     let output = splitsum(dir.path(), &publish);
     assert_eq!(output.status.code(), Some(2), "{}", stderr(&output));
-    assert!(stderr(&output).starts_with("results/tiny: holds the published run of plan "), "{}", stderr(&output));
+    assert!(stderr(&output).starts_with("results/tiny: contains the published run of plan "), "{}", stderr(&output));
     assert!(splitsum(dir.path(), &[publish.as_slice(), &["--replace"]].concat()).status.success());
 }
 
@@ -159,7 +159,7 @@ fn a_larger_sweep_goes_on_in_the_folder_of_a_smaller_one() {
     assert!(ok(dir.path(), &["plan", "tiny.toml"]).contains("6 done, 0 failed, 18 open"));
     let output = splitsum(dir.path(), &["run", "tiny.toml"]);
     assert!(output.status.success(), "{}", stderr(&output));
-    let note = "goes on from a run of another plan: 6 of 24 cells are done";
+    let note = "continues a run of another plan: 6 of 24 cells are done";
     assert!(stderr(&output).contains(note), "{}", stderr(&output));
     ok(dir.path(), &["run", "tiny.toml", "--out", "whole"]);
     for name in ["errors.csv", "errors_by_n_dot_v.csv", "images.csv", "tables/ggx.png", "experiment.toml"] {
@@ -168,7 +168,7 @@ fn a_larger_sweep_goes_on_in_the_folder_of_a_smaller_one() {
     }
     assert_eq!(entries(&dir.path().join("runs/tiny/images")), entries(&dir.path().join("whole/images")));
     // There is no way back: finished cells would be lost.
-    let lost = "runs/tiny: holds 18 finished cells that tiny.toml lacks: ";
+    let lost = "runs/tiny: contains 18 finished cells that tiny.toml lacks: ";
     assert_ends(&splitsum(dir.path(), &part), 2, &[lost, "brdf=phong", "choose another --out"]);
     // The experiment that the run keeps is run again from another folder, to the same bytes.
     let elsewhere = tempfile::tempdir().unwrap();

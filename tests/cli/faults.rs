@@ -30,7 +30,7 @@ fn a_lost_device_ends_a_run_that_resumes_to_the_same_bytes() {
         let out = format!("lost-{submit}");
         let arguments = ["run", "tiny.toml", "--out", &out];
         let output = with_fault(dir.path(), &arguments, &format!("submit:{submit}:device-lost"));
-        assert_ends(&output, 75, &["the device was lost", "run the same command again to go on"]);
+        assert_ends(&output, 75, &["the device was lost", "run the same command again to continue"]);
         let resumed = splitsum(dir.path(), &arguments);
         assert!(resumed.status.success(), "{}", stderr(&resumed));
         assert!(errors(dir.path(), &out) == errors(dir.path(), "whole"), "lost at submission {submit}");
@@ -172,7 +172,7 @@ fn a_driver_below_the_floor_is_named_with_what_it_lacks() {
 fn a_run_cannot_go_where_nothing_can_be_written() {
     let Some(dir) = folder() else { return };
     let output = splitsum(dir.path(), &["run", "tiny.toml", "--out", "/proc/splitsum-run"]);
-    assert_ends(&output, 2, &["/proc/splitsum-run", "cannot be made", "where this user may write"]);
+    assert_ends(&output, 2, &["/proc/splitsum-run", "cannot create the folder", "choose another --out"]);
     let output = splitsum(dir.path(), &["bake", "builtin:constant", "--out", "/proc/splitsum-bake"]);
     assert_ends(&output, 2, &["/proc/splitsum-bake"]);
 }

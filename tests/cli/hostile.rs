@@ -94,7 +94,7 @@ fn an_output_is_written_through_a_link_and_never_over_a_device() {
     let socket = root.path().join("socket");
     let _listener = std::os::unix::net::UnixListener::bind(&socket).unwrap();
     let refused = splitsum(root.path(), &["report", "run", "--out", "socket"]);
-    assert!(stderr(&refused).contains("--out socket: exists and is no report of splitsum"), "{}", stderr(&refused));
+    assert!(stderr(&refused).contains("--out socket: exists and is not a report of splitsum"), "{}", stderr(&refused));
     std::fs::write(root.path().join("q.csv"), "brdf,alpha,n_dot_v\nggx,0.5,0.5\n").unwrap();
     let output = splitsum(root.path(), &["integrate", "q.csv", "--kind", "dfg", "--out", "socket"]);
     assert!(stderr(&output).contains("socket: is a device or a pipe; expected a file"), "{}", stderr(&output));

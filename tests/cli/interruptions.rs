@@ -72,7 +72,7 @@ fn two_runs_of_one_folder_do_not_mix() {
     // The second may also have come after the first had ended.
     assert!(done >= 1 && told + done == 2, "{:?}", outputs.each_ref().map(stderr));
     for output in outputs.iter().filter(|output| output.status.code() == Some(75)) {
-        assert!(stderr(output).contains("another run is at work in it"), "{}", stderr(output));
+        assert!(stderr(output).contains("another run is using it"), "{}", stderr(output));
     }
     run_to(dir.path(), "whole");
     assert!(table(dir.path(), "runs/tiny", "errors.csv") == table(dir.path(), "whole", "errors.csv"));

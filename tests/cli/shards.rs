@@ -36,7 +36,7 @@ fn shards_side_by_side_killed_and_repeated_make_the_run_of_one_process() {
     for child in [spawn(dir, "1/3"), spawn(dir, "2/3"), spawn(dir, "1/3")] {
         let output = child.wait_with_output().unwrap();
         match output.status.code() {
-            Some(75) => assert!(stderr(&output).contains("shard 1/3 is at work in it"), "{}", stderr(&output)),
+            Some(75) => assert!(stderr(&output).contains("shard 1/3 is using it"), "{}", stderr(&output)),
             code => assert_eq!(code, Some(0), "{}", stderr(&output)),
         }
     }
@@ -70,8 +70,7 @@ fn shards_and_merges_that_cannot_be_are_refused() {
     let refused = |arguments: &[&str], part: &str| assert_ends(&splitsum(dir, arguments), 2, &[part]);
     refused(&["run", "tiny.toml", "--shard", "1/2"], "--out <DIR>");
     refused(&["run", "tiny.toml", "--shard", "3/2", "--out", "x"], "expected K/N with 1 <= K <= N");
-    refused(&["run", "tiny.toml", "--shard", "1/2", "--out", "x", "--trace"], "cannot be used with");
-    refused(&["merge", "x"], "x: holds no run; expected the --out of `splitsum run --shard`");
+    refused(&["merge", "x"], "x: contains no run; expected the --out of `splitsum run --shard`");
     refused(&["merge"], "<DIR>");
     assert_eq!(entries(dir), ["tiny.toml"]);
 }

@@ -1,17 +1,17 @@
-//! The time that a run still takes, from its first second on.
+//! Predicts the time that a run still takes.
 //!
-//! It is the stated work that is left, scaled kind by kind by what earlier runs took and by what this one takes beside them, times a
-//! correction: the seconds on the clock over the seconds that the finished part should have taken. The correction counts in full after a tenth
-//! of the work.
+//! The stated work that is left is scaled, kind by kind, by what earlier runs took and by how this run compares with them. A correction
+//! follows: seconds on the clock over predicted seconds of the finished part. It has full weight after a tenth of the work.
 
-use super::speeds::{Measured, Speeds, of_cell, of_timing};
-use super::work::{END, SCORE, Steps, TIMED, Work};
+use super::speeds::Speeds;
+use super::work::{END, SCORE, Steps, TIMED, Work, timed};
 use crate::experiment::plan::{Cell, Plan};
+use crate::run::statistics::median;
 use crate::run::store::Spent;
 use crate::run::timing::{TimingJob, TimingRecord};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashMap};
 
-/// Share of the work after which the clock alone tells how fast it goes.
+/// Share of the work after which the correction by the clock has full weight.
 const TRUSTED_SHARE: f64 = 0.1;
 
 /// Names of the parts of a run, by the beginning of their kinds.
@@ -26,48 +26,46 @@ const PARTS: [(&str, &str); 8] = [
     (END, "tables and pages"),
 ];
 
-/// Where the work is done.
+/// The machine that does the work.
 #[derive(Clone, Copy, Debug)]
 pub struct Host {
-    /// Threads that score.
+    /// Threads that compute scores.
     pub threads: usize,
     /// Whether the device computes on the same processors.
     pub is_cpu_device: bool,
 }
 
 impl Host {
-    /// This machine, with a device of that type.
     pub fn here(device_type: &str) -> Self {
         let threads = std::thread::available_parallelism().map_or(1, usize::from);
         Self { threads, is_cpu_device: device_type == "cpu" }
     }
 }
 
-/// What is ahead of a run.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Ahead {
-    /// The finished share of the work, from 0 to 1.
+    /// Finished share of the work, from 0 to 1.
     pub share: f64,
+    /// Predicted seconds until the end.
     pub seconds: f64,
 }
 
-/// The forecast of a run.
 #[derive(Clone, Debug)]
 pub struct Forecast<'p> {
     plan: &'p Plan,
-    steps: Steps<'p>,
+    /// Work of each open step by the id of its cell or timed configuration.
+    steps: HashMap<String, Work>,
     left: Work,
     done: Work,
-    /// What earlier runs took.
     earlier: Speeds,
-    /// What this run took, beside what is stated and beside earlier runs.
+    /// Speeds of this run: absolute, and relative to `earlier`.
     own: Speeds,
     beside_earlier: Speeds,
     host: Host,
 }
 
 impl<'p> Forecast<'p> {
-    /// The forecast of these cells and timed configurations at the speeds of earlier runs. References `kept` in a cache are no work.
+    /// Forecasts these cells, in the order in which they are rendered, and these timings. References in `kept` are cached.
     pub fn new(
         plan: &'p Plan,
         cells: &[&Cell],
@@ -76,52 +74,62 @@ impl<'p> Forecast<'p> {
         earlier: Speeds,
         host: Host,
     ) -> Self {
-        let steps = Steps::new(plan, jobs, kept);
+        let mut all = Steps::new(plan, jobs, kept);
+        let cells = cells.iter().map(|cell| (cell.id.clone(), all.cell(cell))).collect::<Vec<_>>();
+        let mut steps: HashMap<_, _> =
+            cells.into_iter().chain(jobs.iter().map(|job| (job.id.clone(), all.timing(job)))).collect();
         let mut left = Work::default();
-        let mut all = steps.clone();
-        cells.iter().for_each(|cell| left.append(&all.cell(cell)));
-        jobs.iter().for_each(|job| left.append(&all.timing(job)));
+        for step in steps.values_mut() {
+            left.append(step);
+            // Tables and pages are written after the last step.
+            step.0.remove(END);
+        }
         let (own, beside_earlier) = (Speeds::default(), Speeds::default());
         Self { plan, steps, left, done: Work::default(), earlier, own, beside_earlier, host }
     }
 
-    /// Notes a cell that was tried, with the time that its parts took.
+    /// Notes a cell that was tried, and the time that it took.
     pub fn cell(&mut self, cell: &Cell, spent: Option<&Spent>) {
-        let mut work = self.steps.cell(cell);
-        // Tables and pages are written after the last step.
-        work.0.remove(END);
-        self.finish(&work, spent.map(|spent| of_cell(self.plan, cell, spent)));
+        self.finish(&cell.id, |kind, _| Some(spent?.ms(kind)? / 1e3));
     }
 
-    /// Notes a configuration that was tried, with its times.
+    /// Notes a configuration that was tried, and its times.
     pub fn timing(&mut self, job: &TimingJob, record: Option<&TimingRecord>) {
-        self.finish(&self.steps.timing(job), record.map(|record| of_timing(self.plan, job, record)));
+        let once: f64 = timed(self.plan, job).iter().map(|(_, seconds)| seconds).sum();
+        let slowness = record.map(|record| median(&record.wall_ms) / 1e3 / once);
+        self.finish(&job.id, |_, stated| Some(slowness? * stated));
     }
 
-    fn finish(&mut self, work: &Work, measured: Option<Vec<Measured>>) {
-        self.left.remove(work);
-        self.done.append(work);
-        for (kind, taken, stated) in measured.into_iter().flatten() {
-            self.own.add(&kind, taken, stated);
-            self.beside_earlier.add(&kind, taken, stated * self.earlier.ratio(&kind));
+    /// Notes a finished step. `taken` returns the measured seconds of a kind whose stated seconds it gets.
+    fn finish(&mut self, id: &str, taken: impl Fn(&str, f64) -> Option<f64>) {
+        let Some(work) = self.steps.remove(id) else { return };
+        self.left.remove(&work);
+        self.done.append(&work);
+        for (kind, [_, stated]) in &work.0 {
+            if let Some(taken) = taken(kind, *stated) {
+                self.own.add(kind, taken, *stated);
+                self.beside_earlier.add(kind, taken, stated * self.earlier.ratio(kind));
+            }
         }
     }
 
-    /// Seconds that work of a kind takes over those stated.
+    /// Seconds of work of a kind over its stated seconds.
     fn ratio(&self, kind: &str) -> f64 {
         self.earlier.ratio(kind) * self.beside_earlier.ratio(kind)
     }
 
-    /// What is ahead when the run has worked for `elapsed` seconds.
+    /// Predicts the rest after `elapsed` seconds of work.
     pub fn ahead(&self, elapsed: f64) -> Ahead {
         let [done, left] = [&self.done, &self.left].map(|work| self.seconds(work));
-        let share = if done > 0.0 { done / (done + left) } else { 0.0 };
+        if done <= 0.0 {
+            return Ahead { share: 0.0, seconds: left };
+        }
+        let share = done / (done + left);
         let trust = (share / TRUSTED_SHARE).min(1.0);
-        let correction = if done > 0.0 { (elapsed / done).powf(trust) } else { 1.0 };
-        Ahead { share, seconds: left * correction }
+        Ahead { share, seconds: left * (elapsed / done).powf(trust) }
     }
 
-    /// Seconds of this work: a GPU renders while the processors score; a software driver shares them.
+    /// Seconds of this work. A GPU renders while the processors score; a software driver shares them.
     fn seconds(&self, work: &Work) -> f64 {
         let [mut device, mut beside, mut alone] = [0.0; 3];
         for (kind, [_, stated]) in &work.0 {
@@ -135,7 +143,7 @@ impl<'p> Forecast<'p> {
         alone + if self.host.is_cpu_device { device + beside } else { device.max(beside) }
     }
 
-    /// Count and seconds of the work that is left, by part.
+    /// Name, count and seconds of each part that is left.
     pub fn parts(&self) -> Vec<(&'static str, f64, f64)> {
         let mut parts: BTreeMap<usize, [f64; 2]> = BTreeMap::new();
         for (kind, [count, stated]) in &self.left.0 {
@@ -147,7 +155,7 @@ impl<'p> Forecast<'p> {
         parts.into_iter().map(|(place, [count, seconds])| (PARTS[place].1, count, seconds)).collect()
     }
 
-    /// What this run took, for later ones.
+    /// Speeds of this run, for later ones.
     pub fn own_speeds(&self) -> &Speeds {
         &self.own
     }

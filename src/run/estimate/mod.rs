@@ -1,7 +1,7 @@
-//! How long the rest of a run takes and how much disk it needs.
+//! Predicts how long the rest of a run takes and how much disk it needs.
 //!
-//! Every step (a cell, a timed configuration) has its stated work ([`work`]). What earlier runs took on a device scales it, kind by kind
-//! ([`speeds`]). While a run works, its own records and the clock correct that ([`forecast`]).
+//! Each step (a cell, a timed configuration) has stated work ([`work`]). Earlier runs on a device scale it, kind by kind ([`speeds`]);
+//! the records and the clock of the current run correct that ([`forecast`]).
 
 pub mod forecast;
 pub mod speeds;

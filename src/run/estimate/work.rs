@@ -1,7 +1,7 @@
-//! The stated work of a plan by kind, in seconds of a software driver (lavapipe, LLVM 15) on two quiet cores: the published runs took 0.65 to
-//! 1.25 of them.
+//! The stated work of a plan by kind, in seconds of a software driver (lavapipe, LLVM 15) on two quiet cores. The published runs took 0.65
+//! to 1.25 times as long.
 //!
-//! A kind is words from the general to the special, such as `image sampled none ggx`.
+//! A kind is words from general to special, such as `image sampled none ggx`.
 
 use crate::experiment::axis::{AXES, DFG, IRRADIANCE, MIPS, PREFILTER, Point, SH9};
 use crate::experiment::config::Warmup;
@@ -11,7 +11,14 @@ use crate::run::images;
 use crate::run::timing::{FRAME, TimingJob, WARMUP_TIME_MAX};
 use std::collections::{BTreeMap, BTreeSet, HashSet};
 
-/// Kind, ns a pixel, ns a sample.
+/// First word of the kinds of timed frames and tables.
+pub const TIMED: &str = "timed ";
+/// What follows the last step.
+pub const END: &str = "host end";
+/// Scores, which are computed beside the device.
+pub const SCORE: &str = "host score";
+
+/// Kind, ns per pixel, ns per sample.
 const STATED_NS: [(&str, f64, f64); 14] = [
     ("reference", 1500.0, 20.0),
     ("reference none", 1500.0, 28.0),
@@ -26,135 +33,120 @@ const STATED_NS: [(&str, f64, f64); 14] = [
     ("table irradiance", 0.0, 11.0),
     ("display", 50.0, 0.0),
     // Scores and pictures of a cell on one thread.
-    ("host score", 500.0, 0.0),
+    (SCORE, 500.0, 0.0),
     // A cell in the tables, contact sheets, answers and report.
     (END, 150.0, 0.0),
 ];
 
-/// Frames that a warm-up until the times settle is taken to need.
+/// Assumed frames of a warm-up that lasts until the times settle.
 const STABLE_WARMUP_FRAMES: u32 = 64;
 
-/// Bytes a pixel of a linear image (f32 R, G, B and A), of the standard error beside it, of a picture (PNG), of its place in a contact sheet
-/// and of its place in the report.
+/// Bytes per pixel of a linear image (f32 RGBA), of its standard error, of a picture (PNG), in a contact sheet and in the report.
 const LINEAR: f64 = 16.0;
 const STANDARD_ERROR: f64 = 12.0;
 const PICTURE: f64 = 1.3;
 const SHEET: f64 = 1.5;
 const REPORT: f64 = 5.0;
-/// Record and table rows of a cell, bytes.
+/// Bytes of the record and the table rows of a cell.
 const RECORD: f64 = 18_000.0;
-/// The most that a report takes, bytes.
+/// Largest report, bytes.
 const REPORT_MAX: f64 = 40e6;
 
-/// How much an item of work is.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Amount {
-    pub pixels: f64,
-    /// Of all pixels together.
-    pub samples: f64,
-}
-
-/// A kind and the general ones that hold it: `image sampled`, `image`, and the empty one of all work.
+/// A kind and the general kinds that hold it: `image sampled`, `image`, and the empty kind of all work.
 pub fn kinds(kind: &str) -> impl Iterator<Item = &str> {
     let general = std::iter::successors(Some(kind), |kind| kind.rsplit_once(' ').map(|(general, _)| general));
     general.chain(std::iter::once(""))
 }
 
-/// As [`kinds`], with the same work untimed after each timed kind.
+/// As [`kinds`], with the same untimed work after each timed kind.
 pub fn alike(kind: &str) -> impl Iterator<Item = &str> {
     kinds(kind).flat_map(|kind| [Some(kind), kind.strip_prefix(TIMED)]).flatten()
 }
 
-/// The first word of the kinds of timed frames and tables.
-pub const TIMED: &str = "timed ";
-
-/// The kind of what follows the last step.
-pub const END: &str = "host end";
-/// The general kind of scores, which are made beside the device.
-pub const SCORE: &str = "host score";
-
-/// The kind of the scores of a cell, the first of those that share an image or a further one.
-pub fn score_kind(is_first: bool) -> &'static str {
-    if is_first { "host score first" } else { "host score again" }
+/// Pixels and samples (of all pixels together) of one item of work.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct Amount {
+    pixels: f64,
+    samples: f64,
 }
 
-/// The stated seconds of one item.
-pub fn stated_s(kind: &str, amount: Amount) -> f64 {
+fn stated_s(kind: &str, amount: Amount) -> f64 {
     let line = alike(kind).find_map(|kind| STATED_NS.iter().find(|(known, ..)| *known == kind));
     line.map_or(0.0, |(_, pixel, sample)| 1e-9 * (pixel * amount.pixels + sample * amount.samples))
 }
 
-/// Count and stated seconds of items by kind.
+/// Count and stated seconds by kind.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Work(pub BTreeMap<String, [f64; 2]>);
 
 impl Work {
-    fn add(&mut self, kind: String, times: f64, seconds: f64) {
-        let [count, sum] = self.0.entry(kind).or_default();
+    fn add(&mut self, kind: &str, times: f64, seconds: f64) {
+        let [count, sum] = self.0.entry(kind.to_owned()).or_default();
         (*count, *sum) = (*count + times, *sum + seconds);
     }
 
-    /// Adds other work.
+    fn item(&mut self, kind: &str, amount: Amount) {
+        self.add(kind, 1.0, stated_s(kind, amount));
+    }
+
     pub fn append(&mut self, other: &Self) {
-        other.0.iter().for_each(|(kind, [count, seconds])| self.add(kind.clone(), *count, *seconds));
+        other.0.iter().for_each(|(kind, [count, seconds])| self.add(kind, *count, *seconds));
     }
 
-    /// Takes away a part of it.
     pub fn remove(&mut self, part: &Self) {
-        part.0.iter().for_each(|(kind, [count, seconds])| self.add(kind.clone(), -count, -seconds));
+        part.0.iter().for_each(|(kind, [count, seconds])| self.add(kind, -count, -seconds));
     }
 
-    /// The stated seconds of all of it.
     pub fn stated_s(&self) -> f64 {
         self.0.values().map(|[_, seconds]| seconds).sum()
     }
 }
 
-/// Tells the work of each step. What several share belongs to the first that is asked for.
-#[derive(Clone, Debug)]
+/// Computes the work of each step. Work that several steps share belongs to the first.
+#[derive(Debug)]
 pub struct Steps<'p> {
     plan: &'p Plan,
-    /// References, images and tables that were told.
+    /// References, images and tables of earlier steps.
     seen: HashSet<String>,
     /// Blocks with more than one configuration.
     compared: BTreeSet<String>,
 }
 
 impl<'p> Steps<'p> {
-    /// Steps of a plan with these timed configurations. References `kept` in a cache are no work.
+    /// Steps of a plan with these timed configurations. References in `kept` are cached.
     pub fn new(plan: &'p Plan, jobs: &[TimingJob], kept: impl IntoIterator<Item = String>) -> Self {
         let blocks = jobs.chunk_by(|a, b| a.block == b.block).filter(|block| block.len() > 1);
         let compared = blocks.map(|block| block[0].block.clone()).collect();
         Self { plan, seen: kept.into_iter().collect(), compared }
     }
 
-    /// The work of a cell.
     pub fn cell(&mut self, cell: &Cell) -> Work {
         let (plan, point) = (self.plan, &cell.point);
         let reference = plan.reference_point(point);
+        let own = amount(plan, point);
+        let pixels = Amount { samples: 0.0, ..own };
         let mut work = Work::default();
-        let mut one = |kind: String, amount| work.add(kind.clone(), 1.0, stated_s(&kind, amount));
         if self.seen.insert(cell.reference.clone()) {
-            one(kind_of("reference", &reference), amount(plan, &reference));
+            work.item(&kind_of("reference", &reference), amount(plan, &reference));
         }
         let is_first = self.seen.insert(cell.radiance.clone());
         if is_first {
-            (0..=plan.repeats_of(point).unwrap_or(0)).for_each(|_| one(kind_of("image", point), amount(plan, point)));
-            ladder_amount(plan, point).into_iter().for_each(|drawn| one("ladder".to_owned(), drawn));
-        }
-        for Table { key, kind, samples } in tables(plan, point).into_iter().chain(tables(plan, &reference)) {
-            if self.seen.insert(key) {
-                one(kind, Amount { pixels: 0.0, samples });
+            (0..=plan.repeats_of(point).unwrap_or(0)).for_each(|_| work.item(&kind_of("image", point), own));
+            if let Some(samples) = plan.ladder_of(point) {
+                work.item("ladder", Amount { samples: own.pixels * f64::from(samples), ..own });
             }
         }
-        let pixels = Amount { samples: 0.0, ..amount(plan, point) };
-        one("display".to_owned(), pixels);
-        one(score_kind(is_first).to_owned(), pixels);
-        one(END.to_owned(), pixels);
+        for Table { key, kind, amount } in tables(plan, point).into_iter().chain(tables(plan, &reference)) {
+            if self.seen.insert(key) {
+                work.item(&kind, amount);
+            }
+        }
+        work.item("display", pixels);
+        work.item(&format!("{SCORE} {}", if is_first { "first" } else { "again" }), pixels);
+        work.item(END, pixels);
         work
     }
 
-    /// The work of a timed configuration.
     pub fn timing(&self, job: &TimingJob) -> Work {
         let Some(timing) = self.plan.config.timing else { return Work::default() };
         // A frame that does not count follows each change of configuration.
@@ -165,79 +157,61 @@ impl<'p> Steps<'p> {
                 Warmup::Frames(frames) => f64::from(frames) * seconds,
                 Warmup::Stable => (f64::from(STABLE_WARMUP_FRAMES) * seconds).min(WARMUP_TIME_MAX.as_secs_f64()),
             };
-            work.add(kind, counted, counted * seconds + warmup);
+            work.add(&kind, counted, counted * seconds + warmup);
         }
         work
     }
 }
 
-/// Kind and stated seconds of what a timed configuration does once.
+/// Kind and stated seconds of one execution of a timed configuration.
 pub fn timed(plan: &Plan, job: &TimingJob) -> Vec<(String, f64)> {
     let point = &job.cell.point;
-    let of = |kind: String, amount| (format!("{TIMED}{kind}"), stated_s(&kind, amount));
-    match job.phase {
-        FRAME => vec![of(kind_of("image", point), amount(plan, point))],
-        _ => {
-            let one = |table: Table| of(table.kind, Amount { pixels: 0.0, samples: table.samples });
-            tables(plan, point).into_iter().map(one).collect()
-        }
-    }
+    let items = match job.phase {
+        FRAME => vec![(kind_of("image", point), amount(plan, point))],
+        _ => tables(plan, point).into_iter().map(|table| (table.kind, table.amount)).collect(),
+    };
+    let timed = |(kind, amount): (String, Amount)| {
+        let kind = format!("{TIMED}{kind}");
+        let seconds = stated_s(&kind, amount);
+        (kind, seconds)
+    };
+    items.into_iter().map(timed).collect()
 }
 
-/// Pixels of a point's image, and the samples that its terms draw at most.
-pub fn amount(plan: &Plan, point: &Point) -> Amount {
+/// Pixels of a point's image, and the most samples of its terms.
+fn amount(plan: &Plan, point: &Point) -> Amount {
     let settings = point.settings();
     let [width, height] = settings.size.map(f64::from);
     let specular = if settings.shading.method.uses_samples { settings.shading.samples } else { 1 };
     let diffuse = if settings.shading.diffuse.is_integrated() { plan.config.reference.samples } else { 0 };
-    let pixels = width * height;
-    Amount { pixels, samples: pixels * (f64::from(specular) + f64::from(diffuse)) }
+    Amount { pixels: width * height, samples: width * height * (f64::from(specular) + f64::from(diffuse)) }
 }
 
-/// The samples by which the steps of a point's error are drawn.
-pub fn ladder_amount(plan: &Plan, point: &Point) -> Option<Amount> {
-    let (samples, pixels) = (plan.ladder_of(point)?, amount(plan, point).pixels);
-    Some(Amount { pixels, samples: pixels * f64::from(samples) })
+fn kind_of(what: &str, point: &Point) -> String {
+    let shading = point.settings().shading;
+    format!("{what} {} {} {}", shading.method.name, shading.diffuse.name, shading.brdf.name())
 }
 
-/// Kind of the image or the reference of a point.
-pub fn kind_of(what: &str, point: &Point) -> String {
+struct Table {
+    /// Differs between tables.
+    key: String,
+    kind: String,
+    /// Samples, or texels if it draws none.
+    amount: Amount,
+}
+
+/// The tables that the image of a point reads.
+fn tables(plan: &Plan, point: &Point) -> Vec<Table> {
     let settings = point.settings();
-    format!(
-        "{what} {} {} {}",
-        settings.shading.method.name,
-        settings.shading.diffuse.name,
-        settings.shading.brdf.name()
-    )
-}
-
-/// A table that an image reads.
-pub struct Table {
-    /// Tells it from others.
-    pub key: String,
-    pub kind: String,
-    /// Samples that it takes; texels if it takes none.
-    pub samples: f64,
-}
-
-/// Every table that the image of a point reads.
-pub fn tables(plan: &Plan, point: &Point) -> Vec<Table> {
-    let settings = point.settings();
-    let image = &plan.inputs.environment(&settings.environment).image;
+    let (shading, image) = (settings.shading, &plan.inputs.environment(&settings.environment).image);
     let texels = f64::from(image.width) * f64::from(image.height);
+    let has_lights = !plan.config.lights.is_empty();
     let reads = [
-        (PREFILTER, settings.shading.method.uses_prefiltered()),
-        (
-            DFG,
-            settings.shading.method.needs_dfg(
-                settings.shading.compensation,
-                settings.shading.diffuse,
-                !plan.config.lights.is_empty(),
-            ),
-        ),
-        (IRRADIANCE, settings.shading.diffuse.uses_irradiance_map),
+        (PREFILTER, shading.method.uses_prefiltered()),
+        (DFG, shading.method.needs_dfg(shading.compensation, shading.diffuse, has_lights)),
+        (IRRADIANCE, shading.diffuse.uses_irradiance_map),
         (MIPS, true),
-        (SH9, settings.shading.diffuse.sh9.is_some()),
+        (SH9, shading.diffuse.sh9.is_some()),
     ];
     let table = |(table, _): (&str, bool)| {
         let axes = AXES.iter().zip(&point.0).filter(|(axis, _)| axis.feeds.contains(&table));
@@ -246,8 +220,8 @@ pub fn tables(plan: &Plan, point: &Point) -> Vec<Table> {
             Value::Unset => format!("{key} {}={}", axis.name, (axis.default)()),
             value => format!("{key} {}={value}", axis.name),
         });
-        let kind = format!("table {table} {}", settings.shading.brdf.name());
-        Table { key, kind, samples: settings.shading.precompute.samples_of(table).unwrap_or(texels) }
+        let samples = shading.precompute.samples_of(table).unwrap_or(texels);
+        Table { key, kind: format!("table {table} {}", shading.brdf.name()), amount: Amount { pixels: 0.0, samples } }
     };
     reads.into_iter().filter(|(_, is_read)| *is_read).map(table).collect()
 }

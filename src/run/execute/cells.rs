@@ -1,7 +1,6 @@
-//! Renders each reference and each radiance once and has every cell scored.
+//! Renders each reference and each image once and scores every cell.
 //!
-//! The device belongs to this thread. Scores and files are made by others meanwhile, in any order; the record of a cell is written last, when
-//! all files that it names are there.
+//! The device belongs to this thread. Other threads make scores and files, in any order; the record of a cell is written after its files.
 
 use super::{Progress, Run, RunError, milliseconds, of_cell};
 use crate::experiment::axis::Point;
@@ -22,34 +21,29 @@ use std::sync::mpsc::{Receiver, Sender, SyncSender, channel, sync_channel};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
 
-/// Pixels of rendered cells that may wait for their scores, some 30 bytes each: enough that the device goes on to the next reference,
-/// few enough to bound memory.
+/// Most pixels of rendered cells that wait for their scores, about 30 bytes each.
 const QUEUE_PIXELS: u64 = 1 << 22;
-/// Cells that may wait, whatever their size.
+/// Limits of the number of waiting cells.
 const QUEUE_LENGTHS: std::ops::RangeInclusive<u64> = 4..=256;
 
-/// A cell that was scored, or why it cannot be.
 type Scored<'p> = (&'p Cell, Result<CellRecord, CellFault>);
 
-/// Where rendered cells are handed in and scored ones come back.
+/// The channels to and from the threads that score.
 struct Desk<'p> {
-    /// Gone when all is handed in.
+    /// `None` at the end.
     jobs: Option<SyncSender<Rendered<'p>>>,
     answers: Receiver<Scored<'p>>,
 }
 
-/// The image of a point and what else was made of it.
 struct Made {
     frame: Arc<Frame>,
     bias_variance: Option<BiasVariance>,
     steps: Arc<Vec<StepRecord>>,
 }
 
-/// The display images of a reference, by tone curve.
 type ReferencePictures = Vec<(ToneCurve, Arc<Rgb8Image>)>;
 
 impl<'p> Run<'p> {
-    /// All cells that are not done.
     pub(super) fn cells(&mut self, renderer: &mut dyn Renderer, progress: &mut dyn Progress) -> Result<(), RunError> {
         let (plan, store, device) = (self.plan, self.store.clone(), renderer.device());
         let is_over = AtomicBool::new(false);
@@ -67,14 +61,14 @@ impl<'p> Run<'p> {
             let mut desk = Desk { jobs: Some(jobs), answers };
             let result = plan.groups().iter().try_for_each(|group| self.group(group, renderer, &mut desk, progress));
             is_over.store(self.is_stopped() || matches!(result, Err(RunError::Store(_))), Ordering::Relaxed);
-            // Without their sender the workers end when all is scored. What was rendered is kept also when the device was lost.
+            // Without the sender the workers end. Rendered cells are kept even if the device was lost.
             desk.jobs = None;
             let rest = self.collect(&mut desk, true, progress);
             result.and(rest)
         })
     }
 
-    /// All cells of one reference that are not done.
+    /// Renders the open cells of one reference.
     fn group(
         &mut self,
         group: &ReferenceGroup<'p>,
@@ -85,7 +79,7 @@ impl<'p> Run<'p> {
         let todo = group.radiances.iter().flat_map(|(_, cells)| cells).find(|cell| !self.is_done(cell));
         let (Some(first), false) = (todo.copied(), self.is_stopped()) else { return Ok(()) };
         let point = self.plan.reference_point(&first.point);
-        // Shared work is counted with the first cell that needs it.
+        // Shared work counts for the first cell that needs it.
         let mut spent = Spent::default();
         let reference = match of_cell(self.reference(group.id, &point, renderer, &mut spent))? {
             Ok(reference) => Arc::new(reference),
@@ -137,12 +131,12 @@ impl<'p> Run<'p> {
         Ok(())
     }
 
-    /// The image of a cell's point with a set of the sequence.
+    /// Renders a point with a set of the sequence.
     fn render(&self, point: &Point, set: u32, renderer: &mut dyn Renderer) -> Result<Frame, CellFault> {
         Ok(renderer.render(&self.plan.request(point).shaded(|s| s.point_set = set))?)
     }
 
-    /// The image of a point, and its bias and variance where the experiment asks for them.
+    /// Renders a point, with its ladder and its bias and variance if the experiment asks for them.
     fn radiance(
         &self,
         point: &Point,
@@ -171,8 +165,8 @@ impl<'p> Run<'p> {
         Ok(made)
     }
 
-    /// Whether the image of a reference is what a finished cell was judged against, byte for byte. Without such a cell nothing vouches for
-    /// the image, so that it is made again.
+    /// Whether the image of a reference is the one that a finished cell was compared with, byte for byte. Without such a cell it is rendered
+    /// again.
     fn is_as_recorded(&self, reference: &str, name: &str, path: &Path) -> Result<bool, StoreError> {
         for cell in self.plan.cells.iter().filter(|cell| cell.reference == reference) {
             if let Some(hash) = self.store.cell(&cell.id)?.and_then(|record| record.files.get(name).cloned()) {
@@ -182,7 +176,7 @@ impl<'p> Run<'p> {
         Ok(false)
     }
 
-    /// The reference of a group: read back where an earlier invocation left it, else rendered.
+    /// Reads the reference of a group back, or renders it.
     fn reference(
         &mut self,
         id: &str,
@@ -202,7 +196,7 @@ impl<'p> Run<'p> {
         }
         let started = Instant::now();
         let frame = Arc::new(renderer.render(&request)?);
-        // One from the cache has no times: what it costs to make is not known from it.
+        // A cached reference has no times.
         if !frame.timings.frame.is_empty() {
             spent.add(|spent| &mut spent.reference_ms, &frame.timings, milliseconds(started));
         }
@@ -213,7 +207,6 @@ impl<'p> Run<'p> {
         Ok(reference)
     }
 
-    /// The display images of a cell and its reference.
     fn displays(
         &mut self,
         cell: &Cell,
@@ -232,13 +225,13 @@ impl<'p> Run<'p> {
         Ok([test, of_reference])
     }
 
-    /// Keeps what came back; `to_the_end` waits until the workers are gone.
+    /// Stores scored cells; `to_the_end` waits until the workers end.
     fn collect(&mut self, desk: &mut Desk<'p>, to_the_end: bool, progress: &mut dyn Progress) -> Result<(), RunError> {
         loop {
             let answer = if to_the_end { desk.answers.recv().ok() } else { desk.answers.try_recv().ok() };
             let Some((cell, scored)) = answer else { return Ok(()) };
             let scored = of_cell(scored)?;
-            // After a stop it is dropped, so that the user never waits for more than the current one.
+            // Dropped after a stop: the user waits for the current cell only.
             if self.is_stopped() {
                 continue;
             }
@@ -255,7 +248,7 @@ impl<'p> Run<'p> {
 }
 
 impl<'p> Desk<'p> {
-    /// Waits while the queue is full. Workers that are gone have panicked, and the scope passes that on.
+    /// Waits while the queue is full. If the workers panicked, the scope propagates it.
     fn hand_in(&self, rendered: Rendered<'p>) {
         if let Some(jobs) = &self.jobs {
             let _ = jobs.send(rendered);
@@ -269,7 +262,7 @@ fn queue_length(plan: &Plan) -> usize {
     (QUEUE_PIXELS / largest).clamp(*QUEUE_LENGTHS.start(), *QUEUE_LENGTHS.end()) as usize
 }
 
-/// The state of each of the other threads.
+/// A thread that scores.
 #[derive(Clone, Copy)]
 struct Worker<'w, 'p> {
     queue: &'w Mutex<Receiver<Rendered<'p>>>,
@@ -277,17 +270,15 @@ struct Worker<'w, 'p> {
     store: &'w Store,
     device: &'w DeviceInfo,
     stop: &'w AtomicBool,
-    /// Set when a file could not be written: then the run ends.
+    /// Set if a file could not be written: the run ends.
     is_over: &'w AtomicBool,
 }
 
 impl<'p> Worker<'_, 'p> {
-    /// Scores cells until there are none or the run ends.
     fn work_off(&self, answers: &Sender<Scored<'p>>) {
         loop {
             let rendered = self.queue.lock().unwrap_or_else(PoisonError::into_inner).recv();
             let Ok(rendered) = rendered else { return };
-            // Answers after a stop would be dropped: nobody waits for them.
             if self.stop.load(Ordering::Relaxed) || self.is_over.load(Ordering::Relaxed) {
                 continue;
             }

@@ -1,4 +1,4 @@
-//! Runs a plan: renders each reference and each radiance once, scores every cell, keeps records, writes tables.
+//! Runs a plan: renders each reference and each image once, scores every cell, writes records and tables.
 
 mod cells;
 mod merge;
@@ -13,32 +13,29 @@ use crate::experiment::plan::{Cell, Plan, ReferenceGroup};
 use crate::files::holds;
 use crate::run::environments;
 use crate::run::estimate::{Ahead, Forecast, Host, Speeds, SpeedsFile};
+use crate::run::host::device_words;
 use crate::run::images;
 use crate::run::live::{self, LIVE_FILE};
 use crate::run::renderer::{RenderFault, Renderer};
 use crate::run::scoring::CellFault;
 use crate::run::sheets;
 use crate::run::split::Share;
-use crate::run::store::{CellRecord, FailureRecord, KeptCell, Store};
+use crate::run::store::{CELLS_FOLDER, CellRecord, FailureRecord, KeptCell, Store};
 use crate::run::tables::{self, CellResult, Results};
 use crate::run::timing::{self, TimingJob, TimingRecord};
-use crate::run::trace;
 use crate::table::csv;
-use blake3::Hash;
-use std::collections::{BTreeMap, HashMap};
+use std::collections::BTreeMap;
 use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 
-/// Makes the renderer when the first step needs it, so that a finished run needs no device.
+/// Makes the renderer when it is needed: a finished run needs no device.
 pub type MakeRenderer<'a> = dyn FnMut() -> Result<Box<dyn Renderer>, RenderFault> + 'a;
 
-/// The tables are rewritten at most this often while cells finish,
+/// Shortest time between two rewrites of the tables while cells finish, and the largest share of the time (1/20) that they may take.
 const TABLE_INTERVAL: Duration = Duration::from_secs(2);
-/// and so rarely that it takes at most this part of the time: they grow with the cells.
 const TABLE_SHARE: u32 = 20;
 
-/// Runs what is not done yet of `plan` in the folder of `options`, then writes the tables and contact sheets. A shard
-/// leaves these to [`merge`].
+/// Runs the open part of `plan` in the folder of `options`, then writes tables and contact sheets. A shard leaves these to [`merge`].
 pub fn run(
     plan: &Plan,
     make_renderer: &mut MakeRenderer,
@@ -47,7 +44,7 @@ pub fn run(
 ) -> Result<Outcome, RunError> {
     let started = Instant::now();
     let is_begun = Store::at(&options.dir).check_identity(plan)?;
-    // A new run leaves nothing behind when there is no device, and one that cannot be finished is not begun.
+    // A new run without a device, or with a cell that cannot be rendered, leaves no folder.
     let mut renderer = if is_begun { None } else { Some(opened(plan, make_renderer)?) };
     let store = match options.shard {
         Some(shard) => Store::open_shard(&options.dir, plan, shard)?,
@@ -67,7 +64,6 @@ pub fn run(
         progress.start(steps, steps - left, run.ahead());
         run.begin_session(&renderer.device())?;
         let result = run.work(renderer.as_mut(), progress);
-        // What is done is kept also when the device was lost.
         if run.share.is_none() {
             run.write_tables()?;
         }
@@ -80,7 +76,7 @@ pub fn run(
     run.finish(has_worked || is_adopted)
 }
 
-/// The renderer, if it can serve every cell: a run that cannot be finished is not begun.
+/// Makes the renderer and checks that it can serve every cell.
 fn opened(plan: &Plan, make_renderer: &mut MakeRenderer) -> Result<Box<dyn Renderer>, RunError> {
     let renderer = make_renderer()?;
     for point in plan.points_by_size() {
@@ -89,12 +85,11 @@ fn opened(plan: &Plan, make_renderer: &mut MakeRenderer) -> Result<Box<dyn Rende
     Ok(renderer)
 }
 
-/// A run in progress.
 struct Run<'p> {
     plan: &'p Plan,
     store: Store,
     options: &'p RunOptions<'p>,
-    /// The part of the plan that is this process's; `None` for all of it.
+    /// The part of the plan that this process does; `None` for all.
     share: Option<Share>,
     results: Results,
     jobs: Vec<TimingJob<'p>>,
@@ -105,17 +100,17 @@ struct Run<'p> {
     is_halted: bool,
     /// References that an earlier invocation had rendered.
     references_read: usize,
-    /// [`images::hashes`] of each cell that an earlier invocation finished, by its id. Gone when they are checked.
-    recorded_hashes: HashMap<&'p str, Box<[Option<Hash>]>>,
-    /// A sentence for each record of a cell that is there but cannot be used.
+    /// Files of cells that an earlier invocation finished; taken when they are checked.
+    recorded: images::Recorded,
+    /// A sentence for each record that cannot be used.
     unusable: Vec<String>,
     /// Finished cells by device.
     devices: BTreeMap<String, usize>,
-    /// The time that is left, while this invocation works.
+    /// Set while this invocation works.
     forecast: Option<Forecast<'p>>,
     /// When this invocation began to work.
     clock: Instant,
-    /// There when this invocation did something.
+    /// Set when this invocation has worked.
     work: Option<Work>,
 }
 
@@ -123,18 +118,18 @@ impl<'p> Run<'p> {
     fn load(plan: &'p Plan, store: Store, options: &'p RunOptions<'p>) -> Result<Self, RunError> {
         let share = options.shard.map(|shard| Share::of(plan, shard));
         let mut results = Results::new();
-        let mut recorded_hashes = HashMap::new();
+        let mut recorded = images::Recorded::new();
         let mut unusable = Vec::new();
         let mut devices: BTreeMap<String, usize> = BTreeMap::new();
         for cell in plan.cells.iter().filter(|cell| is_own(&share, cell)) {
-            match store.whole_cell(&cell.id) {
+            match store.record::<CellRecord>(CELLS_FOLDER, &cell.id) {
                 Ok(Some(record)) if !record.has_all_scores() => {
-                    unusable.push(format!("{}: lacks the score of some metric", store.cell_path(&cell.id).display()));
+                    unusable.push(format!("{}: lacks a score of some metric", store.cell_path(&cell.id).display()));
                 }
                 Ok(Some(record)) => {
-                    recorded_hashes.insert(cell.id.as_str(), images::hashes(plan, cell, &record.files));
+                    images::note(&mut recorded, plan, cell, &record.files);
                     results.insert(cell.id.clone(), CellResult::Done(Box::new(KeptCell::of(&record))));
-                    *devices.entry(format!("{} ({})", record.device, record.driver)).or_default() += 1;
+                    *devices.entry(device_words(&record.device, &record.driver)).or_default() += 1;
                 }
                 Ok(None) => {}
                 Err(error) if error.is_unusable_record() => unusable.push(error.to_string()),
@@ -155,7 +150,7 @@ impl<'p> Run<'p> {
             tables_took: Duration::ZERO,
             is_halted: false,
             references_read: 0,
-            recorded_hashes,
+            recorded,
             unusable,
             devices,
             forecast: None,
@@ -164,27 +159,24 @@ impl<'p> Run<'p> {
         })
     }
 
-    /// Cells whose images are gone or not those that their records name are made again: their scores come out the same,
-    /// on the same device.
+    /// Forgets the results of cells whose images are missing or differ from their records.
     fn forget_changed(&mut self, progress: &mut dyn Progress) -> Result<(), RunError> {
         let plan = self.plan;
         if let Some(first) = self.unusable.first() {
             progress.note(&format!(
-                "{} records of finished cells cannot be used, so these cells are rendered again; the first: {first}",
+                "{} unusable records of finished cells; rendering these cells again; the first: {first}",
                 self.unusable.len()
             ));
         }
-        let hashes = std::mem::take(&mut self.recorded_hashes);
-        let done = plan.cells.iter().filter_map(|cell| Some((cell, &**hashes.get(cell.id.as_str())?)));
-        let damaged = images::damaged(plan, &self.store, done);
+        let damaged = images::damaged(&self.store, std::mem::take(&mut self.recorded));
         let Some(name) = damaged.first() else { return Ok(()) };
         progress.note(&format!(
-            "images of finished cells that are missing or were changed since: {}, the first images/{name}; their cells are made again",
+            "{} missing or changed images of finished cells; rendering these cells again; the first: images/{name}",
             damaged.len()
         ));
-        // What is no file stays: its cells fail, each for itself.
+        // A folder in place of a file stays: only its cells fail.
         let is_file = |name: &&String| !self.store.image_path(name).is_dir();
-        damaged.iter().filter(is_file).try_for_each(|name| self.store.remove_image(name))?;
+        damaged.iter().filter(is_file).try_for_each(|name| self.store.remove("images", name))?;
         let is_hit = |cell: &&Cell| images::files(plan, cell).iter().any(|name| damaged.contains(name));
         for cell in plan.cells.iter().filter(is_hit) {
             self.results.remove(&cell.id);
@@ -192,12 +184,11 @@ impl<'p> Run<'p> {
         Ok(())
     }
 
-    /// The cells of this process.
     fn own_cells(&self) -> impl Iterator<Item = &'p Cell> {
         self.plan.cells.iter().filter(|cell| is_own(&self.share, cell))
     }
 
-    /// Whether there is nothing to do for a cell: it has its record, or another process does it.
+    /// Whether a cell has its record, or belongs to another process.
     fn is_done(&self, cell: &Cell) -> bool {
         !is_own(&self.share, cell) || matches!(self.results.get(&cell.id), Some(CellResult::Done(_)))
     }
@@ -210,16 +201,18 @@ impl<'p> Run<'p> {
         self.plan.cells.iter().filter(|cell| !self.is_done(cell)).count() + self.open_jobs().len()
     }
 
-    /// Configurations to time: a block that lacks a record is timed again as a whole.
+    /// Configurations to time: whole blocks that lack a record.
     fn open_jobs(&self) -> Vec<TimingJob<'p>> {
         let blocks = self.jobs.chunk_by(|a, b| a.block == b.block);
         blocks.filter(|block| !block.iter().all(|job| self.store.has_timing(&job.id))).flatten().cloned().collect()
     }
 
-    /// The forecast of what is left. References that the cache or the folder has are no work.
+    /// Predicts the open work. References in the cache or the folder are free.
     fn forecast(&self, renderer: &dyn Renderer) -> Forecast<'p> {
         let device = renderer.device();
-        let open: Vec<&Cell> = self.plan.cells.iter().filter(|cell| !self.is_done(cell)).collect();
+        let groups = self.plan.groups();
+        let cells = groups.iter().flat_map(|group| group.radiances.iter().flat_map(|(_, cells)| cells));
+        let open: Vec<&Cell> = cells.copied().filter(|cell| !self.is_done(cell)).collect();
         let is_kept = |group: &ReferenceGroup| {
             let mut cells = group.radiances.iter().flat_map(|(_, cells)| cells).copied();
             let first = cells.clone().find(|cell| !self.is_done(cell))?;
@@ -227,13 +220,12 @@ impl<'p> Run<'p> {
             (cells.any(|cell| self.results.contains_key(&cell.id)) || renderer.has_kept(&request()))
                 .then(|| group.id.to_owned())
         };
-        let kept: Vec<String> = self.plan.groups().iter().filter_map(is_kept).collect();
+        let kept: Vec<String> = groups.iter().filter_map(is_kept).collect();
         let file = self.options.speeds.as_ref().map(|path| SpeedsFile::read(path)).unwrap_or_default();
         let speeds = file.of(Some(&device)).map_or_else(Speeds::default, |(_, speeds)| speeds.clone());
         Forecast::new(self.plan, &open, &self.open_jobs(), kept, speeds, Host::here(device.device_type))
     }
 
-    /// What is ahead of this invocation now.
     fn ahead(&self) -> Ahead {
         self.forecast
             .as_ref()
@@ -247,8 +239,7 @@ impl<'p> Run<'p> {
         result
     }
 
-    /// Leaves what the live view of the report needs, unless it is there. It is made first, since a run whose cells are
-    /// all done has nothing left to make. Without it the report has no such view.
+    /// Writes `live.json`, unless it exists. It comes first, since a run whose cells are all done makes nothing more.
     fn live(&self, renderer: &mut dyn Renderer, progress: &mut dyn Progress) -> Result<(), RunError> {
         let path = self.store.dir().join(LIVE_FILE);
         if !self.makes_live() || self.is_stopped() || path.exists() {
@@ -256,12 +247,11 @@ impl<'p> Run<'p> {
         }
         match of_cell(live::record(self.plan, renderer).map_err(CellFault::from))? {
             Ok(record) => self.store.write_json(&path, &record)?,
-            Err(reason) => progress.note(&format!("the report will have no live view: {reason}")),
+            Err(reason) => progress.note(&format!("the report will have no Live view: {reason}")),
         }
         Ok(())
     }
 
-    /// Whether the live view of the report is this process's work.
     fn makes_live(&self) -> bool {
         self.share.as_ref().is_none_or(|share| share.has_live)
     }
@@ -288,7 +278,6 @@ impl<'p> Run<'p> {
         Ok(())
     }
 
-    /// The cells that failed, in plan order.
     fn failures(&self) -> Vec<FailureRecord> {
         let failure = |cell: &Cell| match self.results.get(&cell.id) {
             Some(CellResult::Failed(record)) => Some(record.clone()),
@@ -322,7 +311,7 @@ impl<'p> Run<'p> {
         Ok(())
     }
 
-    /// Tables and contact sheets of all that is done.
+    /// Writes tables and contact sheets.
     fn finish(mut self, has_worked: bool) -> Result<Outcome, RunError> {
         if self.share.is_some() {
             return Ok(self.outcome());
@@ -340,18 +329,13 @@ impl<'p> Run<'p> {
         if self.plan.config.timing.is_some() {
             let (columns, rows) = tables::timings(&self.timings);
             self.store.write_table("timings.csv", &columns, rows.into_iter().map(Ok))?;
-            let (columns, rows) = tables::timing_ratios(&self.timings);
-            self.store.write_table("timing_ratios.csv", &columns, rows.into_iter().map(Ok))?;
-            if self.options.trace {
-                self.store.write_json(&self.store.dir().join("trace.json"), &trace::chrome_trace(&self.timings))?;
-            }
         }
         let (columns, rows) = environments::environments(self.plan);
         self.store.write_table("environments.csv", &columns, rows.into_iter().map(Ok))?;
         let (columns, rows) = images::index(self.plan, &self.results);
         let index = csv::to_text(&columns, rows.iter().map(Vec::as_slice));
         let path = self.store.dir().join("images.csv");
-        // Written last: where it stands and nothing was added, the sheets are whole.
+        // Written last: if it is up to date, so are the sheets.
         if has_worked || !holds(&path, &index) {
             sheets::write_sheets(&self.store, self.plan, &self.results)?;
             self.store.write_text(&path, &String::from_utf8_lossy(&index))?;
@@ -371,12 +355,11 @@ impl<'p> Run<'p> {
     }
 }
 
-/// Whether a cell is this process's work.
 fn is_own(share: &Option<Share>, cell: &Cell) -> bool {
     share.as_ref().is_none_or(|share| share.cells.contains(&cell.id))
 }
 
-/// The outer error ends the run, the inner one is the cell's own.
+/// The outer error ends the run, the inner one fails the cell.
 fn of_cell<T>(result: Result<T, CellFault>) -> Result<Result<T, String>, RunError> {
     match result {
         Ok(value) => Ok(Ok(value)),

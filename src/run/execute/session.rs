@@ -1,4 +1,4 @@
-//! The origin of a run: the frozen experiment, and an entry in the provenance for each invocation that did work.
+//! The copy of the experiment, and an entry in the provenance for each invocation that did work.
 
 use super::{Progress, Run, RunError, Work, milliseconds};
 use crate::files::holds;
@@ -14,33 +14,32 @@ use serde_json::{Value, json};
 use std::collections::BTreeSet;
 use std::time::Instant;
 
-/// Key of the shard in a session.
 const SHARD: &str = "shard";
 
 impl Run<'_> {
-    /// Makes the folder one of this plan and this text: a new run, a larger plan, a changed comment, a lost file.
-    /// Returns whether it held a run of another plan.
+    /// Makes the folder one of this plan and text: for a new run, a larger plan, a changed comment, a lost file. Returns whether it held a run
+    /// of another plan.
     pub(super) fn adopt(&self, progress: &mut dyn Progress) -> Result<bool, RunError> {
         let found = provenance::read(self.store.dir())?;
         let is_other = found.as_ref().is_some_and(|found| found["plan_hash"] != self.plan.hash);
         if is_other {
             let (all, done) = (self.own_cells().count(), self.results.len());
-            progress.note(&format!("goes on from a run of another plan: {done} of {all} cells are done"));
-            // It shows the environments and models of all cells.
+            progress.note(&format!("continues a run of another plan: {done} of {all} cells are done"));
+            // It lacks the environments and models of new cells.
             if done < all && self.makes_live() {
-                self.store.remove_file(LIVE_FILE)?;
+                self.store.remove("", LIVE_FILE)?;
             }
             let planned: BTreeSet<&str> = self.plan.cells.iter().map(|cell| cell.id.as_str()).collect();
             let gone = self.store.ids(FAILED_FOLDER).into_iter().filter(|id| !planned.contains(id.as_str()));
-            gone.into_iter().try_for_each(|id| self.store.remove_failure(&id))?;
+            gone.into_iter().try_for_each(|id| self.store.remove_record(FAILED_FOLDER, &id))?;
         } else if found.is_some() && !holds(&self.store.dir().join(EXPERIMENT_FILE), self.plan.config.text.as_bytes()) {
-            progress.note(&format!("{EXPERIMENT_FILE} was not the experiment of this run; it is written again"));
+            progress.note(&format!("{EXPERIMENT_FILE} was missing or edited; writing it again"));
         }
         self.write_own()?;
         Ok(is_other)
     }
 
-    /// Writes the frozen experiment and the provenance of the folder, unless they are there.
+    /// Writes the copy of the experiment and the provenance, unless they are up to date.
     pub(super) fn write_own(&self) -> Result<(), RunError> {
         let (plan, dir) = (self.plan, self.store.dir());
         let value = match provenance::read(dir)? {
@@ -70,7 +69,7 @@ impl Run<'_> {
         Ok(self.store.write_json(&path, &value)?)
     }
 
-    /// Brings the sessions of shards into the provenance of the run, in the order of their dates.
+    /// Copies the sessions of shards into the provenance of the run, ordered by date.
     pub(super) fn gather_sessions(&self) -> Result<(), RunError> {
         let shards = self.store.ids(SHARDS_FOLDER).into_iter().filter_map(|stem| Shard::by_stem(&stem));
         let Some(mut value) = provenance::read(self.store.dir())? else { return Ok(()) };

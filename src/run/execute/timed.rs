@@ -1,7 +1,7 @@
 //! Times the configurations of a run.
 //!
-//! Configurations that are compared form a block. A block is timed in rounds; each round times every configuration once, in a new random
-//! order, so that drift and disturbances of the machine meet all of them alike (a randomised complete block design).
+//! Compared configurations form a block. Each round of a block times every configuration once, in a new random order, so that drift and
+//! disturbances affect all of them alike (a randomised complete block design).
 
 use super::{Progress, Run, RunError, of_cell};
 use crate::experiment::config::{Timing, Warmup};
@@ -10,16 +10,15 @@ use crate::run::host::HostState;
 use crate::run::renderer::{RenderFault, Renderer};
 use crate::run::scoring::CellFault;
 use crate::run::statistics::{Random, median};
+use crate::run::store::TIMINGS_FOLDER;
 use crate::run::timing::{self, PassSamples, Place, TimingJob, TimingRecord, WARMUP_TIME_MAX};
 use crate::spelling::short_number;
 use std::time::Instant;
 
-/// Frames whose median must agree with that of as many before.
+/// A warm-up ends when the medians of this many frames and of as many before agree within [`STABLE_WITHIN`].
 const STABLE_FRAMES: usize = 16;
-/// By how much, relatively.
 const STABLE_WITHIN: f64 = 0.01;
 
-/// A configuration at work.
 struct Timed<'p> {
     job: TimingJob<'p>,
     request: RenderRequest,
@@ -30,7 +29,7 @@ struct Timed<'p> {
 }
 
 impl<'p> Run<'p> {
-    /// Times every block that is not done. A failure is a note: the errors do not depend on it.
+    /// Times every open block. A failure is only reported: the scores do not depend on it.
     pub(super) fn time(&mut self, renderer: &mut dyn Renderer, progress: &mut dyn Progress) -> Result<(), RunError> {
         let Some(timing) = self.plan.config.timing else { return Ok(()) };
         let jobs = self.jobs.clone();
@@ -38,7 +37,7 @@ impl<'p> Run<'p> {
             if self.is_stopped() {
                 return Ok(());
             }
-            // The samples of a block belong together: one that lacks a record is timed anew as a whole.
+            // The samples of a block belong together: a block that lacks a record is timed again as a whole.
             if block.iter().all(|job| self.store.has_timing(&job.id)) {
                 continue;
             }
@@ -46,8 +45,8 @@ impl<'p> Run<'p> {
             match of_cell(timed.map_err(CellFault::from))? {
                 Ok(timed) => {
                     let device = renderer.device();
-                    // Killed among the new records, an old one would stand beside them as if it were of the same rounds.
-                    block.iter().try_for_each(|job| self.store.remove_timing(&job.id))?;
+                    // A process killed while writing must not leave old records beside new ones.
+                    block.iter().try_for_each(|job| self.store.remove_record(TIMINGS_FOLDER, &job.id))?;
                     for configuration in timed {
                         let (job, label) = (configuration.job.clone(), format!("timing {}", configuration.words()));
                         let record = configuration.into_record(&device);
@@ -94,7 +93,7 @@ impl<'p> Run<'p> {
             for (order, index) in random.order(timed.len()).into_iter().enumerate() {
                 let configuration = &mut timed[index];
                 let start_s = started.elapsed().as_secs_f64();
-                // The first frame after another configuration pays for the change and does not count.
+                // The first frame after a change of configuration does not count.
                 let change = u32::from(block.len() > 1);
                 let sample = configuration.sample(change, 1, renderer)?;
                 configuration.samples.append(sample);

@@ -1,6 +1,4 @@
-//! A table of images as one picture: labelled columns and rows, a title, a caption and the legends of its error maps.
-//!
-//! White page, thin gaps, dark text of 14 pixels. All tiles have one size; a case without an image shows why.
+//! Draws a table of images: title, labelled columns and rows, legends of the error maps, caption.
 
 use crate::pixels::Rgb8Image;
 use crate::table::colormap::ColorScale;
@@ -9,15 +7,14 @@ use crate::table::text::{self, Anchor, Style};
 use rayon::prelude::*;
 use std::ops::Range;
 
-/// One place of a sheet.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Tile {
-    /// An image of the sheet's tile size, and a few words or numbers below it.
+    /// An image of the sheet's tile size, with a note below it.
     Image {
         image: Rgb8Image,
         note: String,
     },
-    /// No image, and why.
+    /// Why there is no image.
     Missing(String),
     Blank,
 }
@@ -25,22 +22,20 @@ pub enum Tile {
 /// The label of a row or column.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Head {
-    /// A line break starts a new line.
     pub label: String,
-    /// A wider gap stands before it.
+    /// A wider gap is before it.
     pub starts_group: bool,
 }
 
-/// What a sheet shows; at least one row.
+/// A sheet with at least one row.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ContactSheet {
     pub title: String,
-    /// Below the images.
     pub caption: String,
-    /// Width and height of every image, pixels.
+    /// Size of every image, pixels.
     pub tile: [u32; 2],
     pub columns: Vec<Head>,
-    /// One tile a column.
+    /// One tile per column.
     pub rows: Vec<(Head, Vec<Tile>)>,
     pub legends: Vec<(&'static str, ColorScale)>,
 }
@@ -58,9 +53,9 @@ const GROUP_GAP: u32 = 16;
 const LABEL_GAP: u32 = 10;
 /// Between title, grid, legends and caption.
 const BLOCK_GAP: u32 = 18;
-/// Narrowest page between the margins: a title must have room.
+/// Narrowest page between the margins.
 const CONTENT_MIN: u32 = 420;
-/// Width and height of a published page, pixels: wider ones are shrunk to the width, and then have the height at most.
+/// Largest published page, pixels.
 pub const PUBLISHED_SIZE: [u32; 2] = [1200, 2400];
 const ROW_LABEL_MAX: f32 = 170.0;
 const LABEL_LINES: usize = 4;
@@ -73,17 +68,17 @@ const LABEL: Style = Style { size: 14.0, color: INK, is_bold: false };
 const NOTE: Style = Style { size: 13.0, color: FAINT_INK, is_bold: false };
 const CAPTION: Style = Style { size: 14.0, color: INK, is_bold: false };
 
-/// What stands below each other on a page; all blocks have the page's width.
+/// The blocks of a page, from top to bottom; all have the page's width.
 struct Blocks {
     header: Rgb8Image,
-    /// With the gap before each.
+    /// Each with the gap before it.
     rows: Vec<(u32, Rgb8Image)>,
     legends: Vec<Rgb8Image>,
     caption: Rgb8Image,
 }
 
 impl Blocks {
-    /// The blocks of a page with some of the rows, each with the gap before it.
+    /// The blocks of a page with some of the rows.
     fn page<'b>(&'b self, title: &'b Rgb8Image, rows: Range<usize>) -> Vec<(u32, &'b Rgb8Image)> {
         let first = rows.start;
         let gap_before = |row: usize| if row == first { 0 } else { self.rows[row].0 };
@@ -100,8 +95,8 @@ fn height(page: &[(u32, &Rgb8Image)]) -> u32 {
 }
 
 impl ContactSheet {
-    /// The pictures, one a page. A page is as tall as a published one may be, if a row and its labels allow it, and has the column labels,
-    /// the legends and the caption. Rows of a group stay together if a page has room for them all.
+    /// Draws the pages. Each has the column labels, the legends and the caption, and is at most as tall as a published one if one row fits.
+    /// Rows of a group stay together if they fit a page.
     pub fn pages(&self) -> Vec<Rgb8Image> {
         let (width, blocks) = self.blocks();
         let height_max = width.max(PUBLISHED_SIZE[0]) * PUBLISHED_SIZE[1] / PUBLISHED_SIZE[0];
@@ -113,7 +108,7 @@ impl ContactSheet {
         while let from = ranges.last().map_or(0, |range| range.end)
             && from < count
         {
-            // As many groups as fit; of a group that is too tall, as many rows.
+            // As many groups as fit; else as many rows of one group.
             let whole = ends.iter().copied().filter(|end| *end > from && fits(from, *end)).max();
             let to = whole.or_else(|| (from + 1..=count).take_while(|end| fits(from, *end)).last());
             ranges.push(from..to.unwrap_or(from + 1));
@@ -134,11 +129,10 @@ impl ContactSheet {
         ranges.iter().enumerate().map(page).collect()
     }
 
-    /// The width of a page, and its blocks.
     fn blocks(&self) -> (u32, Blocks) {
         let [tile_width, tile_height] = self.tile;
         let wrap = |head: &Head, width: f32, lines: usize| text::wrap_hard(&head.label, LABEL, width, lines);
-        // Each swept axis has a line: as many as stand beside a tile.
+        // Each swept axis has a line.
         let lines = ((tile_height as f32 / LABEL.line_height()) as usize).max(LABEL_LINES);
         let row_labels: Vec<Vec<String>> = self.rows.iter().map(|(head, _)| wrap(head, ROW_LABEL_MAX, lines)).collect();
         let labels: Vec<Vec<String>> =
@@ -158,7 +152,6 @@ impl ContactSheet {
         let lines_most = labels.iter().map(Vec::len).max().unwrap_or(0) as f32;
         let mut header = empty(width, (lines_most * LABEL.line_height()) as u32 + LABEL_GAP);
         for (lines, left) in labels.iter().zip(&lefts) {
-            // Lower edges line up, next to the images.
             let top = (lines_most - lines.len() as f32) * LABEL.line_height();
             draw_lines(&mut header, lines, Anchor::Center, *left as f32 + 0.5 * tile_width as f32, top, LABEL);
         }
@@ -171,7 +164,7 @@ impl ContactSheet {
             tiles.iter().zip(&lefts).for_each(|(tile, left)| draw_tile(&mut row, tile, *left, self.tile));
             (gap(head), row)
         };
-        // Legends are centred below the grid, as far as the margins allow.
+        // Legends are centred below the grid, within the margins.
         let left = ((lefts[0] + grid_right) / 2).saturating_sub(legend_width / 2);
         let bar_left = left.min(width - MARGIN - legend_width).max(MARGIN) + legend_label;
         let legends = self.legends.iter().map(|(label, scale)| legend(label, scale, bar_left, width)).collect();

@@ -1,7 +1,7 @@
 //! Contact sheets: columns are the reference and the methods, rows everything else that is swept.
 //!
-//! Below each display image stands its error. The linear error does not depend on the tone curve: where exposure or contrast is
-//! swept, each display image has its FLIP map, and the linear map stands once below all of them.
+//! Below each display image is its error. If exposure or contrast is swept, each display image has its FLIP map instead, and the linear error
+//! map, which does not depend on them, follows once.
 
 pub mod draw;
 
@@ -13,32 +13,33 @@ use super::store::{KeptCell, Store, StoreError};
 use super::tables::{CellResult, DISPLAY_HEADLINE, HEADLINE, Results};
 use crate::experiment::axis::{AXES, METHOD, POINT_SET, SAMPLES, SCENE, Sheet};
 use crate::experiment::plan::{Cell, Plan};
+use crate::experiment::value::Value;
 use crate::files::names_in;
 use crate::metrics::signed_step;
 use crate::pixels::{PixelsError, Rgb8Image, exr, png};
 use crate::table::colormap::{FLIP_ERROR, RELATIVE_ERROR, SIGNED_ERROR};
 use crate::table::markdown::significant;
 use draw::{ContactSheet, Head, Tile};
+use indexmap::IndexMap;
 use rayon::prelude::*;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-/// Smaller images are magnified to this side, pixels.
+/// Smaller images are magnified to this width, pixels.
 const TILE_SIDE_MIN: u32 = 128;
-/// Images are never shrunk below this width: rather, a sheet is split.
+/// Images are never shrunk below this width, pixels: a sheet gets parts instead.
 const SHRUNK_WIDTH_MIN: u32 = 200;
-/// Width of a page beside its margins and row labels, pixels: two sheets fit side by side on a large monitor.
+/// Width of all images of a page, pixels: two sheets fit side by side on a large monitor.
 const GRID_WIDTH_MAX: u32 = 2360;
-/// Room between two columns, group gaps included.
+/// Between two columns, group gaps included, pixels.
 const COLUMN_GAP: u32 = 8;
 
-/// One contact sheet for each environment, scene and model: in parts for some of the methods where all would not fit side by side, and in
-/// pages where not all rows would fit below each other. None of a design, whose images are no pictures, and none where the experiment says
-/// `sheets = false`. Sheets of an earlier program are removed.
+/// Writes one contact sheet for each environment, scene and model, in parts if the columns need them and in pages if the rows do. Removes
+/// sheets of earlier runs. There are no sheets of the scene `design`, and none with `sheets = false`.
 pub fn write_sheets(store: &Store, plan: &Plan, results: &Results) -> Result<(), StoreError> {
     let [sheet_axes, column_axes] = [Sheet::Page, Sheet::Column].map(|place| swept(plan, place));
     let mut written: BTreeSet<PathBuf> = BTreeSet::new();
-    let shown = if plan.config.has_sheets { of_first_point_set(plan) } else { Vec::new() };
+    let shown = if plan.config.has_sheets { shown(plan) } else { Vec::new() };
     for cells in grouped(&shown, &sheet_axes) {
         let columns = grouped(&cells, &column_axes);
         let image = plan.size_of(cells[0]);
@@ -47,9 +48,9 @@ pub fn write_sheets(store: &Store, plan: &Plan, results: &Results) -> Result<(),
         for (part, columns) in parts.iter().enumerate() {
             let of = if parts.len() > 1 { format!(", part {} of {}", part + 1, parts.len()) } else { String::new() };
             let title = format!("{} {}", plan.config.name, words(plan, &sheet_axes, cells[0], " "));
-            let tile = tile_size(image, columns.len() + 1);
-            let content = Content { store, plan, results, columns, column_axes: &column_axes, tile };
-            pages.extend(content.sheet(&cells, format!("{}{of}", title.trim_end())).pages());
+            let (tile, has_flip) = (tile_size(image, columns.len() + 1), sweeps_display(plan));
+            let part = Part { store, plan, results, columns, column_axes: &column_axes, tile, has_flip };
+            pages.extend(part.sheet(&cells, format!("{}{of}", title.trim_end())).pages());
         }
         let name = words(plan, &sheet_axes, cells[0], "_").replace(['/', ':'], "-");
         let name = if name.is_empty() { plan.config.name.clone() } else { name };
@@ -69,21 +70,23 @@ pub fn write_sheets(store: &Store, plan: &Plan, results: &Results) -> Result<(),
 /// Contact sheets of the run in a folder, by name and page.
 pub fn sheet_files(dir: &Path) -> Vec<PathBuf> {
     let folder = Store::at(dir).table_path("");
-    let names: BTreeSet<String> = names_in(&folder).into_iter().filter(|name| name.ends_with(".png")).collect();
-    names.iter().map(|name| folder.join(name)).collect()
+    names_in(&folder).iter().filter(|name| name.ends_with(".png")).map(|name| folder.join(name)).collect()
 }
 
-/// The swept axes whose values sheets show in that place.
+/// The swept axes whose values are in this place of a sheet.
 fn swept(plan: &Plan, place: Sheet) -> Vec<usize> {
     plan.swept().filter(|&axis| AXES[axis].sheet == place).collect()
 }
 
-/// The cells that a sheet shows: point sets differ in luck only, so the first one stands for all.
-fn of_first_point_set(plan: &Plan) -> Vec<&Cell> {
-    let set = |cell: &&Cell| cell.point[POINT_SET].to_string();
-    let first = plan.cells.iter().map(|cell| set(&cell)).find(|set| !set.is_empty());
-    let is_picture = |cell: &&Cell| !plan.inputs.scene(cell.point[SCENE].text()).is_design;
-    plan.cells.iter().filter(|cell| is_picture(cell) && (set(cell).is_empty() || Some(set(cell)) == first)).collect()
+/// Cells with pictures, of the first point set: further sets only differ in noise.
+fn shown(plan: &Plan) -> Vec<&Cell> {
+    let sets = plan.cells.iter().map(|cell| &cell.point[POINT_SET]);
+    let first = sets.into_iter().find(|set| **set != Value::Unset).unwrap_or(&Value::Unset);
+    let is_picture = |cell: &Cell| !plan.inputs.scene(cell.point[SCENE].text()).is_design;
+    plan.cells
+        .iter()
+        .filter(|cell| is_picture(cell) && [&Value::Unset, first].contains(&&cell.point[POINT_SET]))
+        .collect()
 }
 
 /// Factor for small images.
@@ -91,20 +94,20 @@ fn magnification([width, _]: [u32; 2]) -> u32 {
     TILE_SIDE_MIN.div_ceil(width).max(1)
 }
 
-/// Columns of a page, the reference's included, at the smallest width that images may have.
+/// Most columns of a page, the reference included.
 fn columns_max(image: [u32; 2]) -> usize {
     let smallest = (image[0] * magnification(image)).min(SHRUNK_WIDTH_MIN);
     (GRID_WIDTH_MAX / (smallest + COLUMN_GAP)).max(2) as usize
 }
 
-/// The size of images on a page of so many columns.
+/// The size of images on a page with so many columns.
 fn tile_size([width, height]: [u32; 2], columns: usize) -> [u32; 2] {
     let room = (GRID_WIDTH_MAX / columns as u32).saturating_sub(COLUMN_GAP).max(1);
     let scale = magnification([width, height]);
     if room < width { [room, (height * room / width).max(1)] } else { [width * scale, height * scale] }
 }
 
-/// Columns in parts of at most `columns_max` with the reference's; the columns of a method stay together where they can.
+/// Splits columns into parts that fit a page beside the reference. The columns of a method stay together if they fit.
 fn parts<'c>(columns: &[Vec<&'c Cell>], columns_max: usize) -> Vec<Vec<Vec<&'c Cell>>> {
     let room = columns_max - 1;
     let mut parts: Vec<Vec<Vec<&Cell>>> = Vec::new();
@@ -118,58 +121,61 @@ fn parts<'c>(columns: &[Vec<&'c Cell>], columns_max: usize) -> Vec<Vec<Vec<&'c C
 }
 
 /// The pictures in a row.
-#[derive(Clone, Copy, PartialEq)]
+#[derive(Clone, Copy)]
 enum Kind {
     Display,
     Flip,
     RelativeError,
-    /// What each column adds to the one before, over the reference: the steps of the ladder.
+    /// The difference to the previous column, over the reference: the steps of the ladder.
     Step,
 }
 
-/// Some columns of a sheet, without the reference's.
-struct Content<'p> {
+/// Some columns of a sheet.
+struct Part<'p> {
     store: &'p Store,
     plan: &'p Plan,
     results: &'p Results,
     columns: &'p [Vec<&'p Cell>],
     column_axes: &'p [usize],
     tile: [u32; 2],
+    has_flip: bool,
 }
 
-impl Content<'_> {
+impl Part<'_> {
     fn sheet(&self, cells: &[&Cell], title: String) -> ContactSheet {
-        let (has_flip, has_steps) = (sweeps_display(self.plan), self.plan.config.ladder.is_some());
+        let has_steps = self.plan.config.ladder.is_some();
         let mut columns = vec![Head { label: "reference".to_owned(), starts_group: false }];
-        for (index, column) in self.columns.iter().enumerate() {
+        let mut before = None;
+        for column in self.columns {
             let cell = column[0];
             let label = words(self.plan, self.column_axes, cell, " ");
             let method = format!("{} {}", cell.point[METHOD], cell.point[SAMPLES]).trim_end().to_owned();
-            let starts_group = index == 0 || cell.point[METHOD] != self.columns[index - 1][0].point[METHOD];
+            let starts_group = before.replace(&cell.point[METHOD]) != Some(&cell.point[METHOD]);
             columns.push(Head { label: if label.is_empty() { method } else { label }, starts_group });
         }
-        let below = match has_flip {
+        let below = match self.has_flip {
             true => format!(
-                "Below each image: its {DISPLAY_HEADLINE} and the map of it. The relative error is that of linear values, the same for \
-                 every exposure and contrast; below it, its {HEADLINE}."
+                "Below each image: its {DISPLAY_HEADLINE} and FLIP map. The relative error of linear values does not depend on exposure and \
+                 contrast; below it: its {HEADLINE}."
             ),
-            false => format!("Below each image: its {HEADLINE}; below it, relative error against the reference."),
+            false => format!("Below each image: its {HEADLINE} and its relative error against the reference."),
         };
-        let step = " Signed step: what an image adds to the one before it, over the reference.";
-        let flip = has_flip.then_some(("FLIP", FLIP_ERROR));
+        let step =
+            if has_steps { " Signed step: the difference to the previous image, over the reference." } else { "" };
+        let flip = self.has_flip.then_some(("FLIP", FLIP_ERROR));
         let error = Some(("relative error, root of relmse", RELATIVE_ERROR));
         let signed = has_steps.then_some(("signed step", SIGNED_ERROR));
         ContactSheet {
             title,
-            caption: format!("{} {below}{}", self.plan.config.question, if has_steps { step } else { "" }),
+            caption: format!("{} {below}{step}", self.plan.config.question),
             tile: self.tile,
             columns,
-            rows: self.rows(cells, has_flip, has_steps),
+            rows: self.rows(cells, has_steps),
             legends: [flip, error, signed].into_iter().flatten().collect(),
         }
     }
 
-    fn rows(&self, cells: &[&Cell], has_flip: bool, has_steps: bool) -> Vec<(Head, Vec<Tile>)> {
+    fn rows(&self, cells: &[&Cell], has_steps: bool) -> Vec<(Head, Vec<Tile>)> {
         let row_axes = swept(self.plan, Sheet::Row);
         let radiance_axes: Vec<usize> =
             row_axes.iter().copied().filter(|&axis| AXES[axis].changes_radiance()).collect();
@@ -177,54 +183,57 @@ impl Content<'_> {
         for shared in in_rows(cells, &radiance_axes) {
             let displays = in_rows(&shared, &row_axes);
             for row in &displays {
-                let value = |axis: usize| {
-                    short_text(self.plan.config.named(axis), rows::teller(row.iter().map(|cell| &cell.point), axis))
+                let line = |&axis: &usize| {
+                    let point = rows::teller(row.iter().map(|cell| &cell.point), axis);
+                    format!("{} {}", AXES[axis].name, short_text(self.plan.config.named(axis), point))
                 };
-                let lines = row_axes.iter().map(|&axis| format!("{} {}", AXES[axis].name, value(axis)));
-                rows.push(self.row(&lines.collect::<Vec<_>>().join("\n"), true, row, Kind::Display));
-                if has_flip {
-                    rows.push(self.row("FLIP", false, row, Kind::Flip));
+                let label = row_axes.iter().map(line).collect::<Vec<_>>().join("\n");
+                rows.push(self.row(label, true, row, Kind::Display));
+                if self.has_flip {
+                    rows.push(self.row("FLIP".to_owned(), false, row, Kind::Flip));
                 }
             }
-            rows.push(self.row("relative error", displays.len() > 1, &shared, Kind::RelativeError));
+            rows.push(self.row("relative error".to_owned(), displays.len() > 1, &shared, Kind::RelativeError));
             if has_steps {
-                rows.push(self.row("signed step", false, &shared, Kind::Step));
+                rows.push(self.row("signed step".to_owned(), false, &shared, Kind::Step));
             }
         }
         rows
     }
 
-    /// A row: of all `cells` of a column, the first that was done stands for it.
-    fn row(&self, label: &str, starts_group: bool, cells: &[&Cell], kind: Kind) -> (Head, Vec<Tile>) {
-        let of_column = |index: usize| -> Vec<&Cell> {
-            cells.iter().copied().filter(|cell| same(cell, self.columns[index][0], self.column_axes)).collect()
+    /// A row. The first finished cell of a column is shown.
+    fn row(&self, label: String, starts_group: bool, cells: &[&Cell], kind: Kind) -> (Head, Vec<Tile>) {
+        let of_column = |column: &Vec<&Cell>| -> Vec<&Cell> {
+            cells
+                .iter()
+                .copied()
+                .filter(|cell| key(cell, self.column_axes) == key(column[0], self.column_axes))
+                .collect()
         };
-        // Pictures are read and shrunk side by side: a large sheet has hundreds.
-        let own = (0..self.columns.len()).into_par_iter().map(|index| {
-            let before = index.checked_sub(1).and_then(|index| of_column(index).first().copied());
-            self.tile(&of_column(index), before, kind)
-        });
-        let own: Vec<Tile> = own.collect();
-        let tiles = [self.reference_tile(cells, kind)].into_iter().chain(own).collect();
-        (Head { label: label.to_owned(), starts_group }, tiles)
+        let own: Vec<Vec<&Cell>> = self.columns.iter().map(of_column).collect();
+        let tile = |index: usize| {
+            let before = index.checked_sub(1).and_then(|before| own[before].first().copied());
+            self.tile(&own[index], before, kind)
+        };
+        let tiles: Vec<Tile> = (0..own.len()).into_par_iter().map(tile).collect();
+        let tiles = [self.reference_tile(cells, kind)].into_iter().chain(tiles).collect();
+        (Head { label, starts_group }, tiles)
     }
 
-    fn done(&self, cell: &Cell) -> Option<&KeptCell> {
-        match self.results.get(&cell.id) {
-            Some(CellResult::Done(record)) => Some(record),
+    fn first_done<'c>(&self, cells: &[&'c Cell]) -> Option<(&'c Cell, &KeptCell)> {
+        cells.iter().find_map(|&cell| match self.results.get(&cell.id) {
+            Some(CellResult::Done(record)) => Some((cell, &**record)),
             _ => None,
-        }
+        })
     }
 
     fn reference_tile(&self, cells: &[&Cell], kind: Kind) -> Tile {
-        let Some((cell, record)) = cells.iter().find_map(|cell| Some((*cell, self.done(cell)?))) else {
-            return Tile::Missing("not done".to_owned());
-        };
+        let Some((cell, record)) = self.first_done(cells) else { return Tile::Missing("not done".to_owned()) };
         match kind {
             Kind::Display => self.image(self.picture(&reference_picture_name(self.plan, cell)), String::new()),
             Kind::RelativeError => record.noise_floor(HEADLINE).map_or(Tile::Blank, |floor| {
                 let floor = significant(floor, 2);
-                Tile::Missing(format!("an exact image would have {HEADLINE} {floor} by the reference's noise"))
+                Tile::Missing(format!("an exact image would have {HEADLINE} {floor}: the noise of the reference"))
             }),
             Kind::Flip | Kind::Step => Tile::Blank,
         }
@@ -232,18 +241,19 @@ impl Content<'_> {
 
     fn tile(&self, cells: &[&Cell], before: Option<&Cell>, kind: Kind) -> Tile {
         let Some(first) = cells.first() else { return Tile::Missing("excluded".to_owned()) };
-        let Some((cell, record)) = cells.iter().find_map(|cell| Some((*cell, self.done(cell)?))) else {
+        let Some((cell, record)) = self.first_done(cells) else {
             return Tile::Missing(match self.results.get(&first.id) {
                 Some(CellResult::Failed(record)) => format!("failed: {}", record.reason),
                 _ => "not done".to_owned(),
             });
         };
-        let has_flip = sweeps_display(self.plan);
         let (image, metric) = match kind {
-            Kind::Display if has_flip => (self.picture(&picture_name(cell)), Some(DISPLAY_HEADLINE)),
-            Kind::Display => (self.picture(&picture_name(cell)), Some(HEADLINE)),
+            Kind::Display => {
+                let metric = if self.has_flip { DISPLAY_HEADLINE } else { HEADLINE };
+                (self.picture(&picture_name(cell)), Some(metric))
+            }
             Kind::Flip => (self.picture(&flip_name(cell)), None),
-            Kind::RelativeError => (self.picture(&error_name(cell)), has_flip.then_some(HEADLINE)),
+            Kind::RelativeError => (self.picture(&error_name(cell)), self.has_flip.then_some(HEADLINE)),
             Kind::Step => (self.step(cell, before), None),
         };
         let score = metric.and_then(|metric| record.score(metric));
@@ -254,7 +264,7 @@ impl Content<'_> {
         png::read_rgb8(&self.store.image_path(name))
     }
 
-    /// A picture at the page's size; one that was removed is shown as missing.
+    /// A picture at the page's size, magnified by whole numbers or shrunk.
     fn image(&self, picture: Result<Rgb8Image, PixelsError>, note: String) -> Tile {
         let [width, height] = self.tile;
         match picture {
@@ -268,7 +278,7 @@ impl Content<'_> {
         }
     }
 
-    /// The difference of an image to the one before, else to the reference, over the root of `r² + ε`, mean over channels.
+    /// The difference to the image before, else to the reference, over the root of `r² + ε`, mean over channels.
     fn step(&self, cell: &Cell, before: Option<&Cell>) -> Result<Rgb8Image, PixelsError> {
         let [own, reference] = linear_files(self.plan, cell);
         let before = before.map_or(reference.clone(), |before| linear_files(self.plan, before)[0].clone());
@@ -283,26 +293,20 @@ impl Content<'_> {
 
 fn words(plan: &Plan, axes: &[usize], cell: &Cell, separator: &str) -> String {
     let words = axes.iter().map(|&axis| short_text(plan.config.named(axis), &cell.point));
-    let words = words.filter(|word| !word.is_empty());
-    words.collect::<Vec<_>>().join(separator)
+    words.filter(|word| !word.is_empty()).collect::<Vec<_>>().join(separator)
 }
 
-fn same(a: &Cell, b: &Cell, axes: &[usize]) -> bool {
-    axes.iter().all(|&axis| a.point[axis] == b.point[axis])
+fn key<'c>(cell: &'c Cell, axes: &[usize]) -> Vec<&'c Value> {
+    axes.iter().map(|&axis| &cell.point[axis]).collect()
 }
 
 fn in_rows<'c>(cells: &[&'c Cell], axes: &[usize]) -> Vec<Vec<&'c Cell>> {
     rows::rows(cells, axes, |cell| &cell.point).into_iter().map(|row| row.into_iter().copied().collect()).collect()
 }
 
-/// Cells that agree on `axes`, in the order of their first member.
+/// Groups cells that agree on `axes`, in the order of their first member.
 fn grouped<'c>(cells: &[&'c Cell], axes: &[usize]) -> Vec<Vec<&'c Cell>> {
-    let mut groups: Vec<Vec<&Cell>> = Vec::new();
-    for &cell in cells {
-        match groups.iter_mut().find(|group| same(group[0], cell, axes)) {
-            Some(group) => group.push(cell),
-            None => groups.push(vec![cell]),
-        }
-    }
-    groups
+    let mut groups: IndexMap<Vec<&Value>, Vec<&Cell>> = IndexMap::new();
+    cells.iter().for_each(|&cell| groups.entry(key(cell, axes)).or_default().push(cell));
+    groups.into_values().collect()
 }

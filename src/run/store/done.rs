@@ -1,7 +1,6 @@
-//! `done.json`: how a finished run left its folder, so that the same command again ends at once, whatever the number of cells.
+//! `done.json`: the state of the folder at the end of a run, so that repeating the command exits immediately.
 //!
-//! Contents are not read for it: a file that has its size and its time of change is taken as it was. Where any differs, as in a copy of the
-//! folder, the run checks every record and image and marks the folder anew.
+//! Files are compared by size and modification time. If any differs, as in a copy of the folder, the run checks every record and image.
 
 use super::lock::LOCK_FILE;
 use super::{ANSWERS_FOLDER, SUBFOLDERS, Store, StoreError};
@@ -11,25 +10,24 @@ use serde::{Deserialize, Serialize};
 use std::path::Path;
 use std::time::UNIX_EPOCH;
 
-/// The mark of a finished run.
 const DONE_FILE: &str = "done.json";
 
 #[derive(Deserialize, Serialize)]
 struct Done {
-    /// Hash over the program, the plan and every file of the run: name, size and time of change.
+    /// Hash over the program, the plan and every file: name, size and modification time.
     state: String,
-    /// What the run told its user at the end.
+    /// The summary that the run printed.
     told: String,
 }
 
 impl Store {
-    /// Marks the run as finished and its folder as it is; `told` is what its user was told.
+    /// Marks the run as finished; `told` is the summary that it printed.
     pub fn mark_done(&self, plan: &Plan, told: &str) -> Result<(), StoreError> {
         let done = Done { state: self.state(plan), told: told.to_owned() };
         self.write_json(&self.dir().join(DONE_FILE), &done)
     }
 
-    /// What a run of this plan by this program told at its end, where nothing in the folder has changed since.
+    /// The summary of a finished run of this plan, if nothing has changed since.
     pub fn told_when_done(&self, plan: &Plan) -> Option<String> {
         let done: Done = self.read(&self.dir().join(DONE_FILE)).ok()??;
         (!self.is_under_way() && done.state == self.state(plan)).then_some(done.told)
@@ -38,7 +36,7 @@ impl Store {
     fn state(&self, plan: &Plan) -> String {
         let config = &plan.config;
         let mut hasher = blake3::Hasher::new();
-        // The plan's hash holds the contents of its inputs; the rest is what provenance and answers tell of the file.
+        // The plan's hash covers the contents of its inputs; provenance and answers use the rest.
         let file = (&config.path, &config.text, &config.overrides, &config.file_dir, &config.set_dir);
         hasher.update(format!("{} {file:?} {:?}", plan.hash, plan.inputs.warnings()).as_bytes());
         let mut add = |path: &Path| {
@@ -57,7 +55,7 @@ impl Store {
     }
 }
 
-/// Files of the folder itself: its subfolders change by their files alone, which are seen apart.
+/// Files of the folder itself, without subfolders.
 fn is_of_run(name: &str, dir: &Path) -> bool {
     ![LOCK_FILE, DONE_FILE].contains(&name) && !dir.join(name).is_dir()
 }

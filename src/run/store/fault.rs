@@ -1,4 +1,4 @@
-//! Faults of the folder of a run.
+//! Errors of the folder of a run.
 
 use crate::pixels::PixelsError;
 use crate::run::provenance::ProvenanceError;
@@ -6,23 +6,19 @@ use crate::table::csv;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
-/// Why a run cannot use its folder.
 #[derive(Debug, thiserror::Error)]
 pub enum StoreError {
-    /// A folder that is none for this run: why, and what to do.
     #[error("{}: {why}", dir.display())]
     Refused { dir: PathBuf, why: String },
-    #[error("{}: {who} is at work in it; run the same command again after its end, or choose another --out", dir.display())]
+    #[error("{}: {who} is using it; wait until it ends, or choose another --out", dir.display())]
     Busy { dir: PathBuf, who: String },
-    #[error("{}: cannot be made: {error}; expected a place where this user may write", path.display())]
+    #[error("{}: cannot create the folder: {error}; choose another --out", path.display())]
     Folder { path: PathBuf, error: std::io::Error },
-    #[error("{}: {error}; expected a file that this program wrote (remove it to make it anew)", path.display())]
+    #[error("{}: {error}; delete the file to regenerate it", path.display())]
     Corrupt { path: PathBuf, error: serde_json::Error },
-    /// Noticed by its checksum ([`seal`](crate::run::seal)).
-    #[error("{}: was changed or damaged after it was written: its checksum does not hold (remove it to make it anew)", path.display())]
+    #[error("{}: was edited or damaged: its checksum is wrong; delete it to regenerate it", path.display())]
     Damaged { path: PathBuf },
-    /// A record that was copied or renamed.
-    #[error("{}: is the record of {found}, under another name (remove it to make it anew)", path.display())]
+    #[error("{}: contains the record of {found}; delete it to regenerate it", path.display())]
     Stranger { path: PathBuf, found: String },
     #[error("{}: {error}", path.display())]
     Io { path: PathBuf, error: std::io::Error },
@@ -35,28 +31,27 @@ pub enum StoreError {
 }
 
 impl StoreError {
-    /// Whether the user named the wrong folder, rather than a file failing.
+    /// Whether the user chose the wrong folder.
     pub fn is_misuse(&self) -> bool {
         match self {
             Self::Refused { .. } | Self::Folder { .. } | Self::Provenance(_) => true,
-            // A folder, a device or a pipe where a file of the run belongs.
+            // A folder, device or pipe in place of a file.
             Self::Io { error, .. } => [ErrorKind::IsADirectory, ErrorKind::InvalidInput].contains(&error.kind()),
             _ => false,
         }
     }
 
-    /// Whether a record is there but cannot be used: whoever can make it anew takes it for none.
+    /// Whether a record exists but cannot be used.
     pub fn is_unusable_record(&self) -> bool {
         matches!(self, Self::Corrupt { .. } | Self::Damaged { .. } | Self::Stranger { .. })
     }
 
-    /// Whether the same command may succeed later, as it is.
+    /// Whether the same command may succeed later.
     pub fn is_passing(&self) -> bool {
         matches!(self, Self::Busy { .. })
     }
 
-    /// Whether something that is no file stands where the file of this path belongs: then others can still be written, other than on a full
-    /// disk.
+    /// Whether the path is not a regular file: then other files can still be written, unlike on a full disk.
     pub fn is_of_one_place(&self, path: &Path) -> bool {
         let is_of_a_file = matches!(self, Self::Io { .. } | Self::Write(_));
         is_of_a_file && std::fs::metadata(path).is_ok_and(|metadata| !metadata.is_file())

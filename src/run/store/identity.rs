@@ -1,7 +1,7 @@
-//! Whose run a folder holds, and whether a plan may go on in it.
+//! Checks whether a plan may run in a folder.
 //!
-//! Cells are named by their content, so a larger plan goes on where a smaller one stopped. Nothing finished may drop out of the tables: a plan
-//! that lacks a finished cell is refused.
+//! Cells are named by their content, so a larger plan continues a smaller one. A plan that lacks a finished cell is refused: the cell would
+//! drop out of the tables.
 
 use super::lock::LOCK_FILE;
 use super::{CELLS_FOLDER, SHARDS_FOLDER, SUBFOLDERS, Store, StoreError, TIMINGS_FOLDER, is_part};
@@ -24,17 +24,15 @@ const LISTED: usize = 3;
 type Axes = BTreeMap<String, String>;
 
 impl Store {
-    /// Checks that `plan` may run in the folder: it holds no run, or one whose finished work the plan has. Returns whether that run is one of
-    /// exactly this plan.
+    /// Checks that the folder holds no run, or one whose finished work `plan` includes. Returns whether it is a run of exactly this plan.
     pub fn check_identity(&self, plan: &Plan) -> Result<bool, StoreError> {
         if self.dir.is_file() {
-            return Err(self.refused("is a file; expected a folder, or the name of one to make"));
+            return Err(self.refused("is a file; expected a folder, or the name of a new one"));
         }
         let Some(found) = provenance::read(&self.dir)? else { return self.check_empty().map(|()| false) };
         if let Some(metric) = other_metric(&found) {
-            return Err(self.refused(format!(
-                "holds scores of another version of the metric {metric}, which cannot be compared with new ones; choose another --out"
-            )));
+            return Err(self
+                .refused(format!("contains scores of another version of the metric {metric}; choose another --out")));
         }
         if found["plan_hash"] == plan.hash {
             return Ok(true);
@@ -46,7 +44,7 @@ impl Store {
         StoreError::Refused { dir: self.dir.clone(), why: why.into() }
     }
 
-    /// Fails if a folder without provenance holds files. A run that was stopped before its first file leaves only empty folders.
+    /// Fails if a folder without provenance holds files. A run stopped before its first file leaves only empty folders.
     fn check_empty(&self) -> Result<(), StoreError> {
         let is_own = |name: &str, is_dir: bool| match is_dir {
             true => name == SHARDS_FOLDER || SUBFOLDERS.contains(&name),
@@ -59,7 +57,7 @@ impl Store {
         }
     }
 
-    /// Fails if the folder holds finished work that `plan` lacks; `found` is its provenance.
+    /// Fails if the folder holds finished work that `plan` lacks; `found` is the folder's provenance.
     pub(in crate::run) fn check_nothing_is_lost(&self, found: &Value, plan: &Plan) -> Result<(), StoreError> {
         let lost = self.lost_cells(plan)?;
         if !lost.is_empty() {
@@ -70,7 +68,7 @@ impl Store {
             }
             let cause = cause(found, &provenance::provenance(plan, &self.dir));
             return Err(self.refused(format!(
-                "holds {} finished cells that {} lacks{cause}: {}; choose another --out",
+                "contains {} finished cells that {} lacks{cause}: {}; choose another --out",
                 lost.len(),
                 plan.config.path.display(),
                 words.join("; ")
@@ -81,13 +79,13 @@ impl Store {
         match lost {
             0 => Ok(()),
             lost => Err(self.refused(format!(
-                "holds {lost} timed configurations that {} lacks, which has another [timing] or none; choose another --out",
+                "contains {lost} timed configurations that {} lacks; choose another --out",
                 plan.config.path.display()
             ))),
         }
     }
 
-    /// Id and axes of each finished cell that `plan` lacks: those with a usable record, and, in a published folder, those of the table.
+    /// Id and axes of each finished cell that `plan` lacks, from usable records and, in a published folder, from the table.
     fn lost_cells(&self, plan: &Plan) -> Result<BTreeMap<String, Axes>, StoreError> {
         let planned: BTreeSet<&str> = plan.cells.iter().map(|cell| cell.id.as_str()).collect();
         let mut lost = BTreeMap::new();
@@ -109,14 +107,14 @@ impl Store {
         Ok(lost)
     }
 
-    /// Names of the records in a folder, in order; none if it does not exist.
+    /// Ids of the records in a folder, in order.
     pub fn ids(&self, folder: &str) -> Vec<String> {
         let names = names_in(&self.dir.join(folder));
         names.iter().filter_map(|name| Some(name.strip_suffix(".json")?.to_owned())).collect()
     }
 }
 
-/// The first metric of this program that scored a run in another version.
+/// The first metric with another version than in this program.
 fn other_metric(provenance: &Value) -> Option<String> {
     let then = provenance["metrics"].as_array().into_iter().flatten();
     let then: BTreeMap<&str, u64> =
@@ -126,7 +124,7 @@ fn other_metric(provenance: &Value) -> Option<String> {
     now.find(|d| differs(d.name, d.version)).map(|d| d.name.to_owned())
 }
 
-/// ": seed is 1 there and 2 here": what makes all cells of a run others than those of a plan, by the provenance of both; else empty.
+/// The reason why all cells differ, by both provenances: " (seed is 1 there and 2 here)"; else empty.
 fn cause(there: &Value, here: &Value) -> String {
     if there["shader_hash"] != here["shader_hash"] {
         return " (they were rendered by other shaders)".to_owned();
@@ -140,7 +138,7 @@ fn cause(there: &Value, here: &Value) -> String {
     key.map_or_else(String::new, |key| format!(" ({key} is {} there and {} here)", there[key], here[key]))
 }
 
-/// Each cell by its values on the axes that tell these cells apart, or from those of a plan.
+/// Each cell by its values on the axes that distinguish these cells from each other or from the plan.
 fn words(cells: &BTreeMap<String, Axes>, plan: &Plan) -> Vec<String> {
     let varies = |axis: usize| {
         let here = plan.cells.iter().map(|cell| plan.shown(cell, axis).to_string());

@@ -1,4 +1,4 @@
-//! Who may work in a folder at a time: one run, or any number of shards, each of them once.
+//! Locks a folder for one run, or for any number of different shards.
 
 use super::{SHARDS_FOLDER, Store, StoreError};
 use crate::files::{names_in, open_regular};
@@ -6,25 +6,23 @@ use crate::run::shard::Shard;
 use std::fs::{File, TryLockError};
 use std::path::{Path, PathBuf};
 
-/// The file that a run locks for itself, and shards for each other.
+/// Locked by a run exclusively, by shards shared.
 pub(super) const LOCK_FILE: &str = ".lock";
-/// The end of the name of a file that a shard locks for itself.
+/// Ending of the file that a shard locks.
 const SHARD_LOCK: &str = ".lock";
 
-/// A locked file. The system unlocks it when the process ends, however it ends.
+/// A locked file. The system unlocks it when the process ends.
 #[derive(Debug)]
 pub(super) struct Lock(File);
 
 impl Drop for Lock {
-    /// Closing alone would not do: a child process that is just being started may hold a copy of the handle for a
-    /// moment.
+    /// Unlocks before closing: a child process that is just starting may hold a copy of the handle.
     fn drop(&mut self) {
-        // A lock that cannot be given back goes with the process.
         let _ = self.0.unlock();
     }
 }
 
-/// Locks a file. `None` on a file system that has no locks, as some shared ones.
+/// Locks a file; `None` on a file system without locks.
 fn lock(path: PathBuf, is_shared: bool, busy: impl FnOnce() -> StoreError) -> Result<Option<Lock>, StoreError> {
     let file = File::options().create(true).truncate(false).read(true).write(true).open(&path);
     let file = file.map_err(|error| StoreError::Io { path: path.clone(), error })?;
@@ -36,15 +34,14 @@ fn lock(path: PathBuf, is_shared: bool, busy: impl FnOnce() -> StoreError) -> Re
     }
 }
 
-/// Whether another process has locked a file for itself. Not known, and taken for no, on a file system without locks.
+/// Whether another process has an exclusive lock; false on a file system without locks.
 fn is_locked(path: &Path) -> bool {
-    // Shared, so that two readers do not take each other for an owner; given back with the file.
+    // Shared, so that two readers do not mistake each other for an owner.
     open_regular(path).is_ok_and(|file| matches!(file.try_lock_shared(), Err(TryLockError::WouldBlock)))
 }
 
 impl Store {
-    /// Takes the locks of a run, or of a shard. Shards of other counts have cells in common with it, so they may not
-    /// work meanwhile.
+    /// Locks the folder for a run or a shard. Shards of another count, which share cells with it, must not run.
     pub(super) fn locks(&self) -> Result<Vec<Lock>, StoreError> {
         let busy = |who: String| StoreError::Busy { dir: self.dir.clone(), who };
         let whole = lock(self.dir.join(LOCK_FILE), self.shard.is_some(), || busy("another run".to_owned()))?;
@@ -59,7 +56,7 @@ impl Store {
         }
     }
 
-    /// Whether a run is at work in the folder.
+    /// Whether a run is using the folder.
     pub fn is_under_way(&self) -> bool {
         is_locked(&self.dir.join(LOCK_FILE))
     }

@@ -1,4 +1,4 @@
-//! The folder of a run. Records are written last and in one step: no record means not done.
+//! The folder of a run. A record is written last and in one step: no record means not done.
 
 mod done;
 mod fault;
@@ -10,6 +10,7 @@ pub use super::record::{
 };
 pub use fault::StoreError;
 
+use super::provenance::PROVENANCE_FILE;
 use super::seal;
 use super::shard::Shard;
 use crate::experiment::plan::Plan;
@@ -28,16 +29,15 @@ use std::sync::Arc;
 #[derive(Clone, Debug)]
 pub struct Store {
     dir: PathBuf,
-    /// The part of the plan that this process does, where several share the folder.
+    /// The part of the plan that this process does, if several share the folder.
     shard: Option<Shard>,
-    /// Held while a run works in the folder; the system releases them when the process ends, however it ends.
+    /// Held while a run works in the folder.
     _locks: Arc<Vec<Lock>>,
 }
 
 /// Sessions and locks of the processes that share the folder.
 pub const SHARDS_FOLDER: &str = "shards";
 
-/// Where `study` puts what the tables say.
 pub const ANSWERS_FOLDER: &str = "answers";
 
 /// Raw samples of timed configurations.
@@ -46,18 +46,17 @@ pub const TIMINGS_FOLDER: &str = "timings";
 pub const CELLS_FOLDER: &str = "cells";
 /// Reasons of cells that failed.
 pub const FAILED_FOLDER: &str = "failed";
-/// Where references stopped.
-const REFERENCES_FOLDER: &str = "references";
+pub const REFERENCES_FOLDER: &str = "references";
 
 const SUBFOLDERS: &[&str] = &[CELLS_FOLDER, FAILED_FOLDER, "images", REFERENCES_FOLDER, "tables", TIMINGS_FOLDER];
 
 impl Store {
-    /// The run's folder as it is, for reading.
+    /// Opens a folder for reading.
     pub fn at(dir: &Path) -> Self {
         Self { dir: dir.to_owned(), shard: None, _locks: Arc::default() }
     }
 
-    /// Makes the folder, or checks that the plan may run in it, and locks it.
+    /// Creates the folder or checks that the plan may run in it, and locks it.
     pub fn open(dir: &Path, plan: &Plan) -> Result<Self, StoreError> {
         let store = Self::at(dir).begin(plan)?;
         for folder in ["", ANSWERS_FOLDER].iter().chain(SUBFOLDERS) {
@@ -79,133 +78,94 @@ impl Store {
             std::fs::create_dir_all(&path).map_err(|error| StoreError::Folder { path, error })
         })?;
         self._locks = Arc::new(self.locks()?);
-        // Another run may have made the folder its own between the check and the lock.
+        // Another run may have taken the folder between check and lock.
         self.check_identity(plan)?;
         Ok(self)
     }
 
-    /// The folder.
     pub fn dir(&self) -> &Path {
         &self.dir
     }
 
-    /// `provenance.json`.
-    pub fn provenance_path(&self) -> PathBuf {
-        self.dir.join("provenance.json")
+    pub(super) fn provenance_path(&self) -> PathBuf {
+        self.dir.join(PROVENANCE_FILE)
     }
 
-    /// The file with the sessions of this process: `provenance.json`, or that of its shard.
+    /// The file with the sessions of this process: `provenance.json`, or its shard's file.
     pub(super) fn sessions_path(&self) -> PathBuf {
         self.shard.map_or_else(|| self.provenance_path(), |shard| self.shard_path(shard))
     }
 
-    /// The file with the sessions of a shard.
     pub(super) fn shard_path(&self, shard: Shard) -> PathBuf {
         self.dir.join(SHARDS_FOLDER).join(shard.stem() + ".json")
     }
 
-    /// A file in `images/`.
     pub fn image_path(&self, name: &str) -> PathBuf {
         self.dir.join("images").join(name)
     }
 
-    /// Removes a file of `images/`, if it is there.
-    pub fn remove_image(&self, name: &str) -> Result<(), StoreError> {
-        remove(self.image_path(name))
+    /// Removes a file of a folder of the run, if it exists.
+    pub(super) fn remove(&self, folder: &str, name: &str) -> Result<(), StoreError> {
+        remove(self.dir.join(folder).join(name))
     }
 
-    /// Removes a file of the run's folder itself, if it is there.
-    pub(super) fn remove_file(&self, name: &str) -> Result<(), StoreError> {
-        remove(self.dir.join(name))
-    }
-
-    /// A file in `tables/`.
     pub fn table_path(&self, name: &str) -> PathBuf {
         self.dir.join("tables").join(name)
     }
 
-    /// Where the record of a finished cell stands.
     pub fn cell_path(&self, id: &str) -> PathBuf {
         self.record_path(CELLS_FOLDER, id)
     }
 
-    /// The record of a finished cell. One that is not whole, as a power cut may leave it, or that is another's is none:
-    /// the cell is done again.
+    /// The record of a finished cell. As for all records, an unusable one counts as missing: its work is repeated.
     pub fn cell(&self, id: &str) -> Result<Option<CellRecord>, StoreError> {
-        usable(self.whole_cell(id))
-    }
-
-    /// As [`Store::cell`], but a record that cannot be used is a fault.
-    pub fn whole_cell(&self, id: &str) -> Result<Option<CellRecord>, StoreError> {
-        self.record(CELLS_FOLDER, id)
+        usable(self.record(CELLS_FOLDER, id))
     }
 
     /// Keeps a finished cell and forgets its earlier failure.
     pub fn write_cell(&self, record: &CellRecord) -> Result<(), StoreError> {
-        // Not waited for on the disk, which takes longer than a small cell: a power cut costs the cells of its last
-        // seconds, since the seal tells a record that was cut off.
+        // Not synced to the disk, which takes longer than a small cell: the checksum detects what a power cut truncates.
         self.write_sealed(&self.cell_path(&record.cell), record)?;
-        remove(self.record_path(FAILED_FOLDER, &record.cell))
+        self.remove_record(FAILED_FOLDER, &record.cell)
     }
 
-    /// Why a cell failed the last time it was tried. A record that cannot be used is none.
+    /// Why a cell failed the last time it was tried.
     pub fn failure(&self, id: &str) -> Result<Option<FailureRecord>, StoreError> {
         usable(self.record(FAILED_FOLDER, id))
     }
 
-    /// Keeps the reason of a failure.
     pub fn write_failure(&self, record: &FailureRecord) -> Result<(), StoreError> {
         self.write_sealed(&self.record_path(FAILED_FOLDER, &record.cell), record)
     }
 
-    /// Forgets a failure.
-    pub(super) fn remove_failure(&self, id: &str) -> Result<(), StoreError> {
-        remove(self.record_path(FAILED_FOLDER, id))
-    }
-
-    /// Where the reference image of this id stopped, as an earlier invocation left it. A record that cannot be used is
-    /// none: the reference is rendered again.
+    /// Where the reference of this id stopped.
     pub fn reference(&self, id: &str) -> Result<Option<ReferenceStop>, StoreError> {
-        usable(self.whole_reference(id))
+        usable(self.record(REFERENCES_FOLDER, id))
     }
 
-    /// As [`Store::reference`], but a record that cannot be used is a fault.
-    pub fn whole_reference(&self, id: &str) -> Result<Option<ReferenceStop>, StoreError> {
-        self.record(REFERENCES_FOLDER, id)
-    }
-
-    /// Keeps where a reference stopped.
     pub fn write_reference(&self, id: &str, stop: &ReferenceStop) -> Result<(), StoreError> {
         self.write_named(REFERENCES_FOLDER, id, stop)
     }
 
-    /// A timing record. One that cannot be used is none: the configuration is timed again.
     pub fn timing<T: DeserializeOwned>(&self, id: &str) -> Result<Option<T>, StoreError> {
-        usable(self.whole_timing(id))
+        usable(self.record(TIMINGS_FOLDER, id))
     }
 
-    /// As [`Store::timing`], but a record that cannot be used is a fault.
-    pub fn whole_timing<T: DeserializeOwned>(&self, id: &str) -> Result<Option<T>, StoreError> {
-        self.record(TIMINGS_FOLDER, id)
-    }
-
-    /// Whether a configuration is timed already, and its record whole.
+    /// Whether a configuration has a usable timing record.
     pub fn has_timing(&self, id: &str) -> bool {
         matches!(self.timing::<serde_json::Value>(id), Ok(Some(_)))
     }
 
-    /// Forgets a timing record, if it is there.
-    pub(super) fn remove_timing(&self, id: &str) -> Result<(), StoreError> {
-        remove(self.record_path(TIMINGS_FOLDER, id))
-    }
-
-    /// Keeps a timing record.
     pub fn write_timing<T: Serialize>(&self, id: &str, record: &T) -> Result<(), StoreError> {
         self.write_named(TIMINGS_FOLDER, id, record)
     }
 
-    /// A table of the run, replaced in one step. Rows are made one at a time: all together they would take far more
-    /// memory than what they are made of.
+    /// Removes a record, if it exists.
+    pub(super) fn remove_record(&self, folder: &str, id: &str) -> Result<(), StoreError> {
+        remove(self.record_path(folder, id))
+    }
+
+    /// Replaces a table of the run in one step. Rows are made one at a time to save memory.
     pub fn write_table(
         &self,
         name: &str,
@@ -217,7 +177,7 @@ impl Store {
         std::fs::rename(&part, &path).map_err(|error| StoreError::Io { path, error })
     }
 
-    /// A file of the run, in one step. A file that has this content already is left untouched.
+    /// Writes a file of the run in one step, unless it has this content already.
     pub fn write_text(&self, path: &Path, text: &str) -> Result<(), StoreError> {
         if holds(path, text.as_bytes()) {
             return Ok(());
@@ -225,18 +185,17 @@ impl Store {
         Ok(write_atomically(path, |writer| writer.write_all(text.as_bytes()))?)
     }
 
-    /// As [`Store::write_text`], of JSON for people: indented, with a last newline.
+    /// Writes indented JSON.
     pub fn write_json<T: Serialize>(&self, path: &Path, value: &T) -> Result<(), StoreError> {
         self.write_text(path, &pretty(path, value)?)
     }
 
-    /// As [`Store::write_json`], with a checksum.
+    /// Writes indented JSON with a checksum.
     fn write_sealed<T: Serialize>(&self, path: &Path, record: &T) -> Result<(), StoreError> {
         self.write_text(path, &seal::sealed(&pretty(path, record)?))
     }
 
-    /// As [`Store::write_sealed`], with the record's name in it, and on return the record is on the disk: what it holds
-    /// cannot be had again the same, or costs much.
+    /// Writes a record with its own name in it and syncs it to the disk: it is expensive, or impossible, to reproduce.
     fn write_named<T: Serialize>(&self, folder: &str, id: &str, record: &T) -> Result<(), StoreError> {
         let path = self.record_path(folder, id);
         self.write_sealed(&path, &Named { record: id.to_owned(), content: record })?;
@@ -248,20 +207,20 @@ impl Store {
         self.dir.join(folder).join(format!("{id}.json"))
     }
 
-    /// The parsed file, or `None` when it does not exist.
+    /// Parses a file; `None` if it does not exist.
     pub fn read<T: DeserializeOwned>(&self, path: &Path) -> Result<Option<T>, StoreError> {
         read_bytes(path, PLAN_BYTES_MAX)?.map(|bytes| parsed(path, &bytes)).transpose()
     }
 
-    /// A record: its checksum must hold, and the name in it be its own. Records of older programs may have neither.
-    fn record<T: DeserializeOwned>(&self, folder: &str, id: &str) -> Result<Option<T>, StoreError> {
+    /// Reads a record. A wrong checksum or name is an error; older records have neither.
+    pub fn record<T: DeserializeOwned>(&self, folder: &str, id: &str) -> Result<Option<T>, StoreError> {
         let path = self.record_path(folder, id);
         let Some(bytes) = read_bytes(&path, RECORD_BYTES_MAX)? else { return Ok(None) };
         let (record, name) = (parsed(&path, &bytes)?, parsed::<Name>(&path, &bytes)?);
         if seal::is_broken(&String::from_utf8_lossy(&bytes)) {
             return Err(StoreError::Damaged { path });
         }
-        // A timing names a cell that stands for its configuration.
+        // A timing names an example cell.
         match name.record.or(name.cell.filter(|_| folder != TIMINGS_FOLDER)).filter(|found| found != id) {
             Some(found) => Err(StoreError::Stranger { path, found }),
             None => Ok(Some(record)),
@@ -269,23 +228,21 @@ impl Store {
     }
 }
 
-/// A record whose content does not say whose it is.
 #[derive(Serialize)]
 struct Named<'r, T> {
-    /// The name of its file.
+    /// The id.
     record: String,
     #[serde(flatten)]
     content: &'r T,
 }
 
-/// The name in a record.
 #[derive(Deserialize)]
 struct Name {
     record: Option<String>,
     cell: Option<String>,
 }
 
-/// A record, where it can be used.
+/// Turns an unusable record into a missing one.
 fn usable<T>(read: Result<Option<T>, StoreError>) -> Result<Option<T>, StoreError> {
     match read {
         Err(error) if error.is_unusable_record() => Ok(None),
@@ -293,7 +250,7 @@ fn usable<T>(read: Result<Option<T>, StoreError>) -> Result<Option<T>, StoreErro
     }
 }
 
-/// A whole file, or `None` when it does not exist.
+/// Reads a file; `None` if it does not exist.
 fn read_bytes(path: &Path, most_bytes: u64) -> Result<Option<Vec<u8>>, StoreError> {
     match read_regular(path, most_bytes) {
         Ok(bytes) => Ok(Some(bytes)),
@@ -306,13 +263,13 @@ fn parsed<T: DeserializeOwned>(path: &Path, bytes: &[u8]) -> Result<T, StoreErro
     serde_json::from_slice(bytes).map_err(|error| StoreError::Corrupt { path: path.to_owned(), error })
 }
 
-/// Indented, with a last newline.
+/// Indented, with a final newline.
 fn pretty<T: Serialize>(path: &Path, value: &T) -> Result<String, StoreError> {
     let text = serde_json::to_string_pretty(value);
     text.map(|text| text + "\n").map_err(|error| StoreError::Corrupt { path: path.to_owned(), error })
 }
 
-/// Removes a file, if it is there.
+/// Removes a file, if it exists.
 fn remove(path: PathBuf) -> Result<(), StoreError> {
     match std::fs::remove_file(&path) {
         Err(error) if error.kind() != std::io::ErrorKind::NotFound => Err(StoreError::Io { path, error }),
@@ -320,12 +277,11 @@ fn remove(path: PathBuf) -> Result<(), StoreError> {
     }
 }
 
-/// Whether a file is what a killed run leaves half-written.
+/// Whether a file is a half-written one of a killed run.
 fn is_part(name: &str) -> bool {
     (name.starts_with(PART_PREFIX) || name.ends_with(".csv.part")) && name.ends_with(".part")
 }
 
-/// Removes what a killed run left half-written.
 fn remove_parts(folder: &Path) -> Result<(), StoreError> {
     names_in(folder).iter().filter(|name| is_part(name)).try_for_each(|name| remove(folder.join(name)))
 }

@@ -89,5 +89,5 @@ fn a_frozen_experiment_that_was_changed_is_none() {
     let frozen = finished(&plan, &root.path().join("run")).join("experiment.toml");
     std::fs::write(&frozen, EXPERIMENT.replace("0.5", "0.6")).unwrap();
     let error = load(&frozen, &[]).unwrap_err();
-    assert!(error.contains("was changed since") && error.contains("copy it to another folder"), "{error}");
+    assert!(error.contains("was edited") && error.contains("copy it to another folder"), "{error}");
 }

@@ -69,13 +69,13 @@ fn a_plan_that_lacks_finished_work_is_refused() {
     let other_alpha = timed.replace("[0.1, 0.5]", "[0.1, 0.25]");
     refused(
         &other_alpha,
-        &["holds 16 finished cells that tiny.toml lacks: ", "alpha=0.5", "; 13 more; choose another --out"],
+        &["contains 16 finished cells that tiny.toml lacks: ", "alpha=0.5", "; 13 more; choose another --out"],
     );
     // Another seed, shader or input makes other cells throughout.
-    refused(&format!("seed = 2\n{timed}"), &["holds 32 finished cells", "(seed is 1 there and 2 here)"]);
+    refused(&format!("seed = 2\n{timed}"), &["contains 32 finished cells", "(seed is 1 there and 2 here)"]);
     refused(&timed.replace("samples = 64", "samples = 96"), &["32 finished cells", "(reference is ", "96"]);
-    refused(EXPERIMENT, &["holds 12 timed configurations that tiny.toml lacks, which has another [timing] or none"]);
-    refused(&timed.replace("rounds = 6", "rounds = 7"), &["holds 12 timed configurations"]);
+    refused(EXPERIMENT, &["contains 12 timed configurations that tiny.toml lacks"]);
+    refused(&timed.replace("rounds = 6", "rounds = 7"), &["contains 12 timed configurations"]);
 
     let path = dir.path().join("provenance.json");
     let whole: serde_json::Value = serde_json::from_slice(&read(&path)).unwrap();

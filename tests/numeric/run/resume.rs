@@ -34,7 +34,7 @@ fn a_second_run_in_the_same_folder_is_told() {
     let bench = Bench::new(EXPERIMENT);
     let held = Store::open(bench.dir.path(), &bench.plan).unwrap();
     let error = bench.invoke(&log(), usize::MAX).unwrap_err();
-    assert!(error.to_string().contains("another run is at work in it"), "{error}");
+    assert!(error.to_string().contains("another run is using it"), "{error}");
     drop(held);
     bench.invoke(&log(), usize::MAX).unwrap();
 }
@@ -93,8 +93,9 @@ fn images_that_are_not_those_of_their_records_are_made_again() {
         let name = before.keys().find(|name| name.contains("split-sum") && name.ends_with(end)).unwrap();
         damage(&bench.path("images").join(name), &before[name]);
         let (notes, renders) = bench.again().unwrap();
-        let note =
-            format!("images of finished cells that are missing or were changed since: 1, the first images/{name};");
+        let note = format!(
+            "1 missing or changed images of finished cells; rendering these cells again; the first: images/{name}"
+        );
         assert!(notes.len() == 1 && notes[0].starts_with(&note), "{notes:?}");
         // One image; its reference is read back.
         assert_eq!(renders, [("split-sum".to_owned(), 1)], "{name}");
@@ -156,7 +157,7 @@ fn a_timing_record_under_another_name_is_none() {
     std::fs::copy(path(&jobs[0].id), path("0123456789abcdef")).unwrap();
     assert_eq!(counted(), jobs.len() - 1);
     let told: Vec<String> = notes(dir).collect();
-    let words = format!("2 of {} timing records are damaged or another's and do not count", jobs.len() + 1);
+    let words = format!("2 of {} timing records are unusable", jobs.len() + 1);
     assert!(told.len() == 1 && told[0].contains(&words), "{told:?}");
     std::fs::remove_file(path("0123456789abcdef")).unwrap();
     bench.again().unwrap();
@@ -265,12 +266,12 @@ fn the_frozen_experiment_of_a_finished_run_comes_back() {
     let bench = Bench::finished(EXPERIMENT);
     let (path, dir) = (bench.path("experiment.toml"), bench.dir.path());
     let (whole, provenance) = (read(&path), bench.read("provenance.json"));
-    for (content, what) in [(Some(&whole[..20]), "is not the experiment that was run"), (None, "is missing")] {
+    for (content, what) in [(Some(&whole[..20]), "was edited or damaged after the run"), (None, "is missing")] {
         std::fs::remove_file(&path).unwrap();
         content.into_iter().for_each(|content| std::fs::write(&path, content).unwrap());
         assert!(notes(dir).next().unwrap().contains(what));
         let (notes, renders) = bench.again().unwrap();
-        assert!(notes.len() == 1 && notes[0].contains("experiment.toml was not"), "{notes:?}");
+        assert!(notes.len() == 1 && notes[0].contains("experiment.toml was missing or edited"), "{notes:?}");
         assert!(renders.is_empty() && read(&path) == whole && bench.read("provenance.json") == provenance);
     }
     // The same cells from another text: the provenance names the new one.
@@ -292,7 +293,7 @@ fn a_provenance_that_is_none_is_refused_wherever_it_is_read() {
         changed.to_string()
     };
     for (text, what) in [
-        ("[1, 2, 3]".to_owned(), "holds no object"),
+        ("[1, 2, 3]".to_owned(), "is not an object"),
         ("{}".to_owned(), "no schema_version"),
         ("{\"schema".to_owned(), "not a provenance file of splitsum"),
         (with("2".into()), "not a whole number"),

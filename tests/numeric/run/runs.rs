@@ -112,10 +112,10 @@ impl Bench {
     }
 }
 
-/// Options of a run in `dir` that traces its timings.
+/// Options of a run in `dir`.
 pub fn options<'a>(dir: &Path, stop: &'a AtomicBool) -> RunOptions<'a> {
     let command_line = vec!["splitsum".to_owned(), "run".to_owned(), "tiny.toml".to_owned()];
-    RunOptions { command_line, trace: true, ..RunOptions::new(dir, stop) }
+    RunOptions { command_line, ..RunOptions::new(dir, stop) }
 }
 
 /// Makes fakes that write to one log.
@@ -161,17 +161,7 @@ pub fn assert_like_whole(dir: &Path, plan: &Plan) {
     let whole = tempfile::tempdir().unwrap();
     finished(plan, whole.path());
     let is_alike = |name: &String| {
-        let differs = [
-            "provenance.json",
-            "summary.md",
-            "trace.json",
-            ".lock",
-            "cells/",
-            "timings",
-            "timing_",
-            "answers/",
-            "shards/",
-        ];
+        let differs = ["provenance.json", "summary.md", ".lock", "cells/", "timings", "timing_", "answers/", "shards/"];
         !differs.iter().any(|start| name.starts_with(start))
     };
     let left = |dir: &Path| contents(dir).into_iter().filter(|(name, _)| is_alike(name)).collect::<BTreeMap<_, _>>();
@@ -186,7 +176,7 @@ pub fn assert_like_whole(dir: &Path, plan: &Plan) {
     let ids = |dir: &Path| [CELLS_FOLDER, TIMINGS_FOLDER].map(|folder| Store::at(dir).ids(folder));
     assert_eq!(ids(dir), ids(whole.path()));
     for cell in &plan.cells {
-        let record = |dir: &Path| Store::at(dir).whole_cell(&cell.id).unwrap().expect("a record");
+        let record = |dir: &Path| Store::at(dir).cell(&cell.id).unwrap().expect("a record");
         let [mut found, due] = [record(dir), record(whole.path())];
         (found.spent, found.device) = (due.spent.clone(), due.device.clone());
         // A tone curve more gives every cell a file more.

@@ -130,8 +130,8 @@ fn shards_that_were_killed_are_repeated_and_anything_may_end_the_run() {
         let timings = timing::jobs(&bench.plan).len();
         assert!(missing.cells.len() + renders * 2 >= 64 && missing.timings == timings, "{missing:?}");
         let shards: Vec<String> = missing.shards.iter().map(|(shard, end)| format!("{shard} {end}")).collect();
-        assert!(shards[0] == "1/3 never begun" && shards[2] == "3/3 never begun", "{shards:?}");
-        assert!(shards[1].starts_with("2/3 begun on ") && shards[1].ends_with("ended early"), "{shards:?}");
+        assert!(shards[0] == "1/3 never started" && shards[2] == "3/3 never started", "{shards:?}");
+        assert!(shards[1].starts_with("2/3 started on ") && shards[1].ends_with("ended early"), "{shards:?}");
         bench.done("2/3");
         bench.done("3/3");
         let missing = bench.merge().unwrap().missing;
@@ -163,14 +163,14 @@ fn damaged_records_and_images_are_found_before_anything_is_written() {
         std::fs::write(path, bytes).unwrap();
     };
     let remove = |path: &Path| std::fs::remove_file(path).unwrap();
-    let image = "is not the file that its record was made from";
+    let image = "differs from its record";
     type Damage<'a> = &'a dyn Fn(&Path);
     let damages: [(&str, &str, Damage, &str); 11] = [
-        ("cells", ".json", &cut, "expected a file that this program wrote"),
-        ("cells", ".json", &change, "its checksum does not hold"),
-        ("timings", ".json", &cut, "expected a file that this program wrote"),
-        ("timings", ".json", &change, "its checksum does not hold"),
-        ("references", ".json", &change, "its checksum does not hold"),
+        ("cells", ".json", &cut, "delete the file to regenerate it"),
+        ("cells", ".json", &change, "its checksum is wrong"),
+        ("timings", ".json", &cut, "delete the file to regenerate it"),
+        ("timings", ".json", &change, "its checksum is wrong"),
+        ("references", ".json", &change, "its checksum is wrong"),
         ("images", ".exr", &cut, image),
         ("images", ".exr", &change, image),
         ("images", ".exr", &remove, "is missing"),
@@ -268,7 +268,7 @@ fn who_would_do_the_same_cells_at_once_is_told_to_wait() {
     let held = [open("1/3").unwrap(), open("2/3").unwrap()];
     let busy = |error: RunError, who: &str| {
         assert!(matches!(&error, RunError::Store(fault) if fault.is_passing()), "{error}");
-        assert!(error.to_string().contains(&format!("{who} is at work in it")), "{error}");
+        assert!(error.to_string().contains(&format!("{who} is using it")), "{error}");
     };
     busy(bench.shard("2/3", &log("fake")).unwrap_err(), "shard 2/3");
     busy(bench.shard("1/2", &log("fake")).unwrap_err(), "shard 1/3");
@@ -310,7 +310,7 @@ fn shards_go_on_from_a_smaller_plan_and_refuse_to_lose_cells() {
     let before = contents(&bench.dir());
     let smaller = Bench { plan: small, root: bench.root };
     let error = smaller.shard("1/2", &log("fake")).unwrap_err().to_string();
-    assert!(error.contains("holds 16 finished cells that tiny.toml lacks"), "{error}");
+    assert!(error.contains("contains 16 finished cells that tiny.toml lacks"), "{error}");
     assert!(contents(&smaller.dir()) == before);
     let nothing = Bench::new(EXPERIMENT);
     assert!(nothing.merge().unwrap_err().to_string().contains("holds no run"));
