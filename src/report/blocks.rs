@@ -1,10 +1,10 @@
-//! Blocks of Markdown pages that are filled from published runs, so that no number is typed by hand.
+//! Fills blocks of Markdown pages from published runs, so that no number is typed by hand.
 //!
-//! `<!-- csv RUN/FILE.csv COLUMN=CELL ... show=COLUMN,... -->` ... `<!-- /csv -->` holds the rows of a table with these cells: the columns
-//! of `show`, else all that are neither filtered nor empty. A single cell is a number within a sentence. A word with blanks stands in
-//! quotes. `<!-- sentence RUN QUESTION -->` ... `<!-- /sentence -->` holds the sentence of an answer.
+//! `<!-- csv RUN/FILE.csv COLUMN=CELL ... show=COLUMN,... -->` ... `<!-- /csv -->` holds the rows of a table with these cells, and the columns
+//! of `show`, by default all that are neither filtered nor empty. A single cell becomes a number within a sentence. Words with blanks are
+//! quoted. `<!-- sentence RUN QUESTION -->` ... `<!-- /sentence -->` holds the sentence of an answer.
 //!
-//! A block of a run that is not published stays as it is.
+//! Blocks of unpublished runs stay unchanged.
 
 use super::publish::PublishError;
 use super::record::AnswerRecord;
@@ -15,12 +15,11 @@ use crate::table::markdown::{Align, MarkdownTable, paragraph, significant};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-/// Kinds of blocks.
 const KINDS: [&str; 2] = ["csv", "sentence"];
-/// Digits of a number in a sentence and in a table.
+/// Significant digits in a sentence and in a table.
 const DIGITS: [usize; 2] = [2, 3];
 
-/// Fills the blocks of `README.md` and of the pages in `docs/` beside a folder of published runs. Returns the pages that have blocks.
+/// Fills the blocks of `README.md` and `docs/*.md` beside a folder of published runs. Returns the pages with blocks.
 pub fn fill_pages(results: &Path) -> Result<Vec<PathBuf>, PublishError> {
     let root = results.parent().unwrap_or(Path::new(""));
     let docs = std::fs::read_dir(root.join("docs")).into_iter().flatten().flatten().map(|entry| entry.path());
@@ -41,7 +40,7 @@ pub fn fill_pages(results: &Path) -> Result<Vec<PathBuf>, PublishError> {
     Ok(filled)
 }
 
-/// A page with its blocks filled from the published runs in `results`; the error says which block is wrong, and how.
+/// Fills the blocks of a page from the published runs in `results`. An error names the wrong block.
 pub fn fill(page: &str, results: &Path) -> Result<String, String> {
     let mut filled = String::new();
     let mut rest = page;
@@ -67,7 +66,7 @@ fn first_line(text: &str) -> &str {
     text.lines().next().unwrap_or_default()
 }
 
-/// The words of a head; blanks within quotes belong to a word.
+/// The words of a head; quotes keep blanks.
 fn words(head: &str) -> Vec<String> {
     let mut is_quoted = false;
     let splits = |c: char| {
@@ -77,7 +76,6 @@ fn words(head: &str) -> Vec<String> {
     head.split(splits).filter(|word| !word.is_empty()).map(|word| word.replace('"', "")).collect()
 }
 
-/// The folder of a published run; nothing if there is none.
 fn published(results: &Path, run: &str) -> Option<PathBuf> {
     Some(results.join(run)).filter(|folder| folder.is_dir())
 }
@@ -139,12 +137,12 @@ fn number(text: &str) -> Option<f64> {
     text.parse().ok()
 }
 
-/// Whether a cell is the value of a filter: the same number or the same text.
+/// Whether two texts are equal, or equal numbers.
 fn is_same(cell: &str, value: &str) -> bool {
     cell == value || number(cell).is_some_and(|own| Some(own) == number(value))
 }
 
-/// A cell for readers: a number with at most so many digits, whole numbers as they are.
+/// Rounds a number to `digits`, unless it is whole.
 fn cell(text: &str, digits: usize) -> String {
     let rounded = number(text).filter(|_| text.parse::<i64>().is_err()).map(|value| significant(value, digits));
     rounded.filter(|rounded| rounded.len() < text.len()).unwrap_or_else(|| text.to_owned())

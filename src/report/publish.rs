@@ -1,4 +1,4 @@
-//! Published runs: the small files of finished runs in a folder for git, and a page with the answers of all of them.
+//! Publishes runs: copies their small files into a folder for git, with a page of all answers.
 
 use super::record::{ANSWER_FILE, AnswerRecord, WriteError};
 use super::summary::{SHEETS_FOLDER, bold, sheet_link, sheet_title};
@@ -15,19 +15,16 @@ use crate::table::markdown::{self, Align, MarkdownTable, inline, link_label, par
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
-/// Files of a run that are published beside its answers and the raw samples of its timings.
-const FILES: [&str; 7] =
-    [EXPERIMENT_FILE, "environments.csv", "errors.csv", "steps.csv", "timings.csv", "timing_ratios.csv", SUMMARY_FILE];
-/// A larger file or folder is left out: the folder is kept in git.
+/// Published files, beside the answers and the timing records.
+const FILES: [&str; 6] = [EXPERIMENT_FILE, "environments.csv", "errors.csv", "steps.csv", "timings.csv", SUMMARY_FILE];
+/// Larger files and folders are omitted.
 const BYTES_MAX: u64 = 1 << 20;
-/// A larger contact sheet is shrunk further, bytes.
+/// Larger contact sheets are shrunk, bytes.
 const SHEET_BYTES_MAX: usize = 300_000;
-/// What the user adds to the published folder of a run: kept, and read into the page.
+/// The user's remark on a published run, copied into the page.
 const REMARK_FILE: &str = "remark.md";
-/// The page over all runs.
 const PAGE: &str = "README.md";
 
-/// Why a run could not be published.
 #[derive(Debug, thiserror::Error)]
 pub enum PublishError {
     #[error(transparent)]
@@ -38,13 +35,12 @@ pub enum PublishError {
     File(#[from] PixelsError),
     #[error("{}: {error}", path.display())]
     Io { path: PathBuf, error: std::io::Error },
-    /// The user named a wrong folder, or a page has a wrong block.
+    /// A wrong folder or a wrong block in a page.
     #[error("{0}")]
     Misuse(String),
 }
 
 impl PublishError {
-    /// Whether the user is at fault, rather than a file.
     pub fn is_misuse(&self) -> bool {
         matches!(self, Self::Misuse(_) | Self::Run(_))
     }
@@ -59,27 +55,26 @@ fn io(path: &Path) -> impl Fn(std::io::Error) -> PublishError + '_ {
 }
 
 fn make_folder(path: &Path) -> Result<(), PublishError> {
-    let expected = "choose a folder in which you may write";
-    std::fs::create_dir_all(path).or_else(|error| misuse(path, &format!("cannot be made ({error}): {expected}")))
+    std::fs::create_dir_all(path)
+        .or_else(|error| misuse(path, &format!("cannot create the folder: {error}; choose another one")))
 }
 
-/// Fails if publishing the run in `dir` into a folder would replace something else: the run of another plan, unless `replace`, or files
-/// that were never published.
+/// Fails if publishing the run in `dir` would replace the run of another plan, unless `replace`, or files that were never published.
 pub fn check(dir: &Path, into: &Path, replace: bool) -> Result<(), PublishError> {
     let new = provenance(dir)?;
     let target = into.join(new["name"].as_str().unwrap_or_default());
     if let Some(file) = [into, &target].into_iter().find(|path| path.is_file()) {
-        return misuse(file, "is a file; expected a folder of published runs, or the name of one to make");
+        return misuse(file, "is a file; expected a folder of published runs, or the name of a new one");
     }
     let whole = |path: &Path| std::fs::canonicalize(path).ok();
     if whole(dir).is_some_and(|dir| Some(dir) == whole(&target)) {
-        return misuse(&target, "is the folder of the run itself; expected another one to publish into");
+        return misuse(&target, "is the folder of the run itself; choose another one");
     }
     if files_in(&target).is_empty() {
         return Ok(());
     }
     if !target.join(ANSWERS_FOLDER).join(ANSWER_FILE).exists() {
-        return misuse(&target, "holds files but no published run; expected a folder of published runs");
+        return misuse(&target, "contains files but no published run; expected a folder of published runs");
     }
     let published = provenance(&target)?;
     if replace || published["plan_hash"] == new["plan_hash"] {
@@ -91,26 +86,25 @@ pub fn check(dir: &Path, into: &Path, replace: bool) -> Result<(), PublishError>
     };
     let (published, new) = (words(&published), words(&new));
     let what = format!(
-        "holds the published run of plan {published}, and {} is one of plan {new}; give --replace to replace it",
+        "contains the published run of plan {published}, but {} is one of plan {new}; give --replace to replace it",
         dir.display()
     );
     misuse(&target, &what)
 }
 
-/// Files of a folder that are not the user's remark.
+/// Files of a folder, without the user's remark.
 fn files_in(folder: &Path) -> Vec<PathBuf> {
     let paths = names_in(folder).into_iter().filter(|name| name != REMARK_FILE).map(|name| folder.join(name));
     paths.filter(|path| path.is_file()).collect()
 }
 
-/// Copies what is small of the run in `dir`, which has its answers, to `into/NAME`, in the place of the published run of another plan only
-/// if `replace` says so ([`check`]). Returns what was left out, one sentence each.
+/// Copies the small files of the run in `dir`, which has answers, to `into/NAME`, if [`check`] allows it. Returns what was omitted.
 pub fn publish(dir: &Path, into: &Path, replace: bool) -> Result<Vec<String>, PublishError> {
     check(dir, into, replace)?;
     let record = AnswerRecord::read(dir)?;
     let target = into.join(&record.name);
     for folder in ["", ANSWERS_FOLDER, TIMINGS_FOLDER].map(|name| target.join(name)) {
-        // Files of an earlier publication that this one does not have.
+        // Files of an earlier publication.
         files_in(&folder).iter().try_for_each(|path| std::fs::remove_file(path).map_err(io(path)))?;
     }
     let answers = record.files.iter().map(String::as_str).chain([ANSWER_FILE]);
@@ -138,7 +132,7 @@ pub fn publish(dir: &Path, into: &Path, replace: bool) -> Result<Vec<String>, Pu
     write_provenance(dir, &target)?;
     let summary = target.join(SUMMARY_FILE);
     let mut text = read_text(&summary, TEXT_BYTES_MAX).map_err(io(&summary))?;
-    // The first page: the one that the summary shows.
+    // The sheet that the summary shows.
     if let Some(sheet) = sheet_files(dir).first() {
         let name = sheet.file_name().map_or_else(|| "sheet.png".into(), |name| name.to_string_lossy());
         let link = sheet_link(&name);
@@ -152,10 +146,10 @@ pub fn publish(dir: &Path, into: &Path, replace: bool) -> Result<Vec<String>, Pu
         text += &format!("\nToo large to be published: {}. Run the experiment to get them.\n", left_out.join(", "));
     }
     write_atomically(&summary, |writer| writer.write_all(text.as_bytes()))?;
-    Ok(left_out.iter().map(|name| format!("{}: left out {name}", dir.display())).collect())
+    Ok(left_out.iter().map(|name| format!("{}: omitted {name}", dir.display())).collect())
 }
 
-/// Writes a contact sheet smaller.
+/// Writes a smaller copy of a contact sheet.
 fn publish_sheet(from: &Path, to: &Path) -> Result<(), PublishError> {
     let image = png::read_rgb8(from)?;
     let [width, height] = [image.width, image.height].map(f64::from);
@@ -172,7 +166,7 @@ fn publish_sheet(from: &Path, to: &Path) -> Result<(), PublishError> {
     }
 }
 
-/// The provenance, with the folders of the experiment's files as they are reached from the published one.
+/// Writes the provenance, with folders relative to the published one.
 fn write_provenance(dir: &Path, target: &Path) -> Result<(), PublishError> {
     let mut value = provenance(dir)?;
     for key in [EXPERIMENT_FOLDER, SET_FOLDER] {
@@ -184,7 +178,7 @@ fn write_provenance(dir: &Path, target: &Path) -> Result<(), PublishError> {
     Ok(write_atomically(&target.join(PROVENANCE_FILE), |writer| writer.write_all(text.as_bytes()))?)
 }
 
-/// Writes `README.md` of a folder of published runs: the answers of all of them. Returns its path.
+/// Writes `README.md` with the answers of all published runs. Returns its path.
 pub fn write_page(into: &Path) -> Result<PathBuf, PublishError> {
     let mut folders: Vec<String> = std::fs::read_dir(into)
         .map_err(io(into))?
@@ -201,7 +195,7 @@ pub fn write_page(into: &Path) -> Result<PathBuf, PublishError> {
         table.row_with_link(&link, &[run.question.as_str(), run.headline()]);
     }
     let mut text = format!(
-        "# Published runs\n\n`splitsum answers --publish` writes this page. The remarks are the user's (`NAME/{REMARK_FILE}`).\n\n{table}\n"
+        "# Published runs\n\n`splitsum answers --publish` writes this page. Remarks come from `NAME/{REMARK_FILE}`.\n\n{table}\n"
     );
     if runs.iter().any(|(run, _)| run.is_cpu_timed) {
         text += "**Times from a CPU driver say nothing about a GPU.** Errors do not depend on the device's speed.\n\n";
@@ -214,7 +208,6 @@ pub fn write_page(into: &Path) -> Result<PathBuf, PublishError> {
     Ok(path)
 }
 
-/// The section of a run in the page, whose folder is `folder` beside the page.
 fn section(run: &AnswerRecord, folder: &str, dir: &Path) -> String {
     let mut text = format!("## {}\n\n{}\n\n{}\n\n", inline(&run.name), paragraph(&run.question), bold(run.headline()));
     text.extend(run.answers.iter().skip(1).map(|answer| format!("- {}\n", paragraph(&answer.sentence))));

@@ -1,4 +1,4 @@
-//! `answer.json`: the answers of a run in words, for programs.
+//! `answer.json`: the sentences of the answers of a run.
 
 use crate::files::{RECORD_BYTES_MAX, read_text};
 use crate::pixels::PixelsError;
@@ -8,17 +8,15 @@ use crate::study::table::Table;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 
-/// The answers in words, for programs.
 pub const ANSWER_FILE: &str = "answer.json";
 
-/// Why answers cannot be written or read.
 #[derive(Debug, thiserror::Error)]
 pub enum WriteError {
     #[error(transparent)]
     File(#[from] PixelsError),
     #[error("{}: {error}", path.display())]
     Io { path: PathBuf, error: std::io::Error },
-    #[error("{}: {error}; expected a file that `splitsum answers` wrote", path.display())]
+    #[error("{}: {error}; repeat `splitsum answers` to regenerate it", path.display())]
     Json { path: PathBuf, error: serde_json::Error },
 }
 
@@ -29,43 +27,40 @@ pub struct ToldAnswer {
     pub sentence: String,
 }
 
-/// The content of `answer.json`.
 #[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
 pub struct AnswerRecord {
     pub name: String,
     pub question: String,
-    /// The leading one first.
+    /// The leading answer first.
     pub answers: Vec<ToldAnswer>,
     pub cells: usize,
     pub failed: usize,
-    /// Names of the devices, each with its driver.
+    /// Each with its driver.
     pub devices: Vec<String>,
-    /// Of the last invocation.
+    /// Of the last session.
     pub date_utc: String,
-    /// Of the last invocation; empty where it is not known.
+    /// Of the last session; empty if unknown.
     pub commit: String,
     pub is_cpu_timed: bool,
     pub files: Vec<String>,
 }
 
 impl AnswerRecord {
-    /// The answers of a run, published or not.
     pub fn read(dir: &Path) -> Result<Self, WriteError> {
         let path = dir.join(ANSWERS_FOLDER).join(ANSWER_FILE);
         let text = read_text(&path, RECORD_BYTES_MAX).map_err(|error| WriteError::Io { path: path.clone(), error })?;
         serde_json::from_str(&text).map_err(|error| WriteError::Json { path, error })
     }
 
-    /// The sentence of the leading answer.
     pub fn headline(&self) -> &str {
-        self.answers.first().map_or("No cell that answers is done yet.", |answer| answer.sentence.as_str())
+        self.answers.first().map_or("No suitable cell is finished yet.", |answer| answer.sentence.as_str())
     }
 }
 
-/// Rows of a table that stand in for a digest.
+/// Most rows in place of a digest.
 const ROWS_TOLD_MAX: usize = 40;
 
-/// What people are shown of an answer: its digest, else the first rows of its table.
+/// The digest of an answer, else the first rows of its table.
 pub fn told(answer: &Answer) -> Table {
     let finding = &answer.finding;
     let mut table = finding.digest.clone().unwrap_or_else(|| finding.table.clone());

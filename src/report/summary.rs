@@ -11,10 +11,8 @@ use crate::table::markdown::{Align, MarkdownTable, inline, link, paragraph, sign
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
-/// The folder of a run's contact sheets.
 pub const SHEETS_FOLDER: &str = "tables";
 
-/// The text of `summary.md`.
 pub fn markdown(run: &Finished, answers: &[Answer], record: &AnswerRecord) -> String {
     let mut text = format!("# {}\n\n", inline(&record.name));
     if !record.question.is_empty() {
@@ -34,7 +32,7 @@ pub fn markdown(run: &Finished, answers: &[Answer], record: &AnswerRecord) -> St
     text + &contact_sheets(run) + &failures(run)
 }
 
-/// A sentence as a bold paragraph: what is bold in it is so no longer.
+/// A sentence as a bold paragraph, without bold parts of its own.
 pub fn bold(sentence: &str) -> String {
     format!("**{}**", inline(&sentence.replace("**", "")))
 }
@@ -61,7 +59,7 @@ fn state(run: &Finished, record: &AnswerRecord) -> String {
     }
     let _ = writeln!(
         text,
-        ". {} {sizes}. Reference: `{}`, {} samples a pixel{}. Device: {}.\n",
+        ". {} {sizes}. Reference: `{}`, {} samples per pixel{}. Device: {}.\n",
         AXES[SIZE].name,
         inline(&run.text("/reference/method")),
         inline(&run.text("/reference/samples")),
@@ -69,21 +67,20 @@ fn state(run: &Finished, record: &AnswerRecord) -> String {
         if record.devices.is_empty() { "none yet".to_owned() } else { inline(&record.devices.join("; ")) }
     );
     if record.devices.len() > 1 {
-        text +=
-            "**The cells come from more than one device or driver: their scores may differ in the last digits.**\n\n";
+        text += "**The cells come from several devices or drivers: scores may differ in the last digits.**\n\n";
     }
     text
 }
 
-/// Where the references stopped, as the end of a sentence; empty where they do not say.
+/// Where the references stopped, as the end of a sentence.
 fn reference_stops(run: &Finished) -> String {
     // Cells of one reference share its file.
     let mut stops = BTreeMap::new();
-    for (cell, stop) in run.cells.iter().filter_map(|cell| Some((cell, cell.reference?))) {
-        let alike = || format!("{} {} {}", stop.samples, stop.relative_error, stop.stopped_by.name());
+    for (cell, stop) in run.cells.iter().filter_map(|cell| Some((cell, cell.reference.as_ref()?))) {
+        let alike = || format!("{stop:?}");
         stops.insert(cell.images.as_ref().map_or_else(alike, |images| images.reference.clone()), stop);
     }
-    let errors: Vec<f64> = stops.values().map(|stop| stop.relative_error).collect();
+    let errors: Vec<f64> = stops.values().map(|stop| stop.relative_error.0).collect();
     let worst = errors.iter().copied().fold(f64::NAN, f64::max);
     let errors = format!("median {}, largest {}", significant(median(&errors), 2), significant(worst, 2));
     match run.provenance.pointer("/reference/relative_error").and_then(serde_json::Value::as_f64) {
@@ -99,17 +96,15 @@ fn reference_stops(run: &Finished) -> String {
     }
 }
 
-/// A link to a contact sheet of the run, by the name of its file.
 pub fn sheet_link(name: &str) -> String {
     link(sheet_title(name), &format!("{SHEETS_FOLDER}/{name}"))
 }
 
-/// The words of a link to a contact sheet.
 pub fn sheet_title(name: &str) -> &str {
     name.trim_end_matches(".png")
 }
 
-/// The first contact sheet and how many there are; nothing where no image is a picture.
+/// A link to the first contact sheet; empty without pictures.
 fn contact_sheets(run: &Finished) -> String {
     let files = sheet_files(&run.dir);
     let first = files.first().and_then(|path| Some(sheet_link(path.file_name()?.to_str()?)));
@@ -129,5 +124,5 @@ fn failures(run: &Finished) -> String {
     for record in &run.failures {
         table.row(&[&record.cell, &record.label, &record.reason]);
     }
-    format!("## Failed cells\n\nRun the experiment again to try them again.\n\n{table}\n")
+    format!("## Failed cells\n\nRun the experiment again to retry them.\n\n{table}\n")
 }

@@ -1,4 +1,4 @@
-//! `answers/` in the folder of a run, and its summary.
+//! Writes `answers/` and `summary.md` in the folder of a run.
 
 use super::record::{ANSWER_FILE, AnswerRecord, ToldAnswer, WriteError};
 use super::summary;
@@ -10,22 +10,19 @@ use crate::study::finished::Finished;
 use crate::study::questions::Answer;
 use std::path::PathBuf;
 
-/// The summary, beside the tables of the run.
 pub const SUMMARY_FILE: &str = "summary.md";
 
-/// The answers of one run, ready to be written.
+/// The answers of a run, ready to be written.
 #[derive(Debug)]
 pub struct Written {
     dir: PathBuf,
-    /// The text of `summary.md`.
     pub summary: String,
     pub record: AnswerRecord,
-    /// Name and content of every file of `answers/`.
+    /// Name and content of the files in `answers/`.
     pub files: Vec<(String, String)>,
 }
 
 impl Written {
-    /// Lays out the files of the answers of a run.
     pub fn new(run: &Finished, answers: &[Answer]) -> Result<Self, WriteError> {
         let mut files: Vec<(String, String)> = Vec::new();
         for Answer { question, finding } in answers {
@@ -61,17 +58,16 @@ impl Written {
         Ok(Self { dir: run.dir.clone(), summary, record, files })
     }
 
-    /// Writes `answers/` and the summary: all of them or, where one cannot be written, none. A file of an answer that is no longer given
-    /// is removed. Says whether anything of it is new.
+    /// Writes all files, or none if one cannot be written, and removes files of former answers. Returns whether anything changed.
     pub fn write(&self) -> Result<bool, WriteError> {
         let folder = self.dir.join(ANSWERS_FOLDER);
         let io = |error| WriteError::Io { path: folder.clone(), error };
         std::fs::create_dir_all(&folder).map_err(io)?;
         let answers = self.files.iter().map(|(name, text)| (folder.join(name), text));
-        // The summary is the last to change: it speaks of the others.
+        // The summary comes last: it refers to the others.
         let due = answers.chain([(self.dir.join(SUMMARY_FILE), &self.summary)]);
         let is_new = |(path, text): &(PathBuf, &String)| !holds(path, text.as_bytes());
-        // Faults for want of space or rights come before the first old file is replaced.
+        // Errors such as a full disk come before the first file is replaced.
         let staged = due.filter(is_new).map(|(path, text)| {
             if path.is_dir() {
                 let error = std::io::ErrorKind::IsADirectory.into();

@@ -7,14 +7,13 @@ use crate::run::columns::{CELL, Column, TABLES};
 use crate::table::markdown::{Align, MarkdownTable};
 use std::fmt::Write;
 
-/// The whole page.
 pub fn page() -> String {
     let mut text = "# Columns\n\nWritten by `splitsum list columns`, from the lists in the code. A missing value is an empty field. Numbers have all \
                     their digits. An interval is a 95 % interval.\n\n"
         .to_owned();
     let _ = write!(text, "`{}`: {}\n\n## Axes\n\n", CELL.name, CELL.about);
     text += &table(Named::all().map(|axis| (axis.name(), format!("{}.", sentence(axis.about())))));
-    text += "\nAn axis that a method does not use is empty in its rows.\n\n## Metrics\n\n";
+    text += "\nAn axis is empty in the rows of methods that do not use it.\n\n## Metrics\n\n";
     let metric = |d: &crate::metrics::Description| {
         let constants: Vec<String> = d.parameters.iter().map(|(name, value)| format!("{name} = {value}")).collect();
         let constants = if constants.is_empty() { String::new() } else { format!(" ({})", constants.join(", ")) };
@@ -31,13 +30,13 @@ pub fn page() -> String {
         let _ = write!(text, "\n### {file}\n\n{about}\n\n");
         text += &of_columns(columns);
     }
-    text += "\n## Tables of answers\n\nEach answered question has its table in `answers/`. Its first columns are the axes that tell its rows \
-             apart; `environment`, `brdf`, `alpha` and `f0` are there even with one value if rows are single cases.\n";
+    text += "\n## Tables of answers\n\nEach answered question has a table in `answers/`. Its first columns are the axes that distinguish its \
+             rows; `environment`, `brdf`, `alpha` and `f0` are included even with one value if rows are single cases.\n";
     for question in QUESTIONS {
         let _ = write!(text, "\n### answers/{}.csv\n\n{}\n\n", question.name, question.asks);
         text += &of_columns(question.columns);
     }
-    text += "\n## Counts of compiled code\n\nOf `splitsum cost --out`: one row a pass and family.\n\n";
+    text += "\n## Counts of compiled code\n\n`splitsum cost --out` writes one row per pass and family.\n\n";
     text += &table(crate::cost::table::columns().iter().map(|(name, about)| (name.as_str(), about.clone())));
     text
 }
@@ -52,7 +51,7 @@ fn table<'n>(rows: impl Iterator<Item = (&'n str, String)>) -> String {
     table.to_string()
 }
 
-/// With a capital first letter.
+/// Capitalizes the first letter.
 fn sentence(text: &str) -> String {
     let mut letters = text.chars();
     letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())

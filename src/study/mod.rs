@@ -1,4 +1,4 @@
-//! What finished runs say: questions with their answers. Needs no device.
+//! Answers questions from finished runs. Needs no device.
 
 pub mod columns;
 pub mod finished;

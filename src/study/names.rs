@@ -1,4 +1,4 @@
-//! Axes and their values as people read them: by the names that an experiment uses.
+//! Axes and values in words, by the names that an experiment uses.
 
 use super::finished::Finished;
 use crate::environment::BUILTIN_PREFIX;
@@ -11,12 +11,12 @@ use crate::table::markdown::significant;
 /// Digits of a number beside another one.
 const DIGITS: usize = 2;
 
-/// Each axis by the name that an experiment uses: `alpha` or `perceptual_roughness`.
+/// The name that an experiment uses for each axis: `alpha` or `perceptual_roughness`.
 #[derive(Clone, Debug)]
 pub struct Names(Vec<Named>);
 
 impl Names {
-    /// The names in the experiment of a run; the axes' own if the experiment is not known.
+    /// The names of a run's experiment; the axes' own if it is unknown.
     pub fn of(run: &Finished) -> Self {
         let named = |axis| run.config.as_ref().map_or(Named::own(axis), |config| config.named(axis));
         Self((0..AXES.len()).map(named).collect())
@@ -30,18 +30,17 @@ impl Names {
         self.0[axis].name()
     }
 
-    /// The word for several values.
     pub fn plural(&self, axis: usize) -> &'static str {
         self.0[axis].plural()
     }
 
-    /// The value that its name writes, for a scale.
+    /// The value under that name.
     pub fn shown(&self, axis: usize, value: &Value) -> Value {
         self.0[axis].shown(value)
     }
 
-    /// A value as people say it: builtins without prefix, numbers short. Tables name environments shortly already: a folder that is left
-    /// tells two files of one stem apart.
+    /// A short value: builtins without prefix, numbers with few digits. Environments of files are short already; a folder distinguishes equal
+    /// file names.
     pub fn short(&self, axis: usize, value: &Value) -> String {
         let text = self.shown(axis, value).to_string();
         match axis == ENVIRONMENT && !text.starts_with(BUILTIN_PREFIX) {
@@ -55,10 +54,15 @@ impl Names {
         self.0[axis].symbol().said(&self.short(axis, value))
     }
 
-    /// "alpha 0.1 · sky · ggx", "256x128 · 5 lv": values on axes, each saying what it is.
+    /// "alpha 0.1 · sky · ggx", "256x128 · 5 lv".
     pub fn label(&self, axes: &[usize], key: &[Value]) -> String {
-        let set = axes.iter().zip(key).filter(|(_, value)| **value != Value::Unset);
-        set.map(|(&axis, value)| self.one(axis, value)).collect::<Vec<_>>().join(" · ")
+        self.label_where(axes, key, |_| true)
+    }
+
+    /// As [`Self::label`], for the axes with `is_shown`.
+    pub fn label_where(&self, axes: &[usize], key: &[Value], is_shown: impl Fn(usize) -> bool) -> String {
+        let shown = axes.iter().zip(key).filter(|(axis, value)| **value != Value::Unset && is_shown(**axis));
+        shown.map(|(&axis, value)| self.one(axis, value)).collect::<Vec<_>>().join(" · ")
     }
 
     /// "alpha 0.1", "sky"; empty for an unset value.
@@ -76,13 +80,13 @@ impl Names {
         }
     }
 
-    /// The columns of a digest whose rows are values on these axes: alpha has the perceptual roughness beside it.
+    /// Column heads of values on these axes: alpha has the perceptual roughness beside it.
     pub fn heads(&self, axes: &[usize]) -> Vec<&'static str> {
         let names = |&axis: &usize| std::iter::once(self.name(axis)).chain(self.beside(axis).map(Named::name));
         axes.iter().flat_map(names).collect()
     }
 
-    /// The cells of a row under [`Self::heads`].
+    /// Cells under [`Self::heads`].
     pub fn head(&self, axes: &[usize], key: &[Value]) -> Vec<Cell> {
         let cells = |(&axis, value): (&usize, &Value)| {
             let beside = self.beside(axis).map(|second| Cell::from(&second.shown(value)));
@@ -91,7 +95,12 @@ impl Names {
         axes.iter().zip(key).flat_map(cells).collect()
     }
 
-    /// The other name of an axis's values, if the experiment uses the axis's own.
+    /// As [`Self::head`], for one axis.
+    pub fn head_of(&self, axis: usize, value: &Value) -> Vec<Cell> {
+        self.head(&[axis], std::slice::from_ref(value))
+    }
+
+    /// The second name of an axis, if the experiment uses the first.
     fn beside(&self, axis: usize) -> Option<Named> {
         Some(Named::usual(axis)).filter(|usual| usual.is_second() && !self.0[axis].is_second())
     }

@@ -1,4 +1,4 @@
-//! Tables of answers: columns with their meaning, rows as CSV and as Markdown.
+//! Tables of answers, as CSV and as Markdown.
 
 pub use crate::run::columns::{Column, column};
 
@@ -26,7 +26,7 @@ impl From<&Value> for Cell {
     }
 }
 
-/// The cells of values on these axes, in the columns of [`Table::new`].
+/// Cells of values on these axes, under the columns of [`Table::new`].
 pub fn axis_cells(axes: &[usize], key: &[Value]) -> Vec<Cell> {
     let cells = |(&axis, value): (&usize, &Value)| {
         let usual = Named::usual(axis);
@@ -35,23 +35,22 @@ pub fn axis_cells(axes: &[usize], key: &[Value]) -> Vec<Cell> {
     axes.iter().zip(key).flat_map(cells).collect()
 }
 
-/// Cells of a row from whatever makes one.
+/// Cells of a row.
 macro_rules! cells {
     ($($cell:expr),* $(,)?) => { vec![$(crate::table::csv::Cell::from($cell)),*] };
 }
 pub(super) use cells;
 
-/// Digits of a number that people read; files have all.
+/// Significant digits in Markdown; CSV has all.
 const DIGITS: usize = 3;
 
 impl Table {
-    /// An empty table: the axes of these indices by all their names, then further columns.
+    /// An empty table: these axes by all their names, then further columns.
     pub fn new(axes: &[usize], own: &[Column]) -> Self {
         let axes = axes.iter().flat_map(|&axis| columns(axis));
         Self::with_names(axes.chain(own.iter().map(|column| column.name)))
     }
 
-    /// With column names of its own, as digests have.
     pub fn with_names(columns: impl IntoIterator<Item: Into<String>>) -> Self {
         Self { columns: columns.into_iter().map(Into::into).collect(), rows: Vec::new() }
     }
@@ -62,7 +61,7 @@ impl Table {
         self.rows.push(cells);
     }
 
-    /// Without the columns that are empty in every row, as digests are shown.
+    /// Removes columns that are empty in every row.
     pub fn without_empty(mut self) -> Self {
         let is_empty = |column: usize| self.rows.iter().all(|row| row[column] == Cell::Missing);
         for column in (0..self.columns.len()).rev().filter(|&column| is_empty(column)).collect::<Vec<_>>() {
@@ -72,12 +71,10 @@ impl Table {
         self
     }
 
-    /// The text of the CSV file.
     pub fn csv(&self) -> String {
         String::from_utf8_lossy(&csv::to_text(&self.columns, self.rows.iter().map(Vec::as_slice))).into_owned()
     }
 
-    /// For people.
     pub fn markdown(&self) -> String {
         let is_number = |column: usize| self.rows.iter().all(|row| !matches!(row[column], Cell::Text(_)));
         let align = |column: usize| if is_number(column) { Align::Right } else { Align::Left };
@@ -91,7 +88,7 @@ impl Table {
     }
 }
 
-/// A cell as people read it.
+/// A cell in Markdown.
 pub fn shown(cell: &Cell) -> String {
     match cell {
         Cell::Text(text) => text.clone(),

@@ -40,7 +40,7 @@ fn the_first_screen_of_a_laptop_has_the_answer() {
     page.resize(1280, 720, "light");
     page.go(&report, "");
     assert_eq!(page.text("#question"), HOSTILE);
-    assert!(page.text(".first .sentence").contains("16 samples a pixel"), "{}", page.text(".first .sentence"));
+    assert!(page.text(".first .sentence").contains("16 samples per pixel"), "{}", page.text(".first .sentence"));
     assert!(page.text(".device").contains("fake · formula") && page.text(".device").ends_with(" UTC"));
     // The case with its error: the method beside the reference, and a figure or a digest.
     assert!(page.text(".shots").contains("split-sum") && page.text(".shots").contains("reference"));
@@ -161,7 +161,7 @@ fn without_images_and_with_crops_the_page_says_so() {
         assert!(Path::new(file).exists(), "{file}");
     }
     page.go(&report, "#compare");
-    assert!(page.text("#view-compare").contains("Images were left out"));
+    assert!(page.text("#view-compare").contains("Images are omitted"));
     let images = Choice::Crop(Window { x: 4, y: 6, width: 8, height: 5 });
     let run = dir.path().join("run");
     let options = PageOptions { images, out: dir.path().join("cut.html"), ..PageOptions::in_folder(&run) };

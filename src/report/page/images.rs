@@ -1,5 +1,5 @@
-//! Which images go into the page, at what size: all of them whole where they fit the budget, else a window of native texels of each.
-//! Images are never reduced: averaging texels would hide noise.
+//! Chooses the images of the page: all of them whole if they fit the budget, else a window of native texels of each. Images are never
+//! reduced: averaging texels would hide noise.
 
 use super::told::Told;
 use crate::experiment::axis::SCENE;
@@ -15,7 +15,7 @@ use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet, HashSet};
 use std::path::Path;
 
-/// A part of an image, texels from the top left corner.
+/// A part of an image, in texels from the top left corner.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct Window {
     pub x: u32,
@@ -24,88 +24,84 @@ pub struct Window {
     pub height: u32,
 }
 
-/// Stands for the window of the whole image.
+/// The window of a whole image.
 const WHOLE: Window = Window { x: 0, y: 0, width: u32::MAX, height: u32::MAX };
 
-/// What of the images a report embeds.
+/// The embedded part of the images.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Choice {
     /// Whole images within the budget, else windows.
     Automatic,
-    /// This window of every image.
     Crop(Window),
     None,
 }
 
-/// Bytes that a page may take. The images get what its tables and figures leave.
+/// Largest page, bytes. The images get the rest of the tables and figures.
 pub const BUDGET_BYTES: usize = 40_000_000;
-/// Windows are no smaller: below this they show noise only.
+/// Smallest window: smaller ones would only show noise.
 const WINDOW_SIDE_MIN: u32 = 48;
-/// Sides of windows are multiples of this; so many steps of their corners make a side.
+/// Sides of windows are multiples of this; their corners move by 1/8 of a side.
 const WINDOW_STEP: u32 = 8;
-/// Share of the budget that estimates aim for; what an image compresses to is known only afterwards.
+/// Share of the budget that estimates aim for: the compressed size is known only afterwards.
 const AIM: f64 = 0.9;
 /// Images that are read and encoded together.
 const CHUNK: usize = 32;
 
-/// What an image of a design is.
-pub const DESIGN: &str = "each pixel an experiment of its own, no picture";
+pub const DESIGN: &str = "each pixel is an experiment of its own, not a picture";
 
-/// One linear image of a run.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct EmbeddedImage {
     pub run: usize,
     /// File name in `images/` of its run.
     pub file: String,
-    /// Index of the reference's image; its own for a reference.
+    /// Index of its reference; its own index for a reference.
     pub reference: usize,
     /// [`Epsilon::mean`] of its light.
     pub light_mean: f64,
     /// Full size in texels.
     pub size: [u32; 2],
-    /// What is embedded; `None` when nothing is.
+    /// The embedded part.
     pub window: Option<Window>,
     /// Index into the payloads.
     pub payload: Option<usize>,
-    /// Mask payload, on references only.
+    /// Index of the mask's payload, for references.
     pub mask: Option<usize>,
-    /// Channels above the half-float range, stored as its maximum.
+    /// Number of channels clamped to the half-float range.
     pub clamped_count: usize,
 }
 
-/// The images of a page.
 #[derive(Debug, Default)]
 pub struct ImageSet {
     pub images: Vec<EmbeddedImage>,
     /// Base64 texts.
     pub payloads: Vec<String>,
-    /// What was left out or cut, one sentence each.
+    /// What was omitted or cropped, one sentence each.
     pub notes: Vec<String>,
     /// By run and file name.
     pub index: BTreeMap<(usize, String), usize>,
 }
 
-/// A window that lies in no image of the runs.
+/// A window outside of all images.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
-    "--crop {},{},{},{} reaches beyond the images, which are {sizes} texels; expected X + W and Y + H within them",
+    "--crop {},{},{},{} reaches beyond the images, which are {sizes} texels; choose X + W and Y + H within them",
     .window.x, .window.y, .window.width, .window.height
 )]
 pub struct CropError {
     pub window: Window,
-    /// Sizes that occur, "96 x 96 or 256 x 256".
+    /// "96 x 96 or 256 x 256".
     pub sizes: String,
 }
 
-/// Collects the images of all runs. A file that cannot be read is a note, not a failure; a crop that fits no image is one.
+/// Collects the images of all runs. An unreadable file becomes a note; a crop outside of all images is an error.
 pub fn collect(runs: &[Told], choice: Choice, budget: usize) -> Result<ImageSet, CropError> {
     let mut set = ImageSet::list(runs);
     match choice {
         Choice::None => {
-            set.notes.push("Images were left out (--no-images); the linear EXR files are linked.".to_owned());
+            set.notes.push("Images are omitted (--no-images); the linear EXR files are linked.".to_owned());
         }
         Choice::Crop(window) => {
-            // What does not fit the budget is said in a note.
+            // Overflow of the budget becomes a note.
             let _ = set.embed(runs, budget, |_| Some(window));
             let is_small = |image: &&EmbeddedImage| image.size != [0, 0] && image.payload.is_none();
             let small: Vec<&EmbeddedImage> = set.images.iter().filter(is_small).collect();
@@ -116,12 +112,12 @@ pub fn collect(runs: &[Told], choice: Choice, budget: usize) -> Result<ImageSet,
             }
             let (small, all) = (small.len(), set.images.len());
             set.notes.push(format!(
-                "Images are cut to {} x {} texels at ({}, {}) (--crop); error metrics are those of the whole images.",
+                "Images are cropped to {} x {} texels at ({}, {}) (--crop); metrics are of the whole images.",
                 window.width, window.height, window.x, window.y
             ));
             if small > 0 {
                 set.notes.push(format!(
-                    "{small} of {all} images end before the crop does and are left out; their EXR files are linked."
+                    "{small} of {all} images do not contain the crop and are omitted; their EXR files are linked."
                 ));
             }
         }
@@ -130,7 +126,7 @@ pub fn collect(runs: &[Told], choice: Choice, budget: usize) -> Result<ImageSet,
             let mut done = set.embed(runs, budget, |_| Some(WHOLE));
             let first_sets = set.of_first_point_set(runs);
             if done.is_err() && first_sets.len() < wanted.len() {
-                // Other point sets show the same error with other noise: better fewer images than parts of all.
+                // Further point sets only differ in noise: better fewer whole images than parts of all.
                 wanted = first_sets;
                 done = set.embed(runs, budget, |index| wanted.contains(&index).then_some(WHOLE));
             }
@@ -138,18 +134,18 @@ pub fn collect(runs: &[Told], choice: Choice, budget: usize) -> Result<ImageSet,
                 set.embed_windows(runs, budget, bytes_per_texel, &wanted);
             }
             if wanted.len() < set.images.len() {
-                let note = "Not all images fit the page: of several point sets the images of the first are embedded; the EXR files \
-                            of all are linked.";
+                let note = "Not all images fit the page: only those of the first point set are embedded; the EXR files of all are \
+                            linked.";
                 set.notes.insert(0, note.to_owned());
             }
         }
     }
     let are_designs = !designs(runs).is_empty();
     if are_designs {
-        set.notes.push(format!("Images of the scene design are left out: {DESIGN}."));
+        set.notes.push(format!("Images of the scene design are omitted: {DESIGN}."));
     }
     if set.images.is_empty() && !are_designs && choice != Choice::None {
-        set.notes.push("The run has no images.csv, so no image can be shown.".to_owned());
+        set.notes.push("The run has no images.csv, so there are no images.".to_owned());
     }
     Ok(set)
 }
@@ -160,11 +156,11 @@ fn designs(runs: &[Told]) -> HashSet<Value> {
     scenes.into_iter().filter(|scene| is_design(&scene.to_string())).cloned().collect()
 }
 
-/// An image with the texts of its texels and its mask.
+/// An image, its encoded texels and its mask.
 type Prepared = (EmbeddedImage, [Option<String>; 2]);
 
 impl ImageSet {
-    /// The images of the cells, each once, without pixels; none of a design, which are not meant to be looked at.
+    /// The images of the cells, each once, without pixels and without designs.
     fn list(runs: &[Told]) -> Self {
         let mut set = Self::default();
         let designs = designs(runs);
@@ -199,7 +195,7 @@ impl ImageSet {
         (0..self.images.len()).filter(|&index| self.images[index].reference == index)
     }
 
-    /// Images of cells with the first point set of their run, or none, and all references.
+    /// References, and images of the first point set or without one.
     fn of_first_point_set(&self, runs: &[Told]) -> BTreeSet<usize> {
         let mut found: BTreeSet<usize> = self.references().collect();
         for (run, told) in runs.iter().enumerate() {
@@ -213,8 +209,8 @@ impl ImageSet {
         found
     }
 
-    /// Embeds the window that `window` names for each image (`None`: nothing) in place of what was embedded, unless the image ends before
-    /// it. Where the budget ends before the images, the error has the bytes that a texel took.
+    /// Embeds the window of each image (`None`: nothing), if the image contains it. If the images exceed the budget, the error is the bytes
+    /// per texel.
     fn embed(&mut self, runs: &[Told], budget: usize, window: impl Fn(usize) -> Option<Window>) -> Result<(), f64> {
         (self.payloads, self.notes) = (Vec::new(), Vec::new());
         for image in &mut self.images {
@@ -239,7 +235,7 @@ impl ImageSet {
                 texels += image.window.map_or(0, |window| u64::from(window.width) * u64::from(window.height));
                 if bytes > budget {
                     self.notes.push(format!(
-                        "{} of {} images do not fit the {} MB that the page has for them; their EXR files are linked.",
+                        "{} of {} images exceed the {} MB for images; their EXR files are linked.",
                         wanted.len() - done,
                         self.images.len(),
                         budget / 1_000_000
@@ -254,7 +250,7 @@ impl ImageSet {
         Ok(())
     }
 
-    /// An image with its size and window, and the encoded texels and mask of the window.
+    /// Reads an image and encodes the window.
     fn prepare(&self, runs: &[Told], index: usize, wanted: Window) -> Result<Prepared, String> {
         let mut image = self.images[index].clone();
         let decoded = read_image(runs, &image)?;
@@ -278,7 +274,7 @@ impl ImageSet {
         Ok((image, [Some(encoded.base64), mask]))
     }
 
-    /// The index of a payload; small ones such as masks are often equal.
+    /// The index of a payload; equal small ones, such as masks, are stored once.
     fn store(&mut self, text: String) -> usize {
         let known = self.payloads.iter().position(|known| text.len() < 4096 && *known == text);
         known.unwrap_or_else(|| {
@@ -287,7 +283,7 @@ impl ImageSet {
         })
     }
 
-    /// Windows of the same side everywhere, each where the methods of its reference err most.
+    /// Embeds windows of one size, where the methods of each reference err most.
     fn embed_windows(&mut self, runs: &[Told], budget: usize, bytes_per_texel: f64, wanted: &BTreeSet<usize>) {
         let texels = budget as f64 * AIM / bytes_per_texel / wanted.len() as f64;
         let side = (texels.sqrt() as u32 / WINDOW_STEP * WINDOW_STEP).max(WINDOW_SIDE_MIN);
@@ -296,18 +292,17 @@ impl ImageSet {
         let places: BTreeMap<usize, Window> = references.into_par_iter().filter_map(worst).collect();
         let reference_of: Vec<usize> = self.images.iter().map(|image| image.reference).collect();
         let place = |index: usize| places.get(&reference_of[index]).filter(|_| wanted.contains(&index)).copied();
-        // What does not fit the budget is said in a note.
+        // Overflow of the budget becomes a note.
         let _ = self.embed(runs, budget, place);
         let note = format!(
-            "The images would not fit {} MB: of each a window of {side} x {side} native texels is embedded, where the methods \
-             of its scene err most. Metrics are those of the whole images; the full EXR files are linked.",
+            "The images exceed {} MB: each is cropped to {side} x {side} native texels where the methods of its scene err most. Metrics \
+             are of the whole images; the full EXR files are linked.",
             budget / 1_000_000
         );
         self.notes.insert(0, note);
     }
 
-    /// The window of a reference with the largest sum of relative errors over all images that are compared with it; none where it cannot be
-    /// read.
+    /// The window of a reference with the largest sum of relative errors of its images; `None` if it cannot be read.
     fn worst_window(&self, runs: &[Told], reference: usize, side: u32) -> Option<Window> {
         let truth = read_image(runs, &self.images[reference]).ok()?;
         let [width, height] = [truth.rgb.width, truth.rgb.height];
@@ -335,7 +330,7 @@ impl ImageSet {
 /// A linear image of the run in `dir`.
 pub fn read(dir: &Path, file: &str) -> Result<Decoded, String> {
     let images = dir.join("images");
-    // A folder that someone sent may name any file of this computer.
+    // A foreign folder may name any file of this computer.
     if Path::new(file).file_name() != Some(file.as_ref()) {
         return Err(format!("{file:?} in images.csv is not the name of a file in {}", images.display()));
     }
@@ -346,7 +341,7 @@ fn read_image(runs: &[Told], image: &EmbeddedImage) -> Result<Decoded, String> {
     read(&runs[image.run].finished.dir, &image.file)
 }
 
-/// Where an image has pixels: everywhere without alpha.
+/// The mask of an image; everywhere 1 without alpha.
 pub fn mask_of(image: &Decoded) -> GrayImage {
     image.alpha.clone().unwrap_or_else(|| GrayImage::filled(image.rgb.width, image.rgb.height, 1.0))
 }

@@ -1,4 +1,4 @@
-//! The leading answer of a run, and a picture of its leading case: the method beside the reference, with its error.
+//! The leading answer of a run, and pictures of its leading case: the method, the reference and the error.
 
 use super::images::{mask_of, read};
 use super::model::{PageAxis, Role};
@@ -9,7 +9,6 @@ use crate::pixels::png::encode_rgb8;
 use crate::pixels::{Rgb8Image, RgbImage};
 use crate::scene::is_design;
 use crate::study::frame::{Frame, Row};
-use crate::study::questions::Answer;
 use crate::study::questions::words::with_rms;
 use crate::table::colormap::RELATIVE_ERROR;
 use base64::Engine;
@@ -19,17 +18,12 @@ use serde_json::{Value as Json, json};
 /// Longest side of a picture, pixels.
 const SIDE: u32 = 256;
 
-/// Whether an answer rests on the times of a CPU driver, which say nothing about a GPU.
-pub fn rests_on_cpu_times(told: &Told, answer: &Answer) -> bool {
-    told.finished.is_cpu_timed() && answer.question.uses_times
-}
-
-/// The index of the answer for the first screen: the first whose verdict does not rest on the times of a CPU driver.
+/// The index of the first answer that does not depend on times of a CPU driver.
 pub fn leading(told: &Told) -> Option<usize> {
-    told.answers.iter().position(|answer| !rests_on_cpu_times(told, answer))
+    told.answers.iter().position(|answer| !answer.question.rests_on_cpu_times(told.finished))
 }
 
-/// Pictures of the leading case with its words, its error and its cell; nothing where its images are not at hand.
+/// Pictures of the leading case; `None` without its images.
 pub fn pictures(told: &Told, frame: &Frame, lead: Option<usize>, axes: &[PageAxis]) -> Option<Json> {
     let row = case(told, frame, lead)?;
     let files = row.cell.images.as_ref()?;
@@ -56,12 +50,12 @@ pub fn pictures(told: &Told, frame: &Frame, lead: Option<usize>, axes: &[PageAxi
     Some(json!({ "case": case, "error": error.unwrap_or_default(), "cell": row.cell.id, "shots": shots }))
 }
 
-/// A damaged file may hold anything, and the tone curve is for radiance alone.
+/// Whether all values are finite and not negative; a damaged file may contain anything.
 pub fn is_radiance(image: &RgbImage) -> bool {
     image.data.iter().flatten().all(|x| x.is_finite() && *x >= 0.0)
 }
 
-/// The picture that errs most of those that are wanted. The images of a design are no pictures.
+/// The wanted picture with the largest error. Designs are not pictures.
 pub fn worst_picture<'r, 'f>(frame: &'r Frame<'f>, wanted: &dyn Fn(&Row) -> bool) -> Option<&'r Row<'f>> {
     let is_picture = |row: &Row| row.cell.images.is_some() && !is_design(&row.text(SCENE));
     let own = frame.rows.iter().filter(|row| is_picture(row) && wanted(row));
@@ -69,8 +63,7 @@ pub fn worst_picture<'r, 'f>(frame: &'r Frame<'f>, wanted: &dyn Fn(&Row) -> bool
     scored.max_by(|a, b| a.1.total_cmp(&b.1)).map(|(row, _)| row)
 }
 
-/// Of the cells that the leading figure shows, the one that errs most of those whose method draws no samples; else of all such cells; else
-/// of all cells.
+/// The cell with the largest error: of the leading figure without samples, else of all without samples, else of all.
 fn case<'r, 'f>(told: &Told, frame: &'r Frame<'f>, lead: Option<usize>) -> Option<&'r Row<'f>> {
     let figure = lead.and_then(|lead| told.answers[lead].finding.figure.as_ref());
     let marks = figure.into_iter().flat_map(|figure| &figure.panels).flat_map(|panel| &panel.marks);
@@ -91,7 +84,7 @@ pub fn words(row: &Row, axes: &[PageAxis], role: Role) -> String {
     axes.iter().filter(|axis| axis.role == role).filter_map(word).collect::<Vec<_>>().join(" · ")
 }
 
-/// A picture as a data address.
+/// A picture as a data URL.
 pub fn shot(label: &str, image: &Rgb8Image) -> Option<Json> {
     let factor = f64::from(image.width.max(image.height)) / f64::from(SIDE);
     let side = |length: u32| ((f64::from(length) / factor).round() as u32).max(1);

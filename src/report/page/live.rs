@@ -1,6 +1,4 @@
-//! The live view of a page: which of the tables that the run left in [`LIVE_FILE`] fit, and what else its shaders need.
-//!
-//! The tables go into the page as the run packed them. Where they are too large, the finest level of an environment goes first.
+//! The data of the Live view: the tables of [`LIVE_FILE`], as far as they fit, and what else its shaders need.
 
 use super::told::Told;
 use crate::brdf::MaskingShadowing;
@@ -10,40 +8,37 @@ use crate::experiment::value::Value;
 use crate::files::read_regular;
 use crate::glsl::constants;
 use crate::run::live::{LIVE_FILE, LiveEnvironment, LiveLobe, LiveRecord};
-use crate::run::live_model::{self, LiveModel};
+use crate::run::live_model::LiveModel;
 use crate::scene::camera::PERSPECTIVE_FOV_DEG;
-use crate::scene::{Material, Projection};
 use crate::shade::{METHODS, Method};
 use crate::spelling::Listed;
 use serde::Serialize;
 use std::collections::BTreeSet;
 
-/// Bytes of base64 that the tables of a page may take.
+/// Most bytes of base64 of the tables of a page.
 pub const BUDGET_BYTES: usize = 4 << 20;
-/// An environment is not reduced below so many texels for the sake of another one.
+/// An environment is not reduced below so many texels to keep another one.
 const ENVIRONMENT_TEXELS_MIN: u32 = 1 << 15;
-/// A larger file is none that a run wrote: the tables of its few environments are far smaller.
+/// Largest file; those of runs are far smaller.
 const FILE_BYTES_MAX: u64 = 64 << 20;
-/// What the live view reads.
 #[derive(Debug, Serialize)]
 pub struct Light {
     pub environments: Vec<LiveEnvironment>,
     pub lobes: Vec<LiveLobe>,
     pub methods: Vec<LiveMethod>,
-    /// Those of the runs' cells; 0 where they have none.
+    /// Those of the runs' cells; 0 if they have none.
     pub orientations: Vec<Orientation>,
     /// Names of the maskings in the order of the shaders' constants.
     pub masking_names: Vec<&'static str>,
     /// At least one, if there are environments.
     pub models: Vec<LiveModel>,
-    /// Vertical field of view of the background behind an orthographic camera.
+    /// Vertical field of view of the background of an orthographic camera.
     pub fov_deg: f64,
     pub alpha_min: f32,
-    /// What is missing and why, one sentence each.
+    /// Missing parts and why, one sentence each.
     pub notes: Vec<String>,
 }
 
-/// A method that the view's tables serve.
 #[derive(Debug, Serialize)]
 pub struct LiveMethod {
     pub name: &'static str,
@@ -51,17 +46,15 @@ pub struct LiveMethod {
 }
 
 impl LiveMethod {
-    /// Split sums first, in the order of the list: those that scale what they look up by the DFG table, and those that filter samples.
-    fn all(has_lobe_shapes: bool) -> Vec<Self> {
-        let is_split_sum = |method: &&Method| method.uses_prefiltered() && method.uses_dfg;
-        let is_served = |method: &&Method| has_lobe_shapes || !method.uses_lobe_shapes;
-        let split_sums = METHODS.iter().filter(is_split_sum).filter(is_served);
+    /// Split sums with the DFG table, then methods that filter samples, in the order of the list.
+    fn all() -> Vec<Self> {
+        let split_sums = METHODS.iter().filter(|method: &&Method| method.uses_prefiltered() && method.uses_dfg);
         let sampled = METHODS.iter().filter(|method| method.uses_samples && method.uses_lod_bias);
         split_sums.chain(sampled).map(|method| Self { name: method.name, is_sampled: method.uses_samples }).collect()
     }
 }
 
-/// An `environment_orientation` with the columns of its rotation.
+/// An `environment_orientation` and the columns of its rotation matrix.
 #[derive(Debug, Serialize)]
 pub struct Orientation {
     pub k: u32,
@@ -82,7 +75,7 @@ impl Orientation {
 }
 
 impl Light {
-    /// The tables of the first run that has any, within `budget` bytes.
+    /// The tables of the first run that has some, within `budget` bytes.
     pub fn collect(runs: &[Told], budget: usize) -> Self {
         let mut notes = Vec::new();
         let record = runs.iter().find_map(|run| match read(run) {
@@ -100,7 +93,7 @@ impl Light {
         let mut light = Self {
             environments: Vec::new(),
             lobes: Vec::new(),
-            methods: Vec::new(),
+            methods: LiveMethod::all(),
             orientations: Orientation::all(runs),
             masking_names: MaskingShadowing::names(),
             models: Vec::new(),
@@ -111,27 +104,15 @@ impl Light {
         match record {
             Some(record) => light.fit(record, budget),
             None => light.notes.push(format!(
-                "The folder of the run has no {LIVE_FILE}: it was stopped before its end, or made by an older version."
+                "The folder of the run has no {LIVE_FILE}: the run was stopped early, or made by an older version."
             )),
         }
         light
     }
 
-    /// Takes the record's tables, and drops the finest levels of the largest environments, then whole environments, until all fits.
+    /// Takes the tables; drops the finest levels of the largest environments, then whole environments, until all fits.
     fn fit(&mut self, record: LiveRecord, budget: usize) {
         (self.environments, self.lobes, self.models) = (record.environments, record.lobes, record.models);
-        let has_lobe_shapes = self.lobes.iter().all(|lobe| lobe.lobe_shapes.is_some());
-        self.methods = LiveMethod::all(has_lobe_shapes);
-        if !has_lobe_shapes {
-            self.notes.push(format!(
-                "{LIVE_FILE} is of an older version: the methods by a table of lobe shapes are not in this view."
-            ));
-        }
-        if self.models.is_empty() {
-            let note = format!("{LIVE_FILE} is of an older version and has no model, so a sphere is shown.");
-            let projection = Projection::Perspective { fov_deg: PERSPECTIVE_FOV_DEG };
-            self.models.push(live_model::sphere("sphere", note, projection, Material::default()));
-        }
         self.notes.extend(self.models.iter().map(|model| model.note.clone()).filter(|note| !note.is_empty()));
         let mut left_out = record.left_out;
         while self.bytes() > budget {
@@ -154,16 +135,16 @@ impl Light {
     }
 
     fn bytes(&self) -> usize {
-        let maps = self.environments.iter().flat_map(|e| {
-            let prefiltered = e.prefiltered.iter().flat_map(|map| &map.levels);
-            e.levels.iter().chain(prefiltered)
-        });
-        let of_lobes = self.lobes.iter().flat_map(|lobe| [&lobe.dfg].into_iter().chain(&lobe.lobe_shapes));
+        let maps = self
+            .environments
+            .iter()
+            .flat_map(|e| e.levels.iter().chain(e.prefiltered.iter().flat_map(|map| &map.levels)));
+        let of_lobes = self.lobes.iter().flat_map(|lobe| [&lobe.dfg, &lobe.lobe_shapes]);
         maps.chain(of_lobes).map(|image| image.base64.len()).sum()
     }
 }
 
-/// The record of a run; `None` when it has none.
+/// The record of a run; `None` if it has none.
 fn read(run: &Told) -> Result<Option<LiveRecord>, String> {
     let path = run.finished.dir.join(LIVE_FILE);
     let text = match read_regular(&path, FILE_BYTES_MAX) {
@@ -172,12 +153,14 @@ fn read(run: &Told) -> Result<Option<LiveRecord>, String> {
         Err(error) => return Err(format!("{}: {error}", path.display())),
     };
     let record: LiveRecord = serde_json::from_slice(&text)
-        .map_err(|error| format!("{}: {error}; expected a file that `splitsum run` wrote", path.display()))?;
-    // A chain without levels has nothing to show.
+        .map_err(|error| format!("{}: {error}; delete it and run the experiment again", path.display()))?;
     let is_whole = |e: &LiveEnvironment| !e.levels.is_empty() && !e.prefiltered.is_empty();
-    let has_tables = !record.lobes.is_empty() && !record.environments.is_empty();
-    if !has_tables || !record.environments.iter().all(is_whole) {
-        return Err(format!("{}: has an environment or model without tables", path.display()));
+    if record.lobes.is_empty()
+        || record.environments.is_empty()
+        || record.models.is_empty()
+        || !record.environments.iter().all(is_whole)
+    {
+        return Err(format!("{}: lacks tables or models; delete it and run the experiment again", path.display()));
     }
     Ok(Some(record))
 }

@@ -1,7 +1,5 @@
-//! The page of finished runs: one HTML file that opens from disk and asks for nothing else.
-//!
-//! It shows findings and computes none. `sections` turns answers into sections, `lead` chooses what stands on the first screen, `strip` lays the rungs of a ladder side by side, [`model`]
-//! says what the scripts read, [`images`] which of the linear images fit, [`live`] what the live view needs; [`render`] writes the file.
+//! The report: one HTML file without requests. `sections` shows answers, `lead` the first screen, `strip` the rungs of a ladder; [`model`],
+//! [`images`] and [`live`] hold the data of the scripts; [`render`] writes the file.
 
 pub mod images;
 mod lead;
@@ -22,19 +20,16 @@ use serde_json::{Value as Json, json};
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
-/// How a page is to be made.
 #[derive(Clone, Debug)]
 pub struct PageOptions {
-    /// The file to write.
     pub out: PathBuf,
     pub images: Choice,
-    /// Bytes that the page may take.
+    /// Largest page, bytes.
     pub budget: usize,
-    /// The metric of the answers, where not the experiment's own.
+    /// Replaces the experiment's own metric.
     pub metric: Option<String>,
 }
 
-/// The name of the page in the folder of its run.
 pub const PAGE_FILE: &str = "report.html";
 
 impl PageOptions {
@@ -48,14 +43,13 @@ impl PageOptions {
 pub struct Written {
     pub path: PathBuf,
     pub bytes: usize,
-    /// What was left out, one sentence each.
+    /// What was omitted, one sentence each.
     pub notes: Vec<String>,
 }
 
-/// About what the page's template, styles, modules and shaders take, bytes.
+/// Template, styles, modules and shaders, about, bytes.
 const PROGRAM_BYTES: usize = 400_000;
 
-/// Why there is no page.
 #[derive(Debug, thiserror::Error)]
 pub enum PageError {
     #[error("expected at least one run to report")]
@@ -64,20 +58,19 @@ pub enum PageError {
     Crop(#[from] images::CropError),
     #[error("--out {}: is a folder; expected the file to write, such as {}", path.display(), path.join(PAGE_FILE).display())]
     OutIsFolder { path: PathBuf },
-    #[error("--out {}: exists and is no report of splitsum; expected a new file, or a report to write anew", path.display())]
+    #[error("--out {}: exists and is not a report of splitsum; choose a new file, or a report to replace", path.display())]
     NotAReport { path: PathBuf },
     #[error(transparent)]
     Write(#[from] PixelsError),
 }
 
 impl PageError {
-    /// Whether what was asked for is at fault.
     pub fn is_misuse(&self) -> bool {
         matches!(self, Self::NoRun | Self::Crop(_) | Self::OutIsFolder { .. } | Self::NotAReport { .. })
     }
 }
 
-/// Refuses a place where no page may be written. Asked before anything is read.
+/// Refuses a folder, or a file that is not a report.
 pub fn check_out(path: &Path) -> Result<(), PageError> {
     match () {
         () if path.is_dir() => Err(PageError::OutIsFolder { path: path.to_owned() }),
@@ -111,7 +104,6 @@ pub fn write(options: &PageOptions, runs: &[Told]) -> Result<Written, PageError>
             "date": told.date(),
             "warnings": told.warnings(),
             "cpu_warning": told.cpu_warning(),
-            // What all its cells share.
             "shared": model::shared(&model::axes(std::slice::from_ref(told))),
             "lead": lead,
             "pictures": has_pictures.then(|| lead::pictures(told, frame, lead, &axes)).flatten(),
@@ -160,7 +152,7 @@ fn for_scripts(run: &Json) -> Json {
     keys.into_iter().map(|key| (key.to_owned(), run[key].clone())).collect::<serde_json::Map<_, _>>().into()
 }
 
-/// About what the model says of the cells and their images, bytes.
+/// Size of the rows in the page, about, bytes.
 fn row_bytes(runs: &[Told]) -> usize {
     const ROW_BYTES: usize = 500;
     ROW_BYTES * runs.iter().map(|run| run.finished.cells.len()).sum::<usize>()
@@ -170,12 +162,12 @@ fn json_bytes(value: &impl serde::Serialize) -> usize {
     serde_json::to_vec(value).map_or(0, |text| text.len())
 }
 
-/// What the head of every page holds.
+/// Identifies reports.
 const MARK: &str = " · splitsum</title>";
-/// The mark stands within this many bytes: the name of the run is all that comes before it and has no fixed length.
+/// The mark is within this many bytes, after the name of the run.
 const HEAD_BYTES: u64 = 1 << 14;
 
-/// Whether a file is a page that this program wrote, so that it may be written anew.
+/// Whether a file is a report of this program.
 pub fn is_page(path: &Path) -> bool {
     let mut head = Vec::new();
     let file = std::fs::File::open(path).ok().filter(|_| path.is_file());

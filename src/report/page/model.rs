@@ -1,4 +1,4 @@
-//! What the page's scripts read: axes with their values in words, and every cell as one typed row. The page computes no statistics.
+//! The data of the page's scripts: axes with their values in words, and every cell as one row.
 
 use super::images::{DESIGN, ImageSet};
 use super::told::{Told, score};
@@ -14,22 +14,21 @@ use crate::table::csv::Cell;
 use serde::ser::{Serialize, SerializeMap, Serializer};
 use serde_json::{Value as Json, json};
 
-/// The axis that tells joined runs apart.
+/// The axis of joined runs.
 const RUN_AXIS: &str = "run";
-/// The verdict on a score of a metric without a noise floor.
 const NO_FLOOR: &str = "no-noise-floor";
 
-/// What an axis tells apart on the page.
+/// The role of an axis on the page.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Role {
     /// One value only.
     Fixed,
-    /// What is seen, in which light: cells with different values have different references.
+    /// Cells with different values have different references.
     Scene,
-    /// Ways to make the image of one reference.
+    /// Different images with one reference.
     Variant,
-    /// Tone curve: the linear image is the same.
+    /// Tone curve: one linear image.
     Display,
 }
 
@@ -37,33 +36,33 @@ pub enum Role {
 pub struct PageAxis {
     pub name: &'static str,
     pub role: Role,
-    /// Values as files have them, in the order of the cells.
+    /// Values as in files, in the order of the cells.
     pub values: Vec<String>,
-    /// The same, short.
+    /// Short values.
     pub labels: Vec<String>,
-    /// The same, saying what they are: "alpha 0.25 (roughness 0.5)".
+    /// Values with their names: "alpha 0.25 (roughness 0.5)".
     pub words: Vec<String>,
-    /// By the name that the first run uses; nothing for the axis of runs.
+    /// As the first run names it; `None` for the axis of runs.
     #[serde(skip)]
     pub named: Option<Named>,
-    /// Whether every cell has its one value, so that the rows have no column of it.
+    /// Whether all cells have the same value, so that rows need no column.
     #[serde(skip)]
     pub is_constant: bool,
 }
 
 impl PageAxis {
-    /// Index of [`AXES`]; nothing for the axis of runs.
+    /// Index of [`AXES`]; `None` for the axis of runs.
     fn index(&self) -> Option<usize> {
         self.named.map(|named| named.axis)
     }
 
-    /// A cell's value, as [`Self::values`] has it.
+    /// A cell's value, as in [`Self::values`].
     pub fn text(&self, cell: &FinishedCell) -> Option<String> {
         self.named.map(|named| named.shown(&cell.point[named.axis]).to_string())
     }
 }
 
-/// The axes of the runs' cells: the runs, then those of `AXES` that any cell has a value on.
+/// The axis of runs, then the axes that some cell uses.
 pub fn axes(runs: &[Told]) -> Vec<PageAxis> {
     let labels: Vec<String> = runs.iter().map(|run| run.label.clone()).collect();
     let role = if runs.len() > 1 { Role::Variant } else { Role::Fixed };
@@ -77,7 +76,7 @@ pub fn axes(runs: &[Told]) -> Vec<PageAxis> {
 fn page_axis(runs: &[Told], names: &Names, index: usize) -> Option<PageAxis> {
     let cells = runs.iter().flat_map(|run| &run.finished.cells);
     let found = cells.clone().map(|cell| &cell.point.0[index]).filter(|value| **value != Value::Unset);
-    // By their texts: a cell's value is looked up by its text.
+    // Distinct by text, by which a cell's value is looked up.
     let mut seen = Vec::new();
     let mut distinct: Vec<&Value> = Vec::new();
     for value in found {
@@ -101,7 +100,7 @@ fn page_axis(runs: &[Told], names: &Names, index: usize) -> Option<PageAxis> {
     Some(PageAxis { name, role, values: seen, labels, words, named, is_constant })
 }
 
-/// Short texts, whole where two would be equal.
+/// Short texts, whole if two would be equal.
 fn labels(names: &Names, index: usize, values: &[&Value]) -> Vec<String> {
     let labels: Vec<String> = values.iter().map(|value| names.short(index, value)).collect();
     let is_double = |label: &String| labels.iter().filter(|other| *other == label).count() > 1;
@@ -109,25 +108,24 @@ fn labels(names: &Names, index: usize, values: &[&Value]) -> Vec<String> {
     values.iter().zip(&labels).map(whole).collect()
 }
 
-/// A value with what it is: "5 lv", "alpha 0.25 (roughness 0.5)", "bias 1 (filament)".
+/// A value with its name: "5 lv", "alpha 0.25 (roughness 0.5)", "bias 1 (filament)".
 fn word(names: &Names, index: usize, value: &Value, short: &str) -> String {
     let word = names.heading(index, value).replace(&names.short(index, value), short);
     number_name(index, value).map_or_else(|| word.clone(), |name| format!("{word} ({name})"))
 }
 
-/// The name of a number, where its axis has names for some, as for the level biases of engines; 0 needs none.
+/// The name of a number, such as the engine of a level bias; 0 has none.
 fn number_name(index: usize, value: &Value) -> Option<String> {
     let (Kind::NumberOrName { named, .. }, Value::Number(number)) = (&AXES[index].kind, value) else { return None };
     let known = named().into_iter().find(|(_, known)| known == number && *known != 0.0)?;
     Some(known.0.to_owned())
 }
 
-/// Whether some scene is a design.
 fn has_design(axes: &[PageAxis]) -> bool {
     axes.iter().any(|axis| axis.index() == Some(SCENE) && axis.values.iter().any(|name| is_design(name)))
 }
 
-/// What all cells share and no default says: "size 128x128, diffuse none".
+/// The common values that are not defaults: "size 128x128, diffuse none".
 pub fn shared(axes: &[PageAxis]) -> String {
     let says = |axis: &&PageAxis| {
         let Some(index) = axis.index().filter(|_| axis.role == Role::Fixed) else { return false };
@@ -140,16 +138,15 @@ pub fn shared(axes: &[PageAxis]) -> String {
     axes.iter().filter(says).map(word).collect::<Vec<_>>().join(", ")
 }
 
-/// The names of the columns of `Model::row`.
+/// Column names of `Model::row`.
 pub fn columns(axes: &[PageAxis], metrics: &[&'static dyn Metric]) -> Vec<&'static str> {
     let own = ["run", "cell", "image", "reference", "verdict", "noise_floor"];
     let axes = axes.iter().filter(|axis| !axis.is_constant).map(|axis| axis.name);
     own.into_iter().chain(axes).chain(metrics.iter().map(|metric| metric.description().name)).collect()
 }
 
-/// What the page's scripts read. A row is made when it is written: all together they would take more memory than the cells.
+/// Rows are made while they are written, to save memory.
 pub struct Model<'a> {
-    /// What they need of each run.
     pub runs: Vec<Json>,
     pub cells_of: &'a [Told<'a>],
     pub axes: &'a [PageAxis],
@@ -180,7 +177,7 @@ impl Serialize for Model<'_> {
     }
 }
 
-/// Every cell of every run. A value on an axis is the index of its text in the axis' values.
+/// Every cell of every run. A value on an axis is an index into the axis' values.
 struct Rows<'a>(&'a Model<'a>);
 
 impl Serialize for Rows<'_> {
@@ -214,7 +211,7 @@ impl Model<'_> {
     }
 }
 
-/// JSON has no infinity: its name as tables write it.
+/// JSON has no infinity: it is written by name.
 fn number(value: Option<f64>) -> Json {
     match value {
         None => Json::Null,
@@ -223,7 +220,6 @@ fn number(value: Option<f64>) -> Json {
     }
 }
 
-/// A field of an answer's table.
 pub fn field(cell: &Cell) -> Json {
     match cell {
         Cell::Text(text) => json!(text),
@@ -233,13 +229,13 @@ pub fn field(cell: &Cell) -> Json {
     }
 }
 
-/// Metrics that any cell has a score of, in the order of the list.
+/// Metrics with a score of some cell.
 pub fn metrics(runs: &[Told]) -> Vec<&'static dyn Metric> {
     let cells = runs.iter().flat_map(|run| &run.finished.cells);
     METRICS.iter().copied().filter(|metric| cells.clone().any(|cell| score(cell, *metric).is_some())).collect()
 }
 
-/// The palettes and ranges of the project's error maps, so that the page has no colours of its own.
+/// Palettes and ranges of error maps.
 pub fn colors() -> Json {
     let table = |palette: Palette| (0..256).map(|i| palette.color(f64::from(i) / 255.0)).collect::<Vec<_>>();
     let range = |range: Range| match range {

@@ -1,8 +1,7 @@
-//! The file: the template, with styles, modules and data written into it.
+//! Writes the page: the template with styles, modules and data.
 //!
-//! Everything from a run is data. Text in markup is escaped by the template engine, figures by their own writer; the rest stands in JSON
-//! script elements whose `<` is written as `\u003c`, so that no name can end the element. A content security policy in the page forbids
-//! every request, so that what is promised (one offline file) is also enforced.
+//! The template engine escapes text in markup, figures escape their own; all other data is in JSON script elements whose `<` is written as
+//! `\u003c`, so that no name can end the element. A content security policy forbids every request.
 
 use super::live::Light;
 use crate::glsl::source::{Choice, Language, PAGE_FOLDER};
@@ -16,16 +15,15 @@ use serde_json::{Value as Json, json};
 use std::collections::{BTreeMap, BTreeSet};
 use std::io::{Error, Write};
 
-/// Style sheet of the page.
 const STYLE: &str = include_str!("../../../assets/report/report.css");
 const TEMPLATE: &str = include_str!("../../../assets/report/report.html");
-/// What it holds of the views that draw in a canvas.
+/// The part of views with a canvas.
 const STAGE: &str = include_str!("../../../assets/report/stage.html");
 
-/// What a permutation's name lacks of the entry point's: all but meshes have fragment shaders alone.
+/// Removed from names of shaders: all but meshes have only fragment shaders.
 const STAGE_SUFFIX: &str = ".frag";
 
-/// Lists modules of the page by the names under which they import each other. An import map points each to its text.
+/// Modules by import name, for an import map.
 macro_rules! modules {
     ($($name:literal),+ $(,)?) => {
         &[$((concat!("report/", $name), include_str!(concat!("../../../assets/report/", $name, ".js")))),+]
@@ -52,11 +50,10 @@ const MODULES: &[(&str, &str)] = modules![
     "grid",
 ];
 
-/// Stands in the template for what grows with the cells: it is written past the template's engine, which would hold its text.
+/// The place of the model in the template, which is written directly to save memory.
 const MODEL: &str = "{{ model }}";
 
-/// Writes the page. `page` is what it shows without its scripts, `model` what these read, `payloads` the texels of its images, `light` what the
-/// live view reads.
+/// Writes the page. `page` is for the template, `model` for the scripts, `payloads` are texels, `light` is for the Live view.
 pub fn render(
     writer: &mut impl Write,
     page: &Json,
@@ -90,7 +87,7 @@ pub fn render(
     part("behind", writer)
 }
 
-/// The page's shaders by name, GLSL ES 3.00 written from the renderer's own files: `specular:cube:sampled:ggx`, for what `light` has.
+/// The page's shaders (GLSL ES 3.00) by name, such as `specular:cube:sampled:ggx`, as far as `light` needs them.
 pub fn shaders(light: &Light) -> BTreeMap<String, String> {
     let sources = shader_sources();
     let layouts = light.environments.iter().map(|environment| environment.layout.as_str());
@@ -110,7 +107,7 @@ pub fn shaders(light: &Light) -> BTreeMap<String, String> {
         .collect()
 }
 
-/// A sentence in parts: strong between `**`, code between backticks.
+/// Splits a sentence into parts: strong between `**`, code between backticks.
 fn pieces(text: String) -> Vec<Value> {
     let strong = text.split("**").enumerate();
     let parts = strong.flat_map(|(i, part)| part.split('`').enumerate().map(move |(j, text)| (text, i % 2, j % 2)));
@@ -118,7 +115,7 @@ fn pieces(text: String) -> Vec<Value> {
     parts.filter(|(text, ..)| !text.is_empty()).map(piece).collect()
 }
 
-/// Text in which no line ends between a number and its sign, before or behind it.
+/// Prevents line breaks between a number and its sign.
 fn whole_units(text: String) -> String {
     text.replace(" %", "\u{a0}%").replace("± ", "±\u{a0}")
 }
@@ -127,14 +124,14 @@ fn safe(text: String) -> Value {
     Value::from_safe_string(text)
 }
 
-/// JSON that can stand in a script element: it holds no `<`, so it cannot close the element or open a comment.
+/// JSON without `<`, safe in a script element.
 pub fn in_script(value: &Json) -> String {
     let mut text = Vec::new();
     serde_json::to_writer(Script(&mut text), value).expect("memory takes all JSON");
     String::from_utf8(text).expect("JSON is UTF-8")
 }
 
-/// Writes JSON as [`in_script`] has it.
+/// Writes JSON without `<`.
 struct Script<W>(W);
 
 impl<W: Write> Write for Script<W> {

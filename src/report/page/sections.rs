@@ -1,46 +1,44 @@
-//! Answers as the page shows them: one section each, with the very SVG that stands in `answers/`.
+//! The sections of the page: one per answer, with the SVG of `answers/`.
 
-use super::lead::rests_on_cpu_times;
 use super::model::field;
 use super::told::{Told, link};
 use crate::figure::svg::{WIDTHS, svg};
+use crate::run::store::ANSWERS_FOLDER;
 use crate::study::questions::Answer;
 use crate::study::table::{Table, shown};
 use serde_json::{Value as Json, json};
 use std::path::Path;
 
-/// The folder of a run's answers.
-const FOLDER: &str = "answers";
-/// A table of at most so many rows stands in the page as it is where an answer has no digest.
+/// A table with at most so many rows is shown if an answer has no digest.
 const DIGEST_ROWS: usize = 24;
-/// A taller figure does not fit the first screen of a laptop, pixels at the desk's width.
+/// Largest figure that fits the first screen of a laptop, pixels.
 const FIRST_SCREEN_HEIGHT: u32 = 640;
-/// A character of a digest, and what stands beside the text of a cell, pixels: about what report.css makes of them.
+/// Width of a character and of the padding of a cell of a digest in report.css, pixels.
 const CHARACTER: f64 = 7.3;
 const CELL_PADDING: f64 = 19.2;
 /// Longer texts wrap.
 const CHARACTERS_MAX: usize = 36;
 
-/// The answers of a run as sections for the template, in order; the first has the number `first` among those of all runs.
+/// The answers of a run as sections for the template; `first` is the index of the first among all runs.
 pub fn sections(told: &Told, run: usize, first: usize, here: &Path) -> Vec<Json> {
     let section = |(i, answer): (usize, &Answer)| {
         let (key, finding) = (answer.question.name, &answer.finding);
-        // SVG documents for a desk and for a phone.
+        // For a desktop and for a phone.
         let figure = finding.figure.as_ref().map(|figure| WIDTHS.map(|width| svg(figure, width).trim_end().to_owned()));
         let small = Some(&finding.table).filter(|table| table.rows.len() <= DIGEST_ROWS);
         let digest = finding.digest.as_ref().or(small).map(digest);
         let fits = figure.as_ref().is_some_and(|[desk, _]| height(desk) <= FIRST_SCREEN_HEIGHT);
         json!({
-            // Anchor of the page: the question's key, numbered from the second run on.
+            // Numbered from the second run.
             "id": if run == 0 { key.to_owned() } else { format!("{key}-{}", run + 1) },
             "index": first + i,
             "key": key,
             "question": answer.question.asks,
             "sentence": finding.sentence,
             "row_count": finding.table.rows.len(),
-            "csv": link(here, &told.finished.dir.join(FOLDER).join(format!("{key}.csv"))),
-            "is_cpu": rests_on_cpu_times(told, answer),
-            // Whether the figure fits a first screen; else the digest stands there.
+            "csv": link(here, &told.finished.dir.join(ANSWERS_FOLDER).join(format!("{key}.csv"))),
+            "is_cpu": answer.question.rests_on_cpu_times(told.finished),
+            // Whether the figure comes before the digest.
             "figure_first": fits || digest.is_none(),
             "figure": figure,
             "digest": digest,
@@ -49,7 +47,7 @@ pub fn sections(told: &Told, run: usize, first: usize, here: &Path) -> Vec<Json>
     told.answers.iter().enumerate().map(section).collect()
 }
 
-/// What the buttons of a section save, and its whole table.
+/// The whole tables of the answers, for the scripts.
 pub fn model(told: &Told, run: usize) -> Vec<Json> {
     let entry = |answer: &Answer| {
         let table = &answer.finding.table;
@@ -70,7 +68,7 @@ fn height(svg: &str) -> u32 {
     value.and_then(|text| text.parse().ok()).unwrap_or(0)
 }
 
-/// A small table for people: heads with whether they are set flush right, and rows of texts.
+/// A small table: heads with their alignment, and rows of texts.
 fn digest(table: &Table) -> Json {
     let rows: Vec<Vec<String>> = table.rows.iter().map(|row| row.iter().map(shown).collect()).collect();
     let starts_with_digit = |text: &String| text.starts_with(|c: char| c.is_ascii_digit() || c == '-');

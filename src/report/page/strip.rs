@@ -1,4 +1,4 @@
-//! The rungs of a ladder as pictures to flip through, each with what its step changes.
+//! The rungs of a ladder as pictures to flip through, each with the change of its step.
 
 use super::images::{mask_of, read};
 use super::lead::{is_radiance, shot, words, worst_picture};
@@ -18,8 +18,7 @@ use crate::tonemap::ToneCurve;
 use glam::DVec3;
 use serde_json::{Value as Json, json};
 
-/// The picture whose last rung errs most, rung by rung from the reference on, first shown at the largest step. Nothing where a run has less
-/// than two rungs of it.
+/// The picture whose last rung errs most, rung by rung from the reference; the largest step is shown first. `None` below two rungs.
 pub fn strip(told: &Told, frame: &Frame, axes: &[PageAxis]) -> Option<Json> {
     let rungs: Vec<&str> = SPLIT_SUM.steps.iter().filter_map(|step| Some(step.rung?.name)).collect();
     let method = |row: &Row| row.text(METHOD);
@@ -51,12 +50,12 @@ pub fn strip(told: &Told, frame: &Frame, axes: &[PageAxis]) -> Option<Json> {
             largest = (size, frames.len());
         }
         let step = SIGNED_ERROR.image(&step, &mask);
-        let of_step = format!("share of this step in the picture's relmse {}", percent(share));
+        let of_step = format!("this step causes {} of the picture's relmse", percent(share));
         let error = frame.error(row).map(|error| format!("{} {error:.2e}; {of_step}", frame.metric_name()));
         frames.push(json!({
             "name": method(row).trim_start_matches("ladder-"),
             "image": shot(&method(row), &curve.apply_image(&own))?,
-            "step": shot("what this step changes, over the reference", &step)?,
+            "step": shot("change of this step, over the reference", &step)?,
             "error": error,
         }));
         before = own;
@@ -68,7 +67,7 @@ pub fn strip(told: &Told, frame: &Frame, axes: &[PageAxis]) -> Option<Json> {
     Some(json!({ "case": case, "frames": frames, "ends": [lo.to_string(), hi.to_string()] }))
 }
 
-/// The covariance share of a step, from the image before it to its own, in the error of the last image.
+/// The covariance share of a step in the error of the last image.
 fn share_of_image([own, before, end, reference]: [&RgbImage; 4], mask: &GrayImage, epsilon: Epsilon) -> f64 {
     let seen = mask.data.iter().enumerate().filter(|(_, mask)| **mask > 0.0);
     covariance_share(seen.map(|(i, _)| {
@@ -78,7 +77,7 @@ fn share_of_image([own, before, end, reference]: [&RgbImage; 4], mask: &GrayImag
     }))
 }
 
-/// Whole stops that bring the mean of what is seen next to middle grey, where it is far from it: a dielectric would be black.
+/// Whole stops that bring the mean to middle grey, if it is far off: dielectrics would be black.
 fn stops_to_grey(image: &RgbImage, mask: &GrayImage, curve: ToneCurve) -> f32 {
     let seen = image.data.iter().zip(&mask.data).filter(|(_, mask)| **mask > 0.0).map(|(rgb, _)| luminance(*rgb));
     let (sum, count) = seen.fold((0.0, 0.0), |(sum, count), y| (sum + y, count + 1.0));

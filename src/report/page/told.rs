@@ -1,6 +1,6 @@
-//! The runs of a page in words: labels, where and when each ran, what is missing, what tells them apart.
+//! The runs of a page in words: labels, provenance, warnings, differences.
 //!
-//! Each run is answered for itself. Nothing is pooled over runs: two runs of one experiment are the same cases twice, not more cases.
+//! Nothing is averaged over runs: two runs of one experiment are the same cases twice.
 
 use crate::files;
 use crate::metrics::{METRICS, Metric};
@@ -14,15 +14,15 @@ use std::path::Path;
 /// A finished run with its answers.
 #[derive(Clone)]
 pub struct Told<'a> {
-    /// Short and different from those of the other runs of the page.
+    /// Short and unique in the page.
     pub label: String,
     pub finished: &'a Finished,
-    /// In the order of the page, the leading one first.
+    /// The leading answer first.
     pub answers: &'a [Answer],
 }
 
 impl<'a> Told<'a> {
-    /// Labels runs by their folders' names, numbered where two are equal.
+    /// Labels runs by folder, numbered if two are equal.
     pub fn of_runs(runs: &'a [(Finished, Vec<Answer>)]) -> Vec<Self> {
         let name = |run: &Finished| {
             let path = std::fs::canonicalize(&run.dir).unwrap_or_else(|_| run.dir.clone());
@@ -39,12 +39,12 @@ impl<'a> Told<'a> {
         runs.iter().enumerate().map(told).collect()
     }
 
-    /// A text of the last session's provenance.
+    /// A text of the last session.
     pub fn session(&self, pointer: &str) -> String {
         self.finished.text(&format!("{}{pointer}", self.finished.last_session()))
     }
 
-    /// The question of the experiment, or its name where it has none.
+    /// The question of the experiment, else its name.
     pub fn question(&self) -> String {
         Some(self.finished.text("/question"))
             .filter(|text| !text.is_empty())
@@ -55,37 +55,35 @@ impl<'a> Told<'a> {
         format!("{} · {}", self.session("/device/name"), self.session("/device/driver"))
     }
 
-    /// `2026-11-21 18:07 UTC` of `2026-11-21T18:07:34Z`; another text as it is.
+    /// `2026-11-21 18:07 UTC` for `2026-11-21T18:07:34Z`.
     pub fn date(&self) -> String {
         let date = self.session("/date_utc");
         let parts = date.split_once('T').and_then(|(day, time)| Some((day, time.strip_suffix('Z')?.get(..5)?)));
         parts.map_or_else(|| date.clone(), |(day, time)| format!("{day} {time} UTC"))
     }
 
-    /// The commit of the program, marked where files were changed since.
+    /// The commit of the program, marked if files were changed.
     pub fn commit(&self) -> String {
         let changed = if self.session("/commit/dirty") == "true" { " (changed)" } else { "" };
         format!("{}{changed}", self.session("/commit/hash"))
     }
 
-    /// What is missing, one sentence each.
     pub fn warnings(&self) -> Vec<String> {
         let run = self.finished;
         let mut warnings = Vec::new();
         match run.failed_count() {
             0 => {}
-            1 => warnings.push("1 cell failed and is missing from every figure; Run says why.".to_owned()),
-            n => warnings.push(format!("{n} cells failed and are missing from every figure; Run says why.")),
+            1 => warnings.push("1 cell failed and is missing from every figure; see Run.".to_owned()),
+            n => warnings.push(format!("{n} cells failed and are missing from every figure; see Run.")),
         }
         let (done, planned) = (run.cells.len() as u64, run.provenance["cell_count"].as_u64().unwrap_or(0));
         if done < planned {
-            let state = if run.is_under_way { "is under way" } else { "was stopped" };
+            let state = if run.is_under_way { "is in progress" } else { "was stopped" };
             warnings.push(format!("{done} of {planned} cells are done: the run {state}."));
         }
         warnings
     }
 
-    /// Whose times come from a driver that computes on the CPU.
     pub fn cpu_warning(&self) -> Option<String> {
         let own = self.finished.timings.iter().filter(|record| record.device_type == "cpu");
         let devices: BTreeSet<&str> = own.map(|record| record.device.as_str()).collect();
@@ -95,7 +93,7 @@ impl<'a> Told<'a> {
         })
     }
 
-    /// The contact sheets by title, as links from the folder `here`.
+    /// Title and link (from the folder `here`) of the contact sheets.
     pub fn sheets(&self, here: &Path) -> Vec<[String; 2]> {
         let sheet = |path: &Path| {
             let title = path.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
@@ -105,7 +103,7 @@ impl<'a> Told<'a> {
     }
 }
 
-/// Device, commit and question of joined runs: what each is, its value of each run, whether the values differ.
+/// Device, commit and question of each run, and whether they differ.
 pub fn facts(runs: &[Told]) -> Vec<Json> {
     let facts = ["device", "commit", "question"].map(|what| {
         let of = |told: &Told| match what {
@@ -119,29 +117,24 @@ pub fn facts(runs: &[Told]) -> Vec<Json> {
     facts.to_vec()
 }
 
-/// Questions that one heading can hold.
-const HEADING_QUESTIONS: usize = 2;
-
-/// What the runs ask, as one heading: their question, or both of two; where there are more, how many.
+/// The heading of the page: one or two questions, else their number.
 pub fn heading(runs: &[Told]) -> String {
     let mut questions: Vec<String> = runs.iter().map(Told::question).collect();
     let mut seen = BTreeSet::new();
     questions.retain(|question| seen.insert(question.clone()));
     match questions.len() {
-        0..=HEADING_QUESTIONS => questions.join(" · "),
+        0..=2 => questions.join(" · "),
         count => format!("{} runs, {count} questions", runs.len()),
     }
 }
 
-/// A sentence for every run that repeats an earlier one: it is no further evidence.
+/// A sentence for every run that repeats an earlier one.
 pub fn repeats(runs: &[Told]) -> Vec<String> {
     let say = |later: usize| {
         let told = &runs[later];
         let earlier = runs[..later].iter().find(|earlier| is_same(earlier.finished, told.finished))?;
         let (label, of, cells) = (&told.label, &earlier.label, told.finished.cells.len());
-        Some(format!(
-            "{label} repeats {of}: the same plan and the same scores in all {cells} cells. It is no further evidence."
-        ))
+        Some(format!("{label} repeats {of}: all {cells} cells have the same scores."))
     };
     (0..runs.len()).filter_map(say).collect()
 }
@@ -150,7 +143,7 @@ pub fn score(cell: &FinishedCell, metric: &dyn Metric) -> Option<f64> {
     cell.scores.as_ref()?.get(metric.description().name)
 }
 
-/// Whether two runs have the same cells with the same scores.
+/// Whether two runs have the same cells and scores.
 fn is_same(a: &Finished, b: &Finished) -> bool {
     let is_equal = |(a, b): (&FinishedCell, &FinishedCell)| {
         a.id == b.id && METRICS.iter().all(|metric| score(a, *metric) == score(b, *metric))
@@ -164,13 +157,13 @@ pub fn link(from: &Path, to: &Path) -> String {
     parts.split('/').map(escape).collect::<Vec<_>>().join("/")
 }
 
-/// Percent-escapes what has a meaning in an address.
+/// Percent-escapes special characters.
 fn escape(text: &str) -> String {
     let plain = |byte: u8| byte.is_ascii_alphanumeric() || b"-_.~".contains(&byte);
     text.bytes().map(|byte| if plain(byte) { char::from(byte).to_string() } else { format!("%{byte:02X}") }).collect()
 }
 
-/// The facts of a run: title, name and pointer into the provenance; one that starts with `~` is of the last session.
+/// Title, name and JSON pointer of the facts of a run; `~` is the last session.
 const FACTS: &[(&str, &str, &str)] = &[
     ("Device", "name", "~/device/name"),
     ("Device", "type", "~/device/type"),
@@ -193,7 +186,7 @@ const FACTS: &[(&str, &str, &str)] = &[
 ];
 const COMMIT: &str = "~/commit/hash";
 
-/// The facts of a run's provenance as the page lists them: a title and its entries. The hashes of its inputs come last.
+/// The facts of a run by title, with the hashes of its inputs last.
 pub fn provenance(told: &Told) -> Vec<(&'static str, Vec<(String, String)>)> {
     let run = told.finished;
     let words = |value: &Json| match value {

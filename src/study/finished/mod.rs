@@ -1,6 +1,4 @@
-//! A finished run as typed data: what every question and the page are answered from.
-//!
-//! It is read from the files of a folder, published or not: those of a run that has just ended, too.
+//! A finished run as typed data, read from its folder, published or not.
 
 mod notes;
 mod read;
@@ -12,22 +10,23 @@ use crate::experiment::axis::{AXES, ENVIRONMENT, ENVIRONMENT_CLIP, ENVIRONMENT_S
 use crate::experiment::config::Config;
 use crate::experiment::value::Value;
 use crate::metrics::{Epsilon, METRICS};
-use crate::run::store::{FailureRecord, StopReason};
+use crate::run::host::device_words;
+use crate::run::store::{FailureRecord, ReferenceStop};
 use crate::run::timing::TimingRecord;
+use indexmap::IndexSet;
 use serde_json::Value as Json;
 use std::path::PathBuf;
 
-/// One number a metric, in the order of [`METRICS`]; NaN where there is none.
+/// One number per metric, in the order of [`METRICS`]; NaN if missing.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MetricValues(Box<[f64]>);
 
 impl MetricValues {
-    /// Asks `value` for each metric by its name.
+    /// Calls `value` for each metric.
     pub fn of(value: impl Fn(&'static str) -> Option<f64>) -> Self {
         Self(METRICS.iter().map(|metric| value(metric.description().name).unwrap_or(f64::NAN)).collect())
     }
 
-    /// The value of the metric of that name, where there is one.
     pub fn get(&self, name: &str) -> Option<f64> {
         let place = METRICS.iter().position(|metric| metric.description().name == name)?;
         Some(self.0[place]).filter(|value| !value.is_nan())
@@ -43,7 +42,7 @@ pub struct Bin {
     pub scores: MetricValues,
 }
 
-/// One step of an error over the pixels with n·v in `seen`: see `run::columns::STEP_NUMBERS`.
+/// One step of an error over the pixels with n·v in `seen` (`run::columns::STEP_NUMBERS`).
 #[derive(Clone, Debug, PartialEq)]
 pub struct StepRow {
     pub seen: [f64; 2],
@@ -58,37 +57,27 @@ pub struct StepRow {
     pub noise: f64,
 }
 
-/// Where the reference of a cell stopped.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Stop {
-    pub samples: u64,
-    /// Relative standard error of the image.
-    pub relative_error: f64,
-    pub stopped_by: StopReason,
-}
-
-/// The files of `images/` that belong to a cell: linear EXR of the cell and of its reference.
+/// File names of the linear images of a cell and its reference.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct CellImages {
     pub radiance: String,
     pub reference: String,
 }
 
-/// One cell that was tried.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FinishedCell {
     pub id: String,
-    /// Parameters that the cell does not use are unset.
+    /// Unused parameters are unset.
     pub point: Point,
-    /// Nothing for a failed cell.
+    /// `None` for a failed cell.
     pub scores: Option<MetricValues>,
-    /// The score to expect of an exact image, from the reference's own noise.
+    /// Expected scores of an exact image, from the reference's noise.
     pub noise_floors: MetricValues,
-    /// Bias squared and variance of the relative error over point sets (`bias_variance` in the experiment).
+    /// Squared bias and variance of the relative error over point sets.
     pub bias_variance: Option<[f64; 2]>,
-    pub reference: Option<Stop>,
+    pub reference: Option<ReferenceStop>,
     pub bins: Vec<Bin>,
-    /// Where its error comes from, with `[ladder]` in the experiment: steps in order, over all n·v and then band by band.
+    /// With `[ladder]`: steps in order, over all n·v and then band by band.
     pub steps: Vec<StepRow>,
     pub images: Option<CellImages>,
 }
@@ -97,34 +86,33 @@ pub struct FinishedCell {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Light {
     pub environment: String,
-    /// As the axis writes it; empty for the whole environment.
+    /// As the axis writes it; empty if unclipped.
     pub clip_log2: String,
     /// Luminance over the sphere and of the brightest texel.
     pub mean: f64,
     pub peak: f64,
 }
 
-/// A finished run.
 #[derive(Clone, Debug)]
 pub struct Finished {
     pub dir: PathBuf,
     /// `provenance.json`.
     pub provenance: Json,
-    /// The frozen experiment file.
+    /// Text of the experiment file.
     pub experiment: String,
-    /// The experiment, with the overrides of the run; nothing where this program does not understand it.
+    /// With the overrides of the run; `None` if this program does not understand it.
     pub config: Option<Config>,
     /// In plan order.
     pub cells: Vec<FinishedCell>,
     pub lights: Vec<Light>,
     pub timings: Vec<TimingRecord>,
     pub failures: Vec<FailureRecord>,
-    /// Whether a run is at work in the folder: only the cells that are done are here.
+    /// Whether the run is in progress: only finished cells are here.
     pub is_under_way: bool,
 }
 
 impl Finished {
-    /// A text of the provenance by JSON pointer; empty where there is none.
+    /// A text of the provenance by JSON pointer; empty if missing.
     pub fn text(&self, pointer: &str) -> String {
         match self.provenance.pointer(pointer) {
             Some(Json::String(text)) => text.clone(),
@@ -133,35 +121,32 @@ impl Finished {
         }
     }
 
-    /// The last invocation that did work, as a JSON pointer prefix.
+    /// JSON pointer to the last session.
     pub fn last_session(&self) -> String {
         let count = self.provenance["sessions"].as_array().map_or(0, Vec::len);
         format!("/sessions/{}", count.saturating_sub(1))
     }
 
-    /// The light of a point; `None` where the run has no table of lights.
+    /// The light of a point, if `environments.csv` has it.
     pub fn light(&self, point: &Point) -> Option<&Light> {
         let texts = [ENVIRONMENT, ENVIRONMENT_CLIP].map(|axis| point[axis].to_string());
         self.lights.iter().find(|light| [&light.environment, &light.clip_log2] == [&texts[0], &texts[1]])
     }
 
-    /// That of relative errors in the light of a point.
+    /// The ε of relative metrics under the light of a point.
     pub fn epsilon(&self, point: &Point) -> Epsilon {
         let scale = if let Value::Number(scale) = point[ENVIRONMENT_SCALE] { scale } else { 1.0 };
         self.light(point).map_or(Epsilon::ABSOLUTE, |light| Epsilon::of_light(light.mean * scale))
     }
 
-    /// Every device that did work, with its driver, each once.
+    /// Each device with its driver.
     pub fn devices(&self) -> Vec<String> {
-        let mut devices: Vec<String> = Vec::new();
-        for session in 0..self.provenance["sessions"].as_array().map_or(0, Vec::len) {
+        let sessions = 0..self.provenance["sessions"].as_array().map_or(0, Vec::len);
+        let device = |session: usize| {
             let text = |name: &str| self.text(&format!("/sessions/{session}/device/{name}"));
-            let device = format!("{} ({})", text("name"), text("driver"));
-            if !devices.contains(&device) {
-                devices.push(device);
-            }
-        }
-        devices
+            device_words(&text("name"), &text("driver"))
+        };
+        sessions.map(device).collect::<IndexSet<_>>().into_iter().collect()
     }
 
     /// Cells without scores.
@@ -169,14 +154,14 @@ impl Finished {
         self.cells.iter().filter(|cell| cell.scores.is_none()).count()
     }
 
-    /// How many of its cells a run that is under way has done.
+    /// The progress of a run in progress, one sentence.
     pub fn under_way_note(&self) -> Option<String> {
         let planned = self.provenance["cell_count"].as_u64().filter(|_| self.is_under_way)?;
-        Some(format!("{}: under way: {} of {planned} cells", self.dir.display(), self.cells.len()))
+        Some(format!("{}: in progress: {} of {planned} cells", self.dir.display(), self.cells.len()))
     }
 
-    /// The same run judged by the pixels with n·v from `lo` to `hi` alone; `None` where no cell has such bins. Bins are weighed by their pixels,
-    /// so that only metrics that are means over pixels keep their meaning. Noise floors are not known by bin.
+    /// The run scored by the pixels with n·v from `lo` to `hi` alone; `None` without bins. Bins are weighted by their pixels, so only metrics
+    /// that are means over pixels keep their meaning. There are no noise floors.
     pub fn seen_at(&self, [lo, hi]: [f64; 2]) -> Option<Self> {
         let cell = |cell: &FinishedCell| {
             let own: Vec<&Bin> =
@@ -194,18 +179,18 @@ impl Finished {
         has_bins.then(|| Self { cells: self.cells.iter().map(cell).collect(), ..self.clone() })
     }
 
-    /// Whether images are pictures; those of a design mean nothing to a reader.
+    /// Whether some image is a picture rather than a design.
     pub fn has_pictures(&self) -> bool {
         self.cells.iter().any(|cell| !crate::scene::is_design(&cell.point[SCENE].to_string()))
     }
 
-    /// Whether times come from a driver that computes on the CPU.
+    /// Whether times come from a CPU driver.
     pub fn is_cpu_timed(&self) -> bool {
         self.timings.iter().any(|record| record.device_type == "cpu")
     }
 }
 
-/// The point whose axes have these texts, in the order of [`AXES`]; a text that an axis does not take leaves it unset.
+/// The point with these texts by axis; an invalid text leaves its axis unset.
 fn point_of(text: impl Fn(&'static str) -> Option<String>) -> Point {
     Point(
         AXES.iter()

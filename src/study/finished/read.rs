@@ -1,6 +1,6 @@
-//! A finished run from the files of its folder, published or not. The tables are parsed here and nowhere else.
+//! Reads a finished run from its folder, published or not.
 
-use super::{Bin, CellImages, Finished, FinishedCell, Light, MetricValues, StepRow, Stop, point_of};
+use super::{Bin, CellImages, Finished, FinishedCell, Light, MetricValues, StepRow, point_of};
 use crate::experiment::config::Config;
 use crate::experiment::fault::Faults;
 use crate::experiment::inputs::load_methods;
@@ -8,27 +8,27 @@ use crate::experiment::value::Value;
 use crate::files::read_regular;
 use crate::metrics::BiasVariance;
 use crate::run::columns::FAILED;
-use crate::run::environments::LUMINANCE_COLUMNS;
 use crate::run::frozen::EXPERIMENT_FILE;
 use crate::run::provenance::{self, EXPERIMENT_FOLDER, PROVENANCE_FILE, ProvenanceError, SET_FOLDER};
-use crate::run::store::{StopReason, Store, StoreError, TIMINGS_FOLDER};
-use crate::run::tables::{HEADLINE, REFERENCE_COLUMNS};
+use crate::run::store::{
+    CELLS_FOLDER, Exact, FAILED_FOLDER, ReferenceStop, StopReason, Store, StoreError, TIMINGS_FOLDER,
+};
+use crate::run::tables::HEADLINE;
 use crate::spelling::printable;
 use crate::table::csv::{Row, TableError, TableRows};
 use serde_json::Value as Json;
 use std::collections::{BTreeSet, HashMap, HashSet};
 use std::path::{Path, PathBuf};
 
-/// Why a folder cannot be reported.
 #[derive(Debug, thiserror::Error)]
 pub enum FinishedError {
     #[error("{}: is a file; expected the folder of a run of `splitsum run`", dir.display())]
     NotAFolder { dir: PathBuf },
     #[error("{}: has no {file}; expected the folder of a run of `splitsum run`", dir.display())]
     NotARun { dir: PathBuf, file: &'static str },
-    #[error("{}: the run was stopped before its first table; to go on run the same command again: {command}", dir.display())]
+    #[error("{}: the run was stopped before its first table; to continue, run: {command}", dir.display())]
     Unfinished { dir: PathBuf, command: String },
-    #[error("{}: a run is under way in it and has written no table yet; expected one a few seconds after its first cell", dir.display())]
+    #[error("{}: the run in progress has not written a table yet; try again a few seconds after its first cell", dir.display())]
     NoTableYet { dir: PathBuf },
     #[error(transparent)]
     Provenance(#[from] ProvenanceError),
@@ -38,15 +38,14 @@ pub enum FinishedError {
     Store(#[from] StoreError),
     #[error(transparent)]
     Table(#[from] TableError),
-    #[error("{}: {what}; expected the table as `splitsum run` wrote it, which writes it anew from its records", path.display())]
+    #[error("{}: {what}; repeat `splitsum run` to regenerate the table from its records", path.display())]
     Damaged { path: PathBuf, what: String },
 }
 
 impl Finished {
-    /// Reads everything but the images themselves. Tables that were emptied or cut off are refused: their answers would be wrong, and
-    /// would replace right ones.
+    /// Reads everything but the images. Empty or truncated tables are refused: their answers would be wrong.
     pub fn read(dir: &Path) -> Result<Self, FinishedError> {
-        // Asked first: a run that ends meanwhile leaves a whole folder.
+        // Checked first, in case the run ends meanwhile.
         let is_under_way = Store::at(dir).is_under_way();
         let provenance = provenance(dir)?;
         let table = |name: &str| {
@@ -79,7 +78,7 @@ impl Finished {
             cells,
             lights: table("environments.csv")?.map_or_else(|| Ok(Vec::new()), lights)?,
             timings: of_store(dir, TIMINGS_FOLDER, Store::timing)?,
-            failures: of_store(dir, "failed", Store::failure)?,
+            failures: of_store(dir, FAILED_FOLDER, Store::failure)?,
             provenance,
             experiment,
             is_under_way,
@@ -89,18 +88,15 @@ impl Finished {
 }
 
 fn metrics(row: &Row, suffix: &str) -> MetricValues {
-    MetricValues::of(|name| match suffix {
-        "" => row.number(name),
-        _ => row.number(&format!("{name}{suffix}")),
-    })
+    MetricValues::of(|name| row.number(&format!("{name}{suffix}")))
 }
 
-/// The cells of `errors.csv`, without what other tables tell.
+/// The cells of `errors.csv`, without the data of other tables.
 fn cells(errors: &mut TableRows, images: &mut HashMap<String, CellImages>) -> Result<Vec<FinishedCell>, FinishedError> {
     check_head(errors)?;
     ["cell", "verdict", HEADLINE].iter().try_for_each(|name| errors.needs(name))?;
     let mut cells = Vec::new();
-    // A text is one of few: each is kept once.
+    // Equal texts are stored once.
     let mut texts: HashMap<String, Value> = HashMap::new();
     errors.each(|row| {
         row.checked_number(HEADLINE)?;
@@ -129,7 +125,7 @@ fn cells(errors: &mut TableRows, images: &mut HashMap<String, CellImages>) -> Re
     Ok(cells)
 }
 
-/// Adds the rows of `errors_by_n_dot_v.csv` to their cells. Every cell with a score has some, unless a run is adding to the table.
+/// Adds the rows of `errors_by_n_dot_v.csv` to their cells. Every cell with a score has some, unless the run is in progress.
 fn bins(
     mut table: TableRows,
     cells: &mut [FinishedCell],
@@ -178,29 +174,28 @@ fn step(row: &Row) -> Option<StepRow> {
     })
 }
 
-fn stop(row: &Row) -> Option<Stop> {
-    let [samples, error, by] = REFERENCE_COLUMNS;
+fn stop(row: &Row) -> Option<ReferenceStop> {
     let reasons = [StopReason::Samples, StopReason::RelativeError];
-    let by = row.text(by)?;
-    Some(Stop {
-        samples: row.number(samples)? as u64,
-        relative_error: row.number(error)?,
+    let by = row.text("reference_stopped_by")?;
+    Some(ReferenceStop {
+        samples: row.number("reference_samples")? as u64,
+        relative_error: Exact(row.number("reference_relative_error")?),
         stopped_by: reasons.into_iter().find(|reason| reason.name() == by)?,
     })
 }
 
 fn lights(mut table: TableRows) -> Result<Vec<Light>, FinishedError> {
-    let light = |row: Row| {
-        Some(Light {
-            environment: row.text("environment")?.to_owned(),
-            clip_log2: row.text("environment_clip_log2").unwrap_or_default().to_owned(),
-            mean: row.number(LUMINANCE_COLUMNS[0])?,
-            peak: row.number(LUMINANCE_COLUMNS[1])?,
-        })
-    };
     let mut lights = Vec::new();
     table.each(|row| {
-        lights.extend(light(row));
+        let light = |environment: &str| {
+            Some(Light {
+                environment: environment.to_owned(),
+                clip_log2: row.text("environment_clip_log2").unwrap_or_default().to_owned(),
+                mean: row.number("mean_luminance")?,
+                peak: row.number("peak_luminance")?,
+            })
+        };
+        lights.extend(row.text("environment").and_then(light));
         Ok(())
     })?;
     Ok(lights)
@@ -214,8 +209,8 @@ fn check_head(table: &TableRows) -> Result<(), FinishedError> {
     if table.columns().is_empty() { Err(damaged(table, "the file is empty".to_owned())) } else { Ok(()) }
 }
 
-/// The frozen experiment, where this program still understands it. Methods in files are read again where the files still are: what they
-/// depend on decides which questions can be answered.
+/// The experiment; `None` if this program does not understand it. Methods in files are loaded if the files still exist, since their
+/// parameters decide which questions can be answered.
 fn config(dir: &Path, experiment: &str, provenance: &Json) -> Option<Config> {
     let overrides = provenance["overrides"].as_array().into_iter().flatten();
     let overrides: Vec<String> = overrides.filter_map(|text| Some(text.as_str()?.to_owned())).collect();
@@ -230,7 +225,6 @@ fn config(dir: &Path, experiment: &str, provenance: &Json) -> Option<Config> {
     is_understood.then_some(config)
 }
 
-/// A run that left no table, with the command that makes one.
 fn unfinished(dir: &Path, provenance: &Json) -> FinishedError {
     match last_command(provenance) {
         Some(command) => FinishedError::Unfinished { dir: dir.to_owned(), command },
@@ -238,14 +232,13 @@ fn unfinished(dir: &Path, provenance: &Json) -> FinishedError {
     }
 }
 
-/// What the user typed last to work on the run.
+/// The last command that worked on the run.
 pub(super) fn last_command(provenance: &Json) -> Option<String> {
     let words = provenance["sessions"].as_array()?.last()?["command_line"].as_array()?;
     let words: Vec<&str> = words.iter().filter_map(serde_json::Value::as_str).collect();
     Some(words.join(" ")).filter(|command| !command.is_empty())
 }
 
-/// `provenance.json` of a run, published or not.
 pub fn provenance(dir: &Path) -> Result<Json, FinishedError> {
     if dir.is_file() {
         return Err(FinishedError::NotAFolder { dir: dir.to_owned() });
@@ -255,16 +248,16 @@ pub fn provenance(dir: &Path) -> Result<Json, FinishedError> {
 
 fn images(mut table: TableRows) -> Result<HashMap<String, CellImages>, FinishedError> {
     ["cell", "radiance", "reference"].iter().try_for_each(|name| table.needs(name))?;
-    // Joined to the folder's path, and linked from a page: nothing but a name may get that far.
+    // Paths and links are made of it: only plain names are safe.
     let is_name =
         |text: &str| !text.contains(['/', '\\', ':']) && ![".", ".."].contains(&text) && printable(text) == text;
     let (mut found, mut stranger) = (HashMap::new(), None);
     table.each(|row| {
         let [cell, radiance, reference] =
             ["cell", "radiance", "reference"].map(|name| row.text(name).unwrap_or_default());
-        stranger = stranger
-            .take()
-            .or_else(|| [radiance, reference].into_iter().find(|name| !is_name(name)).map(str::to_owned));
+        if let Some(name) = [radiance, reference].into_iter().find(|name| !is_name(name)) {
+            stranger = Some(name.to_owned());
+        }
         found.insert(cell.to_owned(), CellImages { radiance: radiance.to_owned(), reference: reference.to_owned() });
         Ok(())
     })?;
@@ -274,7 +267,7 @@ fn images(mut table: TableRows) -> Result<HashMap<String, CellImages>, FinishedE
     }
 }
 
-/// Whether the table of errors is whole: each cell once, and, unless a run is adding to it, no fewer cells than the folder has records of.
+/// Checks that `errors.csv` has each cell once and, unless the run is in progress, every cell with a record.
 fn check_errors(
     dir: &Path,
     provenance: &Json,
@@ -290,27 +283,28 @@ fn check_errors(
     if is_under_way {
         return Ok(());
     }
-    // Records that cannot be read are none, but are only looked at where there seem to be too many.
+    // Unreadable records do not count, but are read only if there seem to be too many.
     let store = Store::at(dir);
-    let records: BTreeSet<String> = ["cells", "failed"].into_iter().flat_map(|folder| store.ids(folder)).collect();
+    let records: BTreeSet<String> =
+        [CELLS_FOLDER, FAILED_FOLDER].into_iter().flat_map(|folder| store.ids(folder)).collect();
     let is_record = |id: &&String| matches!(store.cell(id), Ok(Some(_))) || matches!(store.failure(id), Ok(Some(_)));
     let rows = cells.len();
     let records = if rows < records.len() { records.iter().filter(is_record).count() } else { records.len() };
     if rows < records {
-        return damaged(format!("{rows} rows, but the folder has records of {records} cells: it is cut off"));
+        return damaged(format!("{rows} rows, but the folder has records of {records} cells: the table is truncated"));
     }
-    // A published folder has no records. A run that was stopped before its first cell has no session that did work.
+    // A published folder has no records; a run stopped before its first cell has no session.
     let has_worked = provenance["sessions"].as_array().is_some_and(|sessions| !sessions.is_empty());
-    if rows == 0 && records == 0 && has_worked && !dir.join("cells").is_dir() && provenance["cell_count"] != 0 {
+    if rows == 0 && records == 0 && has_worked && !dir.join(CELLS_FOLDER).is_dir() && provenance["cell_count"] != 0 {
         return damaged("no rows".to_owned());
     }
     Ok(())
 }
 
-/// Largest file of a run that is read, bytes.
+/// Largest file, bytes.
 const MAX_FILE_BYTES: u64 = 1 << 30;
 
-/// The text of a file, or `None` when it does not exist.
+/// The text of a file; `None` if it does not exist.
 pub(super) fn text(path: &Path) -> Result<Option<String>, FinishedError> {
     match read_regular(path, MAX_FILE_BYTES).and_then(|bytes| String::from_utf8(bytes).map_err(std::io::Error::other)) {
         Ok(text) => Ok(Some(text)),
@@ -319,7 +313,7 @@ pub(super) fn text(path: &Path) -> Result<Option<String>, FinishedError> {
     }
 }
 
-/// The records of a folder, by file name. One that is damaged or another's, under a name of its own, is none, as for the run itself.
+/// The usable records of a folder, by file name.
 fn of_store<T>(
     dir: &Path,
     folder: &str,

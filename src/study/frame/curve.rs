@@ -1,5 +1,5 @@
-//! Error over sample count: one curve for each sampling method and case. A *case* is one setting of everything but method, sample count,
-//! point set and tone curve.
+//! Error over sample count: one curve per sampling method and case. A *case* is one setting of everything but method, sample count, point
+//! set and tone curve.
 
 use super::estimate::geometric_mean;
 use super::{Frame, Key, Row, by, distinct_in_order, fits};
@@ -11,11 +11,10 @@ use crate::table::csv::Cell;
 /// A sampling method in one case.
 #[derive(Clone, Debug)]
 pub struct Curve<'r, 'f> {
-    /// Its value of the axis `method`.
     pub method: Value,
     /// Values on the axes of cases.
     pub key: Key,
-    /// Ascending by count; at least one.
+    /// Ascending by sample count; at least one.
     pub points: Vec<CurvePoint<'r, 'f>>,
 }
 
@@ -25,38 +24,37 @@ pub struct CurvePoint<'r, 'f> {
     pub samples: u32,
     /// Geometric mean over the point sets.
     pub error: f64,
-    /// Whether every point set's error stands clear of the reference's noise.
+    /// Whether the errors of all point sets are resolved.
     pub is_resolved: bool,
-    /// One a point set; at least one.
+    /// One per point set; at least one.
     pub rows: Vec<&'r Row<'f>>,
 }
 
 impl<'r, 'f> Curve<'r, 'f> {
-    /// The row of the smallest count.
     pub fn first(&self) -> &'r Row<'f> {
         self.points[0].rows[0]
     }
 
-    /// Smallest and largest tried count.
+    /// Smallest and largest sample count.
     pub fn tried(&self) -> [u32; 2] {
         [&self.points[0], &self.points[self.points.len() - 1]].map(|point| point.samples)
     }
 }
 
 impl CurvePoint<'_, '_> {
-    /// Bias squared over mean square error, averaged over the point sets that tell.
+    /// Mean of [`Row::bias_share`] over the point sets that have one.
     pub fn bias_share(&self) -> Option<f64> {
         mean(self.rows.iter().filter_map(|row| row.bias_share()))
     }
 }
 
-/// Arithmetic mean; nothing for none.
+/// Arithmetic mean; `None` for no values.
 pub fn mean(values: impl IntoIterator<Item = f64>) -> Option<f64> {
     let values: Vec<f64> = values.into_iter().collect();
     (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)
 }
 
-/// The curves of these images, in their order. The reference itself, rendered for its times, is no competitor.
+/// The curves of these images, without the reference method, which may be rendered for its times.
 pub fn curves<'r, 'f>(frame: &Frame, images: &[&'r Row<'f>], axes: &[usize]) -> Vec<Curve<'r, 'f>> {
     let is_tested = |row: &Row| row.text(METHOD) != frame.shape.reference_method;
     let sampled = images.iter().copied().filter(|row| row.samples().is_some() && is_tested(row));
@@ -71,7 +69,7 @@ pub fn curves<'r, 'f>(frame: &Frame, images: &[&'r Row<'f>], axes: &[usize]) -> 
     groups.filter_map(curve).collect()
 }
 
-/// The images of methods that draw no samples a pixel.
+/// The images of methods without samples.
 pub fn without_samples<'r, 'f>(images: &[&'r Row<'f>]) -> Vec<&'r Row<'f>> {
     images.iter().copied().filter(|row| row.samples().is_none() && !row.has_no_method()).collect()
 }
@@ -89,10 +87,10 @@ fn points<'r, 'f>(frame: &Frame, rows: &[&'r Row<'f>]) -> Vec<CurvePoint<'r, 'f>
     counts.into_iter().filter_map(point).collect()
 }
 
-/// A sampling method beside one without samples in one case.
+/// A sampling method and one without samples in one case.
 #[derive(Clone, Debug)]
 pub struct Beside<'r, 'f> {
-    /// Values on the axes of cases; an axis that one of the two does not use is that of the other.
+    /// Values on the axes of cases, from the method that uses them.
     pub key: Key,
     pub curve: Curve<'r, 'f>,
     pub fixed: &'r Row<'f>,
@@ -101,7 +99,7 @@ pub struct Beside<'r, 'f> {
 }
 
 impl Beside<'_, '_> {
-    /// Values of the case on any axes, as cells of a table; an axis that one of the two does not use is the other's.
+    /// Cells of the case on any axes, from the method that uses them.
     pub fn cells(&self, axes: &[usize]) -> Vec<Cell> {
         let [first, second] = [self.curve.first(), self.fixed].map(|row| row.key(axes));
         let key: Key = first.into_iter().zip(second).map(|(a, b)| if a == Value::Unset { b } else { a }).collect();
@@ -114,7 +112,7 @@ impl Beside<'_, '_> {
     }
 }
 
-/// Each curve beside each image of a method without samples that agrees with it, in the order of the rows.
+/// Pairs each curve with the images of methods without samples in the same case, in the order of the rows.
 pub fn beside<'r, 'f>(frame: &Frame, images: &[&'r Row<'f>], axes: &[usize]) -> Vec<Beside<'r, 'f>> {
     let fixed = without_samples(images);
     let mut found = Vec::new();

@@ -1,6 +1,5 @@
-//! Straight lines through points, by least squares, and Student's t.
+//! Least-squares lines, and Student's t.
 
-/// A line with the uncertainty of its slope.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Line {
     pub slope: f64,
@@ -8,11 +7,11 @@ pub struct Line {
     pub standard_error: f64,
 }
 
-/// Fewer points than this have no residual to take a standard error from.
+/// Fewer points have no residual.
 pub const POINTS_MIN: usize = 3;
 
 impl Line {
-    /// The line of least squares; `None` below [`POINTS_MIN`] points, with points that are not finite, or with one x only.
+    /// `None` below [`POINTS_MIN`] points, for points that are not finite, or for a single x.
     pub fn of(points: &[[f64; 2]]) -> Option<Self> {
         if points.len() < POINTS_MIN || points.iter().flatten().any(|x| !x.is_finite()) {
             return None;
@@ -33,7 +32,7 @@ impl Line {
 
 /// Two-sided 95 % quantiles of Student's t for 1 to 10 degrees of freedom; beyond, [`NORMAL_95`] with two corrections.
 const T_95: [f64; 10] = [12.706, 4.303, 3.182, 2.776, 2.571, 2.447, 2.365, 2.306, 2.262, 2.228];
-/// That of the normal distribution.
+/// Two-sided 95 % quantile of the normal distribution.
 pub const NORMAL_95: f64 = 1.960;
 
 /// Two-sided 95 % quantile of Student's t; infinite without a degree of freedom.

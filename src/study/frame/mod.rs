@@ -1,6 +1,6 @@
-//! The frame: the images of one run as typed rows, and the few ways to group, pair and sum them up.
+//! The images of one run as typed rows, and ways to group and pair them.
 //!
-//! Every question is answered from a frame. A row is one distinct linear image at one tone curve. Statistics are in [`estimate`].
+//! Every question is answered from a frame. A row is one distinct linear image at one tone curve.
 
 pub mod curve;
 pub mod estimate;
@@ -17,7 +17,7 @@ use crate::experiment::axis::{
     ALPHA, AXES, BRDF, DIFFUSE_METHOD, ENVIRONMENT, ENVIRONMENT_CLIP, F0, METHOD, Part, Point, SAMPLES, SCENE, index_of,
 };
 use crate::experiment::value::Value;
-use crate::metrics::{HEADLINE, Metric, Space, Verdict, verdict};
+use crate::metrics::{HEADLINE, Metric, Space, VIEWS, Verdict, verdict};
 use crate::run::tables::DISPLAY_HEADLINE;
 use crate::scene::is_design;
 use crate::shade::NONE;
@@ -25,19 +25,18 @@ use crate::table::csv::Cell;
 use indexmap::IndexMap;
 use std::collections::{HashMap, HashSet};
 
-/// Mean FLIP from which on a difference counts as visible: a convention of this project, since FLIP's authors give none.
+/// Mean FLIP of a visible difference: a convention of this project, since FLIP's authors give none.
 pub const VISIBLE_FROM: f64 = 0.05;
 
 /// Values on some axes; an axis that does not reach the pixels is unset.
 pub type Key = Vec<Value>;
 
-/// One image.
 #[derive(Clone, Debug)]
 pub struct Row<'f> {
     pub cell: &'f FinishedCell,
     /// Other cells with the same pixels, by id.
     pub copies: Vec<&'f str>,
-    /// The cell's point with every axis unset that cannot reach its pixels, and equal lights written alike.
+    /// The cell's point without axes that cannot change its pixels, and with equal lights written alike.
     pub point: Point,
 }
 
@@ -46,20 +45,19 @@ pub struct Frame<'f> {
     pub run: &'f Finished,
     pub shape: Shape,
     pub rows: Vec<Row<'f>>,
-    /// The metric of the run's questions.
     pub metric: &'static dyn Metric,
     pub names: Names,
-    /// The axis whose values make the rows of a digest, if the experiment names one.
+    /// The axis of the rows of a digest, if the experiment names one.
     by: Option<usize>,
 }
 
-/// The axis of that name, as an index of [`AXES`]. For names that this program wrote itself.
+/// The axis of a known name, as an index of [`AXES`].
 pub fn axis(name: &str) -> usize {
     index_of(name).unwrap_or_else(|| panic!("{name} is not an axis"))
 }
 
 impl<'f> Frame<'f> {
-    /// The frame of a run, judged by the metric of that name, else by the experiment's own.
+    /// The frame of a run with the metric of that name, else the experiment's own.
     pub fn new(run: &'f Finished, metric_name: Option<&str>) -> Self {
         let own = run.config.as_ref().map_or(HEADLINE, |config| config.metric);
         let metric = <dyn Metric>::listed(metric_name.unwrap_or(own));
@@ -67,42 +65,40 @@ impl<'f> Frame<'f> {
         Self { shape: Shape::of_rows(run, &rows), run, rows, metric, names: Names::of(run), by: None }
     }
 
-    /// The frame with digests by this axis, if there is one.
+    /// Sets the axis of the rows of digests.
     pub fn told_by(self, by: Option<usize>) -> Self {
         Self { by, ..self }
     }
 
-    /// The frame of another run or metric with the digests of this one.
+    /// A frame of another run or metric with the same rows of digests.
     pub fn like<'g>(&self, run: &'g Finished, metric: &str) -> Frame<'g> {
         Frame::new(run, Some(metric)).told_by(self.by)
     }
 
-    /// The axis whose values make the rows of digests and the steps of figures: alpha, unless the experiment names another one.
+    /// The axis of the rows of digests and the steps of figures: alpha, unless the experiment names another one.
     pub fn row_axis(&self) -> usize {
         self.by.unwrap_or(ALPHA)
     }
 
-    /// The name of the metric: a column of every table.
     pub fn metric_name(&self) -> &'static str {
         self.metric.description().name
     }
 
-    /// The error of a row ([`Metric::error`]): lower is better, whatever the metric. Nothing for a failed cell.
+    /// The error of a row ([`Metric::error`]): lower is better. `None` for a failed cell.
     pub fn error(&self, row: &Row) -> Option<f64> {
         Some(self.metric.error(self.score(row)?))
     }
 
-    /// The score of a row, as the metric defines it.
     pub fn score(&self, row: &Row) -> Option<f64> {
         row.score(self.metric_name())
     }
 
-    /// The score that an exact image would have against the row's reference.
+    /// Expected score of an exact image.
     pub fn noise_floor(&self, row: &Row) -> Option<f64> {
         row.cell.noise_floors.get(self.metric_name())
     }
 
-    /// Whether the error stands clear of the reference's own noise. Metrics without a floor are taken at their word.
+    /// Whether the error is resolved against the reference's noise; always, for metrics without a noise floor.
     pub fn is_resolved(&self, row: &Row) -> bool {
         match (self.score(row), self.noise_floor(row)) {
             (Some(error), Some(floor)) => verdict(self.metric, error, floor) == Verdict::Resolved,
@@ -110,7 +106,6 @@ impl<'f> Frame<'f> {
         }
     }
 
-    /// The error over the pixels of a bin.
     pub fn bin_error(&self, bin: &Bin) -> Option<f64> {
         Some(self.metric.error(bin.scores.get(self.metric_name())?))
     }
@@ -120,20 +115,20 @@ impl<'f> Frame<'f> {
         (0..AXES.len()).filter(|&i| parts.contains(&AXES[i].part) && self.shape.is_swept(i)).collect()
     }
 
-    /// Swept axes that tell cases apart for a comparison of methods: all but method, samples, point sets and the tone curve.
+    /// Swept axes that distinguish cases: all but method, samples, point sets and the tone curve.
     pub fn case_axes(&self) -> Vec<usize> {
         let own = self.swept(&[Part::Case, Part::Parameter, Part::Table, Part::Method]);
         own.into_iter().filter(|axis| *axis != METHOD).collect()
     }
 
-    /// The axes of every answer's table, swept or not: those that tell cases apart, and what an error depends on most.
+    /// The axes of answer tables: those of cases, and the ones that matter most, swept or not.
     pub fn table_axes(&self) -> Vec<usize> {
         let (own, always) = (self.case_axes(), [ENVIRONMENT, BRDF, ALPHA, F0]);
         (0..AXES.len()).filter(|axis| own.contains(axis) || always.contains(axis)).collect()
     }
 
-    /// Scenes that tell nothing in the metric of the questions: beside a design, pictures in a metric of radiance, since they prefer parts
-    /// of the map; the design in a metric of what is seen, since its pixels are no picture.
+    /// Scenes without meaning for the metric: beside a design, pictures in a metric of radiance, since they prefer parts of the map; the
+    /// design in a metric of display images, since it is not a picture.
     fn silent_scenes(&self) -> Vec<Value> {
         let scenes = distinct_in_order(self.rows.iter().map(|row| row.point[SCENE].clone()));
         let (designs, pictures): (Vec<_>, Vec<_>) = scenes.into_iter().partition(|scene| is_design(&scene.to_string()));
@@ -144,13 +139,13 @@ impl<'f> Frame<'f> {
         }
     }
 
-    /// Whether the metric is of what is seen, and every scene a design.
+    /// Whether the metric needs pictures but every scene is a design.
     pub fn has_no_picture(&self) -> bool {
         self.metric.description().space == Space::Display
             && self.rows.iter().all(|row| is_design(&row.point[SCENE].to_string()))
     }
 
-    /// Rows with scores, each linear image once: of rows that differ in the tone curve only, the one with the plain curve, else the first.
+    /// Rows with scores, each linear image once: with the default tone curve, else the first.
     pub fn images(&self) -> Vec<&Row<'f>> {
         let silent = self.silent_scenes();
         let mut places: HashMap<Key, usize> = HashMap::new();
@@ -172,22 +167,29 @@ impl<'f> Frame<'f> {
         images
     }
 
-    /// What is said beside times of a driver that computes on the CPU; empty for others.
+    /// The run as seen at each band of n·v, if all images are of designs: with a camera n·v is tied to a place on the map.
+    pub fn views(&self, images: &[&Row]) -> Vec<([f64; 2], Finished)> {
+        let is_asked = images.iter().all(|row| is_design(&row.text(SCENE)));
+        let seen = |seen: &[f64; 2]| Some((*seen, self.run.seen_at(*seen)?));
+        VIEWS.iter().filter(|_| is_asked).filter_map(seen).collect()
+    }
+
+    /// A remark on times of a CPU driver; else empty.
     pub fn cpu_words(&self) -> &'static str {
         if self.run.is_cpu_timed() { " on this CPU driver" } else { "" }
     }
 
-    /// The axes of [`Frame::way`]: method and sample count; where no row has a specular term, the diffuse method.
+    /// The axes of [`Frame::way`]: method and sample count; without any specular term, the diffuse method.
     pub fn way_axes(&self) -> Vec<usize> {
         if self.shape.methods().next().is_some() { vec![METHOD, SAMPLES] } else { vec![DIFFUSE_METHOD] }
     }
 
-    /// Whether a row shows none of the terms that [`Frame::way`] tells of: it is there for scale.
+    /// Whether a row has none of the compared terms.
     pub fn is_nothing(&self, row: &Row) -> bool {
         self.way(row) == NONE
     }
 
-    /// How the image of a row is made: "sampled 16", "split-sum"; where no row has a specular term, the diffuse method.
+    /// How the image of a row is made: "sampled 16", "split-sum".
     pub fn way(&self, row: &Row) -> String {
         let texts: Vec<String> = self.way_axes().into_iter().map(|axis| row.text(axis)).collect();
         texts.join(" ").trim_end().to_owned()
@@ -195,27 +197,24 @@ impl<'f> Frame<'f> {
 }
 
 impl Row<'_> {
-    /// Its values on these axes.
     pub fn key(&self, axes: &[usize]) -> Key {
         axes.iter().map(|&axis| self.point[axis].clone()).collect()
     }
 
-    /// Its values on these axes, as cells of a table.
     pub fn cells(&self, axes: &[usize]) -> Vec<Cell> {
         axis_cells(axes, &self.key(axes))
     }
 
-    /// The value on an axis, as text for tables.
     pub fn text(&self, axis: usize) -> String {
         self.point[axis].to_string()
     }
 
-    /// The score in a metric; nothing for a failed cell.
+    /// `None` for a failed cell.
     pub fn score(&self, metric: &str) -> Option<f64> {
         self.cell.scores.as_ref()?.get(metric)
     }
 
-    /// Samples a pixel, for a method that draws some.
+    /// Samples per pixel of a sampled method.
     pub fn samples(&self) -> Option<u32> {
         match self.point[SAMPLES] {
             Value::Count(count) => Some(count),
@@ -223,7 +222,7 @@ impl Row<'_> {
         }
     }
 
-    /// Whether the axes of the tone curve stand at their defaults.
+    /// Whether the tone curve is the default.
     pub fn has_plain_curve(&self) -> bool {
         let values = AXES.iter().zip(&self.point.0);
         values.filter(|(axis, _)| axis.part == Part::Display).all(|(axis, value)| *value == (axis.default)())
@@ -234,28 +233,27 @@ impl Row<'_> {
         self.score(DISPLAY_HEADLINE)
     }
 
-    /// Whether the row has no specular term.
     pub fn has_no_method(&self) -> bool {
         self.text(METHOD) == NONE
     }
 
-    /// Bias squared over bias squared plus variance, where both were estimated.
+    /// Squared bias over squared bias plus variance, with `[bias_variance]`.
     pub fn bias_share(&self) -> Option<f64> {
         let [bias, variance] = self.cell.bias_variance?;
         Some(bias / (bias + variance)).filter(|share| share.is_finite())
     }
 }
 
-/// Whether two keys agree; an axis that one of the two does not use fits any value.
+/// Whether two keys agree; an unset value fits any value.
 pub fn fits(a: &[Value], b: &[Value]) -> bool {
     a.iter().zip(b).all(|(a, b)| a == b || *a == Value::Unset || *b == Value::Unset)
 }
 
-/// Rows that agree on some axes, each group with its key, in the order of the rows. A row that does not use an axis stands in every group
-/// that it does not contradict.
+/// Groups rows that agree on some axes, in the order of the rows. A row that does not use an axis is in every group that it does not
+/// contradict.
 pub fn by<'r, 'f>(rows: &[&'r Row<'f>], axes: &[usize]) -> Vec<(Key, Vec<&'r Row<'f>>)> {
     let mut groups: Vec<(Key, Vec<usize>)> = grouped(0..rows.len(), |&row| rows[row].key(axes));
-    // The keys with the same unset axes, by their other values: what lies within a key is looked up, since a run may have a key a row.
+    // Keys by their set axes and values, to look up the keys within a key: a run may have a key per row.
     let mut partial: HashMap<Vec<bool>, HashMap<Vec<&Value>, usize>> = HashMap::new();
     for (place, (key, _)) in groups.iter().enumerate() {
         let is_set: Vec<bool> = key.iter().map(|value| *value != Value::Unset).collect();
@@ -285,8 +283,8 @@ pub fn by<'r, 'f>(rows: &[&'r Row<'f>], axes: &[usize]) -> Vec<(Key, Vec<&'r Row
     whole.map(group).collect()
 }
 
-/// Each row with another value on an axis beside the row that has the base there and agrees on all other axes. An axis that one of the two
-/// does not use stands at its default in the other, or at its first value where the default was not run; sample counts must be equal.
+/// Pairs each row with the row that has the base value on an axis and agrees on all others. If only one of two rows uses an axis, it must
+/// have the default there, or the first value if the default was not run; sample counts must be equal.
 pub fn pair<'r, 'f>(rows: &[&'r Row<'f>], axis: usize, base: &Value) -> Vec<(&'r Row<'f>, &'r Row<'f>)> {
     let run: Vec<Vec<Value>> = (0..AXES.len()).map(|of| distinct_in_order(set_values(rows, of))).collect();
     let usual = |of: usize, row: &Row| {
@@ -308,18 +306,18 @@ pub fn pair<'r, 'f>(rows: &[&'r Row<'f>], axis: usize, base: &Value) -> Vec<(&'r
     others.filter_map(|row| Some((*row, **bases.iter().find(|other| agrees(row, other))?))).collect()
 }
 
-/// The values of rows on an axis, without the unset ones.
+/// The set values of rows on an axis.
 fn set_values(rows: &[&Row], axis: usize) -> Vec<Value> {
     rows.iter().map(|row| row.point.0[axis].clone()).filter(|value| *value != Value::Unset).collect()
 }
 
-/// Each value once, in the order of its first appearance.
+/// Each value once, in order of appearance.
 pub fn distinct_in_order<T: Clone + Eq + std::hash::Hash>(values: impl IntoIterator<Item = T>) -> Vec<T> {
     let mut seen = HashSet::new();
     values.into_iter().filter(|value| seen.insert(value.clone())).collect()
 }
 
-/// Items with equal keys together, in the order of their first appearance.
+/// Groups items with equal keys, in order of appearance.
 pub fn grouped<T, K: Eq + std::hash::Hash>(
     items: impl IntoIterator<Item = T>,
     key: impl Fn(&T) -> K,
@@ -329,38 +327,41 @@ pub fn grouped<T, K: Eq + std::hash::Hash>(
     groups.into_iter().collect()
 }
 
-/// The different values of some rows on an axis: numbers ascending, anything else in the order of the rows.
+/// The distinct values of rows on an axis, as [`ascending`].
 pub fn values<'r, 'f: 'r>(rows: impl IntoIterator<Item = &'r Row<'f>>, axis: usize) -> Vec<Value> {
     ascending(distinct_in_order(rows.into_iter().map(|row| row.point[axis].clone())))
 }
 
 /// Numbers ascending, anything else in the order given.
 pub fn ascending(mut values: Vec<Value>) -> Vec<Value> {
-    values.sort_by(|a, b| a.size().partial_cmp(&b.size()).unwrap_or(std::cmp::Ordering::Equal));
+    values.sort_by(by_size);
     values
 }
 
-/// Groups by the value of their rows on an axis, ascending.
+/// Groups items by the value of their row on an axis, ascending.
 pub fn grouped_ascending<'r, 'f: 'r, T>(
     items: impl IntoIterator<Item = T>,
     of: usize,
     row: impl Fn(&T) -> &'r Row<'f>,
 ) -> Vec<(Value, Vec<T>)> {
     let mut groups = grouped(items, |item| row(item).point[of].clone());
-    groups.sort_by(|(a, _), (b, _)| a.size().partial_cmp(&b.size()).unwrap_or(std::cmp::Ordering::Equal));
+    groups.sort_by(|(a, _), (b, _)| by_size(a, b));
     groups
 }
 
-/// The cells with each distinct image once. Of equal images the first with a score stands for all.
+fn by_size(a: &Value, b: &Value) -> std::cmp::Ordering {
+    a.size().partial_cmp(&b.size()).unwrap_or(std::cmp::Ordering::Equal)
+}
+
+/// Each distinct image once; of equal images the first with a score.
 fn distinct(run: &Finished) -> Vec<Row<'_>> {
-    // Two clips above the peak leave the same light: the first stands for both.
+    // Two clips above the peak are the same light: the first replaces both.
     let mut clips: HashMap<(Value, [u64; 2]), Value> = HashMap::new();
     let mut places: HashMap<Key, usize> = HashMap::new();
     let mut rows: Vec<Row> = Vec::new();
     for cell in &run.cells {
         let light = run.light(&cell.point);
-        // What only lights use is unset already where there are none.
-        // Without its methods nothing is known of what reaches the pixels.
+        // Without methods it is unknown what changes the pixels.
         let is_whole = [METHOD, DIFFUSE_METHOD].iter().all(|&axis| cell.point[axis] != Value::Unset);
         let mut point = if is_whole { cell.point.of_pixels(true) } else { cell.point.clone() };
         if let Some(light) = light {

@@ -1,4 +1,4 @@
-//! The shape of an experiment: which values each axis has. Says which questions it can serve, before anything is rendered.
+//! The values of each axis of an experiment, which decide before rendering which questions it can answer.
 
 use super::Row;
 use crate::experiment::axis::{AXES, METHOD, Terms};
@@ -8,21 +8,18 @@ use crate::shade::{METHODS, Method};
 use crate::spelling::Listed;
 use crate::study::finished::Finished;
 
-/// The values of every axis, and which further parts an experiment has.
 #[derive(Clone, Debug)]
 pub struct Shape {
-    /// Distinct set values by index of `AXES`, in the order of the experiment.
+    /// Distinct set values by axis, in the order of the experiment.
     pub values: Vec<Vec<Value>>,
     pub has_timing: bool,
     pub has_ladder: bool,
-    /// Name of the method that judges.
     pub reference_method: String,
-    /// Whether the reference has all terms, whatever the cell has; taken for granted where the experiment is not known.
+    /// Whether the reference always has all terms; assumed if the experiment is unknown.
     pub judges_all_terms: bool,
 }
 
 impl Shape {
-    /// Of an experiment as written.
     pub fn of_config(config: &Config) -> Self {
         let values = |axis: usize| match config.axes.iter().find(|sweep| sweep.axis == axis) {
             Some(sweep) => super::distinct_in_order(sweep.values.iter().map(|placed| placed.value.clone())),
@@ -31,7 +28,6 @@ impl Shape {
         Self::with(config, (0..AXES.len()).map(values).collect())
     }
 
-    /// Of the cells of a run.
     pub fn of_rows(run: &Finished, rows: &[Row]) -> Self {
         let of_axis = |axis: usize| rows.iter().map(move |row: &Row| row.point.0[axis].clone());
         let values = (0..AXES.len()).map(|axis| super::distinct_in_order(of_axis(axis))).collect();
@@ -57,12 +53,11 @@ impl Shape {
         }
     }
 
-    /// Whether an axis has more than one value.
     pub fn is_swept(&self, axis: usize) -> bool {
         self.values[axis].len() > 1
     }
 
-    /// The methods with a specular term: listed ones in the order of their list, then those in files.
+    /// The methods with a specular term: built-in ones in the order of their list, then those in files.
     pub fn methods(&self) -> impl Iterator<Item = &'static Method> {
         let mut methods: Vec<_> =
             self.values[METHOD].iter().filter_map(|value| Method::by_name(value.text())).collect();

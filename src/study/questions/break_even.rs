@@ -1,36 +1,32 @@
-//! From how many samples a pixel on is sampling closer to the reference than a method without samples?
+//! How many samples per pixel does sampling need to beat a method without samples?
 //!
-//! A *case* is one setting of everything but method, sample count, point set and tone curve. In a case let e(N) be the error of a sampling
-//! method with N samples (geometric mean over point sets) and f the error of the method without samples. The *break-even* is the smallest
-//! tried N such that e(M) < f for every tried M >= N. A count that wins while a larger one loses does not count: it was luck. The
-//! *crossing* is where log e over log N meets log f between two tried counts; it is interpolated, the break-even is measured.
+//! In a case let e(N) be the error of a sampling method with N samples (geometric mean over point sets) and f the error of the method without
+//! samples. The *break-even* is the smallest tried N with e(M) < f for every tried M >= N: a win at one count and a loss at a larger one was
+//! luck. The *crossing* is where log e over log N meets log f, interpolated between two tried counts.
 //!
-//! So does the angle of view: at grazing views the split sum errs most, so that few samples beat it. On the scene `design` each band of n·v has
-//! its own answer, by the mean of its bins.
-//!
-//! Models and alphas oppose each other (ggx 256 where beckmann needs 8), so each has its own answer, as has each value of swept tables and
-//! parameters: the median over environments of the
-//! crossing, rounded up to a tried count, with "above the largest tried count" last. Its interval is rounded alike: it may hold the truth
-//! more often than it says, as counts move in steps.
+//! At grazing views the split sum errs most, so that few samples beat it: on the scene `design` each band of n·v has its own answer, by the
+//! mean of its bins. Models and alphas also differ (ggx 256 where beckmann needs 8), so each has its own answer, as has each value of swept
+//! tables and parameters: the median crossing over environments, rounded up to a tried count, with "above the largest tried count" last. Its
+//! interval is rounded likewise, so it may cover more than 95 %.
 
 use super::prelude::*;
 use super::{FIXED, SAMPLED};
-use crate::metrics::VIEWS;
+use crate::study::finished::Finished;
 use crate::study::frame::curve::{Beside, beside};
 
 pub const QUESTION: Question = Question {
     name: "break-even",
-    asks: "From how many samples a pixel on is sampling closer to the reference than a method without samples?",
+    asks: "How many samples per pixel does sampling need to beat a method without samples?",
     columns: &[
-        column("n_dot_v_from", "Pixels with n·v from here; 0 with `n_dot_v_to` 1 is the whole image."),
-        column("n_dot_v_to", "To here. Only the scene `design` is told by n·v: there each band sees the whole map."),
+        SEEN_FROM,
+        SEEN_TO,
         SAMPLED,
         FIXED,
-        column("break_even", "Least tried count from which on sampling errs less; empty above the largest tried."),
+        column("break_even", "Smallest tried count from which sampling errs less; empty above the largest tried."),
         column("largest_tried", "Largest tried sample count."),
-        column("crossing", "Sample count at which the two errors meet, interpolated; empty where they do not."),
+        column("crossing", "Sample count at which both errors are equal, interpolated; empty if they never are."),
         column("fixed_error", "Error of the method without samples, in the metric of the question."),
-        column("is_resolved", "1 where both errors at the break-even stand clear of the reference's noise, else 0."),
+        column("is_resolved", "1 if both errors at the break-even are resolved against the reference's noise, else 0."),
     ],
     lacks,
     answer,
@@ -39,14 +35,14 @@ pub const QUESTION: Question = Question {
 
 pub(super) fn lacks(shape: &Shape) -> Option<&'static str> {
     match () {
-        () if !shape.methods().any(|method| method.uses_samples) => Some("axes.method has no method that samples"),
+        () if !shape.methods().any(|method| method.uses_samples) => Some("axes.method has no sampling method"),
         () if shape.methods().all(|method| method.uses_samples) => Some("axes.method has no method without samples"),
         () if !shape.is_swept(SAMPLES) => Some("axes.samples has fewer than two counts"),
         () => None,
     }
 }
 
-/// A case of two methods or more counts.
+/// A case of two methods.
 pub(super) struct Case<'r, 'f> {
     pub of: Beside<'r, 'f>,
     /// `None`: above the largest tried count.
@@ -54,7 +50,7 @@ pub(super) struct Case<'r, 'f> {
 }
 
 impl Case<'_, '_> {
-    /// By log-log interpolation on the segment that ends at the break-even.
+    /// Log-log interpolation on the segment that ends at the break-even.
     pub fn crossing(&self) -> Option<f64> {
         let points = &self.of.curve.points;
         let index = points.iter().position(|point| Some(point.samples) == self.break_even)?;
@@ -64,13 +60,12 @@ impl Case<'_, '_> {
         Some((x0 + y0 / (y0 - y1) * (x1 - x0)).exp()).filter(|n| n.is_finite())
     }
 
-    /// The crossing, where rounding up to a tried count gives the break-even, else that; infinite above the largest tried count.
+    /// The crossing, if rounding it up gives the break-even; else the break-even. Infinite above the largest tried count.
     pub fn number(&self, tried: &[u32]) -> f64 {
         let Some(count) = self.break_even.map(f64::from) else { return f64::INFINITY };
         self.crossing().filter(|n| up(*n, tried) == count).unwrap_or(count)
     }
 
-    /// Whether both errors stand clear of the reference's noise where they meet.
     fn is_resolved(&self, frame: &Frame) -> bool {
         let at = self.break_even.unwrap_or(self.of.curve.tried()[1]);
         let point = self.of.curve.points.iter().find(|point| point.samples == at);
@@ -78,7 +73,7 @@ impl Case<'_, '_> {
     }
 }
 
-/// The cases by pair of methods, in the order of the rows. A curve of one count meets nothing.
+/// The cases by pair of methods, in the order of the rows; only curves with several counts.
 pub(super) fn pairs<'r, 'f>(all: Vec<Beside<'r, 'f>>) -> Vec<([String; 2], Vec<Case<'r, 'f>>)> {
     let case = |of: Beside<'r, 'f>| {
         let wins = of.curve.points.iter().rev().take_while(|point| point.error < of.error);
@@ -98,7 +93,7 @@ fn answer(frame: &Frame) -> Option<Finding> {
     let scope = numbers.scope(frame);
     let groups = by_condition(frame, numbers);
     let views = views(frame, &images, &axes, &mut table);
-    let words = |middle: &Estimate| counted(middle.value, &tried) + &interval_words(middle, |n| counted(n, &tried));
+    let words = |middle: &Estimate| counted_words(middle, &tried);
     let of: Vec<usize> = conditions(frame).collect();
     let heads = frame.names.heads(&of);
     let rows: Vec<(Vec<Cell>, Numbers)> =
@@ -106,7 +101,7 @@ fn answer(frame: &Frame) -> Option<Finding> {
     let digest = if views.is_empty() {
         by_light(frame, &heads, &rows, &words)
     } else {
-        let names = heads.iter().map(|head| head.to_string()).chain(views.iter().map(View::head));
+        let names = heads.iter().map(|head| head.to_string()).chain(views.iter().map(|one| view(one.seen)));
         let mut digest = Table::with_names(names.chain(["all n·v".to_owned()]));
         for ((key, _), (head, own)) in groups.iter().zip(rows) {
             let by_view = views.iter().map(|view| Cell::from(view.median(key).map(|n| counted(n, &tried))));
@@ -135,7 +130,6 @@ fn add_cases(frame: &Frame, pairs: &[([String; 2], Vec<Case>)], seen: [f64; 2], 
     }
 }
 
-/// The break-even of one band of n·v.
 struct View {
     seen: [f64; 2],
     /// Medians over environments by condition.
@@ -143,10 +137,6 @@ struct View {
 }
 
 impl View {
-    fn head(&self) -> String {
-        format!("n·v {} to {}", self.seen[0], self.seen[1])
-    }
-
     fn median(&self, key: &Key) -> Option<f64> {
         self.medians.iter().find(|(own, _)| own == key).map(|(_, median)| *median)
     }
@@ -158,13 +148,9 @@ impl View {
     }
 }
 
-/// The answers by n·v, whose cases join the table. None where the scene has a camera: there n·v is tied to a place on the map.
+/// The answers by n·v; their cases are added to the table.
 fn views(frame: &Frame, images: &[&Row], axes: &[usize], table: &mut Table) -> Vec<View> {
-    if images.iter().any(|row| !is_design(&row.text(SCENE))) {
-        return Vec::new();
-    }
-    let view = |seen: [f64; 2]| {
-        let run = frame.run.seen_at(seen)?;
+    let view = |(seen, run): ([f64; 2], Finished)| {
         let own = frame.like(&run, frame.metric_name());
         let images = own.images();
         let pairs = pairs(beside(&own, &images, axes));
@@ -174,28 +160,21 @@ fn views(frame: &Frame, images: &[&Row], axes: &[usize], table: &mut Table) -> V
         let medians = medians.filter_map(|(key, own)| Some((key, own.estimate()?.value))).collect();
         Some(View { seen, medians })
     };
-    VIEWS.into_iter().filter_map(view).collect()
+    frame.views(images).into_iter().filter_map(view).collect()
 }
 
-/// One panel a condition, a line a value of [`Frame::row_axis`]: the median over environments by n·v.
+/// One panel per condition, one line per value of [`Frame::row_axis`]: the median over environments by n·v.
 fn view_figure(frame: &Frame, views: &[View], tried: &[u32]) -> Option<Figure> {
     let of: Vec<usize> = conditions(frame).collect();
     let keys = &views.first()?.medians;
-    let rest = |key: &Key| -> String {
-        let (axes, values): (Vec<usize>, Vec<Value>) =
-            of.iter().copied().zip(key.iter().cloned()).filter(|(axis, _)| *axis != frame.row_axis()).unzip();
-        frame.names.label(&axes, &values)
-    };
-    let line_of = |key: &Key| {
-        let own = of.iter().zip(key).find(|(axis, _)| **axis == frame.row_axis());
-        own.map_or(String::new(), |(axis, value)| frame.names.one(*axis, value))
-    };
+    let rest = |key: &Key| frame.names.label_where(&of, key, |axis| axis != frame.row_axis());
+    let line_of = |key: &Key| frame.names.label_where(&of, key, |axis| axis == frame.row_axis());
     let series = distinct_in_order(keys.iter().map(|(key, _)| line_of(key)));
     let largest = f64::from(*tried.last()?);
     let line = |key: &Key| {
-        let dot = |(x, view): (usize, &View)| {
-            let median = view.median(key)?;
-            let tip = format!("{}: {} samples · {}", view.head(), counted(median, tried), frame.names.label(&of, key));
+        let dot = |(x, one): (usize, &View)| {
+            let median = one.median(key)?;
+            let tip = format!("{}: {} samples · {}", view(one.seen), counted(median, tried), frame.names.label(&of, key));
             let at = [x as f64, up(median, tried).min(2.0 * largest)];
             Some(Mark::new(Form::Dot(at), step(&series, &line_of(key)) as usize).tip(tip))
         };
@@ -206,13 +185,13 @@ fn view_figure(frame: &Frame, views: &[View], tried: &[u32]) -> Option<Figure> {
         (name, rule.into_iter().chain(own.into_iter().flat_map(|(key, _)| line(key))).collect())
     };
     Chart {
-        title: "Samples a pixel from which on sampling errs less",
+        title: "Samples per pixel that sampling needs to win",
         note: format!(
-            "{}, median environment; beyond the line: not up to the largest tried count",
+            "{}, median environment; beyond the line: more than the largest tried count",
             frame.metric_name()
         ),
-        x: Along::Steps("n·v", views.iter().map(|view| format!("{} to {}", view.seen[0], view.seen[1])).collect()),
-        y: Along::Log("samples a pixel"),
+        x: Along::Steps("n·v", views.iter().map(|one| format!("{} to {}", one.seen[0], one.seen[1])).collect()),
+        y: Along::Log("samples per pixel"),
         panels: grouped(keys, |(key, _)| rest(key)).into_iter().map(panel).collect(),
         series,
     }
@@ -227,19 +206,19 @@ fn view_sentence(frame: &Frame, [sampled, fixed]: &[String; 2], views: &[View], 
     };
     let (first, last) = (views.first()?, views.last()?);
     Some(format!(
-        "`{sampled}` beats `{fixed}` in `{}` from **{} a pixel** on at n·v below {} and from **{}** above {}.",
-        frame.metric_name(),
-        samples(&told(first)),
+        "At n·v below {}, `{sampled}` needs **{} per pixel** to beat `{fixed}` (`{}`); at n·v above {}, **{}**.",
         first.seen[1],
-        told(last),
+        samples(&told(first)),
+        frame.metric_name(),
         last.seen[0],
+        told(last),
     ))
 }
 
-/// Axes of the surface that part most.
+/// The surface axes that matter most.
 pub(super) const SURFACE: [usize; 3] = [ALPHA, BRDF, F0];
 
-/// The axes of which each value has its own answer: those of the rows and of the surface, and whatever makes another method.
+/// The axes whose values have their own answers: the row axis, the surface, and parameters of methods and tables.
 pub(super) fn conditions(frame: &Frame) -> impl Iterator<Item = usize> {
     let ways = frame.swept(&[Part::Method, Part::Parameter, Part::Table]).into_iter().filter(|of| *of != METHOD);
     let all = std::iter::once(frame.row_axis()).chain(SURFACE).chain(ways);
@@ -259,7 +238,6 @@ pub(super) fn by_condition<'r, 'f>(frame: &Frame, all: Numbers<'r, 'f>) -> Vec<(
     conditions(frame).fold(vec![(Vec::new(), all)], part)
 }
 
-/// The break-even of each case.
 pub(super) fn numbers<'r, 'f>(cases: &[Case<'r, 'f>]) -> Numbers<'r, 'f> {
     let tried = tried(cases);
     Numbers::new(cases.iter().map(|case| (case.of.fixed, case.number(&tried))), Middle::Median)
@@ -278,7 +256,7 @@ pub(super) fn up(n: f64, tried: &[u32]) -> f64 {
     tried.iter().map(|count| f64::from(*count)).find(|count| *count >= n).unwrap_or(f64::INFINITY)
 }
 
-/// "16"; "at most 4" where no fewer were tried; "more than 256".
+/// "16"; "at most 4" if no fewer were tried; "more than 256".
 pub(super) fn counted(n: f64, tried: &[u32]) -> String {
     let (least, largest) = (tried[0], tried[tried.len() - 1]);
     match up(n, tried) {
@@ -288,12 +266,17 @@ pub(super) fn counted(n: f64, tried: &[u32]) -> String {
     }
 }
 
+/// [`counted`] with its interval.
+pub(super) fn counted_words(all: &Estimate, tried: &[u32]) -> String {
+    counted(all.value, tried) + &interval_words(all, |n| counted(n, tried))
+}
+
 /// "1 sample", "16 samples".
 fn samples(count: &str) -> String {
     format!("{count} {}", if count == "1" { "sample" } else { "samples" })
 }
 
-/// The answer; where models and alphas differ, the least and the most with their place.
+/// The answer; if conditions differ, the least and the most with their place.
 fn sentence(
     frame: &Frame,
     [sampled, fixed]: &[String; 2],
@@ -306,14 +289,14 @@ fn sentence(
     let least = all().reduce(|a, b| if b.1.value < a.1.value { b } else { a })?;
     let most = all().reduce(|a, b| if b.1.value > a.1.value { b } else { a })?;
     let place = groups[0].1.place(frame, ", in the median environment");
-    let to_beat = format!("to beat `{fixed}` in `{}`{place}", frame.metric_name());
+    let to_beat = format!("to beat `{fixed}` (`{}`){place}", frame.metric_name());
     let [low, high] = [&least, &most].map(|(_, middle)| words(&Estimate { interval: None, ..*middle }));
     if low == high {
         let interval = if groups.len() == 1 { words(&least.1).split_off(low.len()) } else { String::new() };
-        return Some(format!("`{sampled}` needs **{} a pixel**{interval} {to_beat}.", samples(&low)));
+        return Some(format!("`{sampled}` needs **{} per pixel**{interval} {to_beat}.", samples(&low)));
     }
     Some(format!(
-        "`{sampled}` needs **{low} to {high} samples a pixel** {to_beat}. Fewest: {} at {}; most: {} at {}.",
+        "`{sampled}` needs **{low} to {high} samples per pixel** {to_beat}. Fewest: {} at {}; most: {} at {}.",
         words(&least.1),
         least.0,
         words(&most.1),
@@ -321,7 +304,7 @@ fn sentence(
     ))
 }
 
-/// One panel a pair of methods, coloured by model: one row a case; one row a condition, where environments are summed up.
+/// One panel per pair of methods, coloured by model; one row per case, or per condition if environments are averaged.
 fn figure(frame: &Frame, axes: &[usize], pairs: &[([String; 2], Vec<Case>)]) -> Option<Figure> {
     let models = if frame.shape.is_swept(BRDF) { &frame.shape.values[BRDF][..] } else { &[] };
     let is_summed = pairs.iter().all(|(_, cases)| numbers(cases).is_summed());
@@ -329,11 +312,7 @@ fn figure(frame: &Frame, axes: &[usize], pairs: &[([String; 2], Vec<Case>)]) -> 
         true => of != BRDF && conditions(frame).any(|condition| condition == of),
         false => models.is_empty() || of != BRDF,
     };
-    let name = |case: &Case| {
-        let rest = axes.iter().zip(&case.of.key).filter(|(axis, _)| is_named(**axis));
-        let (axes, key): (Vec<usize>, Vec<Value>) = rest.map(|(axis, value)| (*axis, value.clone())).unzip();
-        frame.names.label(&axes, &key)
-    };
+    let name = |case: &Case| frame.names.label_where(axes, &case.of.key, is_named);
     let rows = distinct_in_order(pairs.iter().flat_map(|(_, cases)| cases).map(name));
     let panel = |([sampled, fixed], cases): &([String; 2], Vec<Case>)| {
         let tried = tried(cases);
@@ -341,7 +320,7 @@ fn figure(frame: &Frame, axes: &[usize], pairs: &[([String; 2], Vec<Case>)]) -> 
         let mut marks = vec![Mark::neutral(Form::VerticalRule(largest))];
         let place = |row: &Row| models.iter().position(|model| *model == row.point[BRDF]).unwrap_or(0);
         if is_summed {
-            let words = |all: &Estimate| counted(all.value, &tried) + &interval_words(all, |n| counted(n, &tried));
+            let words = |all: &Estimate| counted_words(all, &tried);
             let of: Vec<usize> = conditions(frame).collect();
             for (key, own) in by_condition(frame, numbers(cases)) {
                 let Some(first) = cases.iter().find(|case| case.of.fixed.key(&of) == key) else { continue };
@@ -360,14 +339,14 @@ fn figure(frame: &Frame, axes: &[usize], pairs: &[([String; 2], Vec<Case>)]) -> 
         (format!("{sampled} over {fixed}"), marks)
     };
     Chart {
-        title: "Samples a pixel from which on sampling errs less",
+        title: "Samples per pixel that sampling needs to win",
         note: format!(
-            "{}{}; beyond the line: not up to the largest tried count",
+            "{}{}; beyond the line: more than the largest tried count",
             frame.metric_name(),
             if is_summed { ", median environment; whiskers: 95 %" } else { "" }
         ),
         panels: pairs.iter().map(panel).collect(),
-        x: Along::Log("samples a pixel"),
+        x: Along::Log("samples per pixel"),
         y: Along::Steps("", rows.clone()),
         series: match models {
             [] => vec![QUESTION.name.to_owned()],

@@ -1,28 +1,28 @@
-//! From how many samples a pixel on does each way to sample beat each method without samples?
+//! How many samples per pixel does each sampling method need to beat each method without samples?
 //!
 //! The break-even of `break_even`, for every pair of methods, by width of the lobe: the median over environments with its interval. On the
-//! scene `design` bands of n·v have their own. Beside pictures it is told by FLIP, too, which scores what an eye sees.
+//! scene `design` also by bands of n·v; for pictures also in FLIP.
 
-use super::break_even::{SURFACE, by_condition, conditions, counted, lacks as lacks_pair, numbers, pairs, tried, up};
+use super::break_even::{SURFACE, by_condition, conditions, counted, counted_words, lacks as lacks_pair, numbers, pairs, tried, up};
 use super::numbers::middle_marks;
 use super::prelude::*;
-use super::{FIXED, SAMPLED, UPPER};
-use crate::metrics::{Space, VIEWS};
+use super::{FIXED, SAMPLED};
+use crate::metrics::{ALL_VIEWS as WHOLE, Space, VIEWS};
 use crate::run::tables::DISPLAY_HEADLINE;
 use crate::study::frame::curve::beside;
 
 pub const QUESTION: Question = Question {
     name: "break-even-of-pairs",
-    asks: "From how many samples a pixel on does each way to sample beat each method without samples?",
+    asks: "How many samples per pixel does each sampling method need to beat each method without samples?",
     columns: &[
         column("metric", "The metric of the errors."),
-        column("n_dot_v_from", "Pixels with n·v from here; 0 with `n_dot_v_to` 1 is the whole image."),
-        column("n_dot_v_to", "To here. Only the scene `design` is told by n·v: there each band sees the whole map."),
+        SEEN_FROM,
+        SEEN_TO,
         FIXED,
         SAMPLED,
         column("break_even", "Median over environments, rounded up to a tried count; empty above the largest tried."),
         column("break_even_lo", "Lower end of its 95 % interval over environments, not rounded."),
-        column("break_even_hi", UPPER),
+        column("break_even_hi", super::UPPER),
         column("largest_tried", "Largest tried sample count."),
     ],
     lacks,
@@ -34,7 +34,7 @@ fn lacks(shape: &Shape) -> Option<&'static str> {
     lacks_pair(shape).or_else(|| (shape.methods().count() < 3).then_some("axes.method has one pair of methods only"))
 }
 
-/// The median of one pair under one condition.
+/// The median of a pair under a condition.
 struct Middle {
     metric: &'static str,
     seen: [f64; 2],
@@ -46,17 +46,14 @@ struct Middle {
     tried: Vec<u32>,
 }
 
-const WHOLE: [f64; 2] = [0.0, 1.0];
-
 impl Middle {
-    fn words(&self, n: f64) -> String {
-        counted(n, &self.tried)
+    fn words(&self) -> String {
+        counted_words(&self.all, &self.tried)
     }
 
     /// "relmse", "relmse, n·v 0 to 0.2".
     fn score(&self) -> String {
-        let [from, to] = self.seen;
-        if self.seen == WHOLE { self.metric.to_owned() } else { format!("{}, n·v {from} to {to}", self.metric) }
+        if self.seen == WHOLE { self.metric.to_owned() } else { format!("{}, {}", self.metric, view(self.seen)) }
     }
 }
 
@@ -78,10 +75,8 @@ fn answer(frame: &Frame) -> Option<Finding> {
     if frame.metric.description().space == Space::Linear && frame.run.has_pictures() {
         all.extend(middles(&frame.like(frame.run, DISPLAY_HEADLINE), WHOLE));
     }
-    if images.iter().all(|row| is_design(&row.text(SCENE))) {
-        let seen = VIEWS.iter().filter_map(|seen| Some((*seen, frame.run.seen_at(*seen)?)));
-        all.extend(seen.flat_map(|(seen, run)| middles(&frame.like(&run, frame.metric_name()), seen)));
-    }
+    let views = frame.views(&images).into_iter();
+    all.extend(views.flat_map(|(seen, run)| middles(&frame.like(&run, frame.metric_name()), seen)));
     let axes: Vec<usize> = conditions(frame).collect();
     let columns = distinct_in_order(SURFACE.into_iter().chain(axes.iter().copied()));
     let mut table = Table::new(&columns, QUESTION.columns);
@@ -108,38 +103,38 @@ fn answer(frame: &Frame) -> Option<Finding> {
     })
 }
 
-/// For each metric the least and the most of the first pair of methods and of the last.
+/// For each metric the range of the first and of the last pair of methods.
 fn sentence(all: &[Middle]) -> Option<String> {
     let (first, last) = (&all.first()?.names, &all.last()?.names);
     let told = |own: &[&Middle], names: &[String; 2]| {
         let own = || own.iter().filter(|middle| middle.names == *names);
         let least = own().min_by(|a, b| a.all.value.total_cmp(&b.all.value))?;
         let most = own().max_by(|a, b| a.all.value.total_cmp(&b.all.value))?;
-        Some(range_words([least.all.value, most.all.value], |n| least.words(n)))
+        Some(range_words([least.all.value, most.all.value], |n| counted(n, &least.tried)))
     };
     let whole = all.iter().filter(|middle| middle.seen == WHOLE);
     let of_metric = |(place, (metric, own)): (usize, (&'static str, Vec<&Middle>))| {
         let [a, b] = [told(&own, first)?, told(&own, last)?];
         Some(match place {
             0 => format!(
-                "In `{metric}` `{}` beats `{}` from **{a} samples a pixel** on, and `{}` beats `{}` from **{b}**.",
+                "In `{metric}`, `{}` needs **{a} samples per pixel** to beat `{}`, and `{}` needs **{b}** to beat `{}`.",
                 first[0], first[1], last[0], last[1]
             ),
-            _ => format!(" In `{metric}` it is {a}, and {b}."),
+            _ => format!(" In `{metric}`: {a}, and {b}."),
         })
     };
     Some(grouped(whole, |middle| middle.metric).into_iter().enumerate().filter_map(of_metric).collect())
 }
 
-/// A row a score, condition, and pair, a column a value of [`Frame::row_axis`]. Of the bands of n·v the first and the last, for the first pair and the
-/// last.
+/// One row per score, condition and pair, one column per value of [`Frame::row_axis`]; of the bands of n·v only the ends, for the first and
+/// last pair.
 fn digest(frame: &Frame, axes: &[usize], all: &[Middle]) -> Table {
     let of = frame.row_axis();
     let others: Vec<usize> = (0..axes.len()).filter(|i| axes[*i] != of).collect();
     let width_of = |own: &Middle| axes.iter().position(|axis| *axis == of).map(|i| own.key[i].clone());
     let widths = ascending(distinct_in_order(all.iter().filter_map(width_of)));
     let heads = widths.iter().map(|width| frame.names.heading(of, width));
-    let heads: Vec<String> = if widths.is_empty() { vec!["samples a pixel".to_owned()] } else { heads.collect() };
+    let heads: Vec<String> = if widths.is_empty() { vec!["samples per pixel".to_owned()] } else { heads.collect() };
     let names =
         others.iter().map(|i| frame.names.name(axes[*i])).chain(["without samples", "sampling"]).map(str::to_owned);
     let mut table = Table::with_names(std::iter::once("score".to_owned()).chain(names).chain(heads));
@@ -157,31 +152,23 @@ fn digest(frame: &Frame, axes: &[usize], all: &[Middle]) -> Table {
         let mut row = cells![score];
         row.extend(others.iter().zip(&rest).map(|(i, value)| Cell::from(frame.names.short(axes[*i], value))));
         row.extend(cells![fixed, sampled]);
-        let words = |own: &&Middle| own.words(own.all.value) + &interval_words(&own.all, |n| own.words(n));
-        match &widths[..] {
-            [] => row.push(own.first().map(words).into()),
-            widths => row.extend(
-                widths
-                    .iter()
-                    .map(|width| Cell::from(own.iter().find(|own| width_of(own).as_ref() == Some(width)).map(words))),
-            ),
+        let words = |own: Option<&&Middle>| Cell::from(own.map(|own| own.words()));
+        if widths.is_empty() {
+            row.push(words(own.first()));
         }
+        row.extend(widths.iter().map(|width| words(own.iter().find(|own| width_of(own).as_ref() == Some(width)))));
         table.row(row);
     }
     table
 }
 
-/// A panel a metric, condition, and way to sample: the whole image, a line a method without samples.
+/// One panel per metric, condition and sampling method, one line per method without samples; whole images.
 fn figure(frame: &Frame, axes: &[usize], all: &[Middle]) -> Option<Figure> {
     let (of, names) = (frame.row_axis(), &frame.names);
     let widths = frame.shape.values[of].clone();
     let series = distinct_in_order(all.iter().map(|own| own.names[1].clone()));
     let title = |own: &&Middle| {
-        let rest = axes.iter().zip(&own.key).filter(|(axis, _)| **axis != of);
-        let (axes, values): (Vec<usize>, Vec<Value>) = rest.map(|(axis, value)| (*axis, value.clone())).unzip();
-        [own.metric.to_owned(), names.label(&axes, &values), own.names[0].clone()]
-            .map(|part| part.replace(" · ", ", "))
-            .join(", ")
+        commas([own.metric, &names.label_where(axes, &own.key, |axis| axis != of), &own.names[0]])
     };
     let largest = f64::from(*all.first()?.tried.last()?);
     let panel = |(name, own): (String, Vec<&Middle>)| {
@@ -190,30 +177,23 @@ fn figure(frame: &Frame, axes: &[usize], all: &[Middle]) -> Option<Figure> {
                 let place = axes.iter().position(|axis| *axis == of);
                 let x = place.map_or(0.0, |i| step(&widths, &own.key[i]));
                 let at = |n: f64| [x, up(n, &own.tried).min(2.0 * largest)];
-                let words = |all: &Estimate| own.words(all.value) + &interval_words(all, |n| own.words(n));
-                middle_marks(
-                    &own.all,
-                    step(&series, &fixed) as usize,
-                    at,
-                    (&format!("{fixed}, {}", names.label(axes, &own.key)), &words),
-                )
+                let words = |_: &Estimate| own.words();
+                let name = format!("{fixed}, {}", names.label(axes, &own.key));
+                middle_marks(&own.all, step(&series, &fixed) as usize, at, (&name, &words))
             });
             joined(marks.collect())
         };
         let rule = std::iter::once(Mark::neutral(Form::HorizontalRule(largest)));
-        (
-            name.replace(", ,", ","),
-            rule.chain(grouped(own, |own| own.names[1].clone()).into_iter().flat_map(line)).collect(),
-        )
+        (name, rule.chain(grouped(own, |own| own.names[1].clone()).into_iter().flat_map(line)).collect())
     };
     let whole = all.iter().filter(|own| own.seen == WHOLE);
     let mut panels: Vec<(String, Vec<&Middle>)> = grouped(whole, title);
     panels.sort_by_key(|(name, _)| name.clone());
     Chart {
-        title: "Samples a pixel from which on sampling errs less",
-        note: format!("median{INTERVAL}; beyond the line: not up to the largest tried count"),
-        x: Along::Steps(names.name(of), widths.iter().map(|width| names.short(of, width)).collect()),
-        y: Along::Log("samples a pixel"),
+        title: "Samples per pixel that sampling needs to win",
+        note: format!("median{INTERVAL}; beyond the line: more than the largest tried count"),
+        x: Along::values(frame, of, &widths),
+        y: Along::Log("samples per pixel"),
         panels: panels.into_iter().map(panel).collect(),
         series: series.clone(),
     }

@@ -1,4 +1,4 @@
-//! Figures of questions: small multiples whose panels share their scales, and maps of tiles.
+//! Figures of questions: panels with common scales, and maps of tiles.
 
 use super::numbers::{Numbers, is_formula};
 use super::words::count;
@@ -7,20 +7,25 @@ use crate::experiment::value::Value;
 use crate::figure::{Figure, Mark, Panel, Ramp, Scale, Series, Shape as Form};
 use crate::study::frame::{Frame, Row};
 
-/// Panels of a figure; the table has the others.
+/// Most panels of a figure.
 const PANELS_MAX: usize = 12;
-/// What is added to a note where marks have [`Numbers::marks`].
+/// Added to a note if marks have intervals.
 pub const INTERVAL: &str = "; whiskers: 95 % over environments";
 
-/// A direction of a chart with its label.
+/// A direction of a chart, with its label.
 pub enum Along<'n> {
     Log(&'n str),
     Linear(&'n str),
     Steps(&'n str, Vec<String>),
 }
 
-impl Along<'_> {
-    /// Around these coordinates of marks.
+impl<'n> Along<'n> {
+    /// One step per value of an axis.
+    pub fn values(frame: &'n Frame, of: usize, values: &[Value]) -> Self {
+        Self::Steps(frame.names.name(of), values.iter().map(|value| frame.names.short(of, value)).collect())
+    }
+
+    /// A scale around these coordinates.
     fn scale(self, values: impl Iterator<Item = f64>) -> Option<Scale> {
         match self {
             Self::Log(label) => Scale::log(label, values),
@@ -30,19 +35,19 @@ impl Along<'_> {
     }
 }
 
-/// Panels with common scales around all their marks.
+/// Panels with common scales.
 pub struct Chart<'n> {
     pub title: &'n str,
     pub note: String,
     pub x: Along<'n>,
     pub y: Along<'n>,
-    /// Title and marks of each.
+    /// Title and marks.
     pub panels: Vec<(String, Vec<Mark>)>,
     pub series: Vec<String>,
 }
 
 impl Chart<'_> {
-    /// Nothing without a mark that has a place.
+    /// `None` without marks.
     pub fn figure(mut self) -> Option<Figure> {
         let all = self.panels.len();
         self.panels.truncate(PANELS_MAX);
@@ -64,7 +69,7 @@ impl Chart<'_> {
     }
 }
 
-/// Where a mark lies, by direction.
+/// The coordinates of a mark, by direction.
 fn reach(mark: &Mark) -> [Vec<f64>; 2] {
     match &mark.shape {
         Form::Line(points) => [0, 1].map(|i| points.iter().map(|point| point[i]).collect()),
@@ -77,17 +82,17 @@ fn reach(mark: &Mark) -> [Vec<f64>; 2] {
     }
 }
 
-/// A dot with words, and a link to the image that it stands for.
+/// A dot with a tip and a link to its image.
 pub fn dot(at: [f64; 2], series: usize, tip: String, row: &Row) -> Mark {
     Mark::new(Form::Dot(at), series).tip(tip).cell(&row.cell.id)
 }
 
-/// The image to which a mark of several leads: none, unless it is alone.
+/// The image that a mark links to, if it has a single one.
 pub fn only(rows: &[&Row]) -> Option<String> {
     if let [only] = rows { Some(only.cell.id.clone()) } else { None }
 }
 
-/// Panels of environments by name; after one of all of them where these are summed up, and then the formulas last.
+/// One panel per environment. If environments are averaged, a panel of the average comes first and formulas come last.
 pub fn light_panels(
     frame: &Frame,
     all: &Numbers,
@@ -112,7 +117,7 @@ pub fn joined(dots: Vec<Mark>) -> Vec<Mark> {
     std::iter::once(Mark { shape: Form::Line(points), ..line }).chain(dots).collect()
 }
 
-/// The place of a value among the steps of a scale; NaN, which is not drawn, where it is none of them.
+/// The index of a value; NaN, which is not drawn, if it is missing.
 pub fn step<T: PartialEq>(steps: &[T], value: &T) -> f64 {
     steps.iter().position(|step| step == value).map_or(f64::NAN, |place| place as f64)
 }
@@ -124,11 +129,10 @@ pub struct Tile {
     pub value: f64,
     pub text: String,
     pub tip: String,
-    /// See [`only`].
     pub cell: Option<String>,
 }
 
-/// Tiles by panel, coloured by their logarithm. The colours part at `middle`.
+/// Tiles by panel, coloured by their logarithm; the colours diverge at `middle`.
 pub fn tiles(
     title: &str,
     note: String,

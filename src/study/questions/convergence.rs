@@ -1,12 +1,11 @@
 //! How does the error fall with the sample count, and where does it stop?
 //!
-//! In a case let e(N) be the error of a sampling method with N samples a pixel (geometric mean over point sets). The *slope* is that of the
-//! least-squares line of ln e over ln N; plain Monte Carlo has -1 in squared error, and a bias, which no sample removes, draws it towards 0.
-//! Points that do not stand clear of the reference's noise are left out: there the error is the reference's. The standard error of the
-//! slope comes from the residuals, so that a curve that bends has a large one. Twice the samples divide the error by 2^-slope.
+//! In a case let e(N) be the error of a sampling method with N samples per pixel (geometric mean over point sets). The *slope* is that of the
+//! least-squares line of ln e over ln N: -1 for plain Monte Carlo in squared error; bias draws it towards 0. Only resolved points count. Its
+//! standard error comes from the residuals, so a curve that bends has a large one. Doubling the samples divides the error by 2^-slope.
 //!
-//! An error *stops falling* at the smallest tried count from which on doubling the samples takes off less than [`GAIN_MIN`], up to the
-//! largest count that stands clear of the noise. Where bias and variance were parted, their share at the largest count says why.
+//! An error *stops falling* at the smallest tried count from which doubling the samples removes less than [`GAIN_MIN`], up to the largest
+//! resolved count. With `[bias_variance]` the share of bias at the largest count says why.
 
 use super::prelude::*;
 use super::{BIAS_SHARE, ERROR, IS_RESOLVED, NOISE_FLOOR};
@@ -21,11 +20,11 @@ pub const QUESTION: Question = Question {
         NOISE_FLOOR,
         IS_RESOLVED,
         BIAS_SHARE,
-        column("slope", "Slope of ln error over ln samples of the curve's resolved counts; -1 is plain Monte Carlo."),
+        column("slope", "Slope of ln error over ln samples of the resolved counts; -1 is plain Monte Carlo."),
         column("slope_standard_error", "Standard error of that slope, from the residuals."),
         column(
             "stops_at",
-            "Count from which on twice the samples take off less than 10 %; empty where it falls to the end.",
+            "Count from which doubling the samples removes less than 10 %; empty if the error falls to the end.",
         ),
     ],
     lacks,
@@ -33,18 +32,17 @@ pub const QUESTION: Question = Question {
     ..Question::PLAIN
 };
 
-/// A doubling of the samples that takes off less than this part of the error is no fall.
+/// The error has stopped falling if a doubling removes less than this share.
 const GAIN_MIN: f64 = 0.1;
 
 fn lacks(shape: &Shape) -> Option<&'static str> {
     match () {
-        () if !shape.methods().any(|method| method.uses_samples) => Some("axes.method has no method that samples"),
+        () if !shape.methods().any(|method| method.uses_samples) => Some("axes.method has no sampling method"),
         () if shape.values[SAMPLES].len() < POINTS_MIN => Some("axes.samples has fewer than three counts"),
         () => None,
     }
 }
 
-/// A curve with what is fitted to it.
 struct Fall<'r, 'f> {
     curve: Curve<'r, 'f>,
     line: Option<Line>,
@@ -98,25 +96,25 @@ fn answer(frame: &Frame) -> Option<Finding> {
     })
 }
 
-/// The factor by which twice the samples divide the error, at the slope of each curve.
+/// The factor by which doubling the samples divides the error of each curve.
 fn doublings<'r, 'f>(falls: &[&Fall<'r, 'f>]) -> Numbers<'r, 'f> {
     let factors = falls.iter().filter_map(|fall| Some((fall.curve.first(), (-fall.line?.slope).exp2())));
     Numbers::new(factors, Middle::Median)
 }
 
-/// How many environments that count these curves have.
+/// The number of environments of these curves that count.
 fn lights(falls: &[&Fall], all: &Numbers) -> usize {
     values(falls.iter().map(|fall| fall.curve.first()).filter(|row| all.weighs(row)), ENVIRONMENT).len()
 }
 
-/// Factors that differ by less are told as one.
+/// Smaller ratios of factors are not mentioned.
 const CHANGE_MIN: f64 = 1.1;
 
 fn sentence(frame: &Frame, falls: &[&Fall]) -> Option<String> {
     let doublings = doublings(falls);
     let middle = doublings.estimate()?;
     let text = format!(
-        "Twice the samples divide the `{}` of `{}` by **{}**{}{} (slope {}).{}",
+        "Doubling the samples divides the `{}` of `{}` by **{}**{}{} (slope {}).{}",
         frame.metric_name(),
         falls.first()?.curve.method,
         number(middle.value),
@@ -139,18 +137,18 @@ fn sentence(frame: &Frame, falls: &[&Fall]) -> Option<String> {
                 true => format!(" at {} {}", frame.names.name(of), listed(&at)),
                 false => String::new(),
             };
-            format!(" It stops falling{at}, from {samples} on.")
+            format!(" It stops falling{at}, from {samples}.")
         }
         (Some(least), n) => {
             let (stopping, plural) = (lights(&stopping, &doublings), AXES[ENVIRONMENT].plural);
             let samples = count(least as usize, "sample", "samples");
-            format!(" Under {stopping} of {n} {plural} the error of some case stops falling, first at {samples}.")
+            format!(" Under {stopping} of {n} {plural} the error stops falling in some case, first at {samples}.")
         }
     };
     Some(text + &end)
 }
 
-/// By method and [`Frame::row_axis`]: slope, factor of a doubling, where it stops, and bias at the largest count.
+/// By method and [`Frame::row_axis`]: slope, factor of a doubling, where it stops, bias at the largest count.
 fn digest(frame: &Frame, by_method: &[(Value, Vec<&Fall>)]) -> Table {
     let of = frame.row_axis();
     let heads = if frame.shape.is_swept(of) { frame.names.heads(&[of]) } else { Vec::new() };
@@ -171,8 +169,7 @@ fn digest(frame: &Frame, by_method: &[(Value, Vec<&Fall>)]) -> Table {
             let Some(factor) = doublings(&group).estimate() else { continue };
             let mut row = cells![method];
             if !heads.is_empty() {
-                let head = |value| frame.names.head(&[of], std::slice::from_ref(value));
-                row.extend(width.map_or_else(|| all_head(&heads), head));
+                row.extend(width.map_or_else(|| all_head(&heads), |value| frame.names.head_of(of, value)));
             }
             let stops = group.iter().filter_map(|fall| Some((fall.curve.first(), fall.stops_at?.into())));
             let stops = Numbers::new(stops, Middle::Median).estimate();
@@ -186,12 +183,12 @@ fn digest(frame: &Frame, by_method: &[(Value, Vec<&Fall>)]) -> Table {
     table
 }
 
-/// The noise floor is drawn where it is no further than this below the smallest error.
+/// The noise floor is drawn if it is at most this factor below the smallest error.
 const FLOOR_WITHIN: f64 = 100.0;
 const FLOOR: &str = "noise floor";
 
-/// Small multiples by [`Frame::row_axis`] and environment; lines of one panel and method differ in the other axes of cases. Where environments are
-/// summed up, without the latter: one line a method.
+/// One panel per value of [`Frame::row_axis`] and environment; lines of one panel and method differ in the other axes of cases. If environments
+/// are averaged: one panel per value of [`Frame::row_axis`], one line per method.
 fn figure(frame: &Frame, axes: &[usize], falls: &[Fall], fixed: &[&Row]) -> Option<Figure> {
     let errors = falls.iter().flat_map(|fall| fall.curve.points.iter().map(|point| (fall.curve.first(), point.error)));
     let is_summed = Numbers::new(errors, Middle::GeometricMean).is_summed();
@@ -247,7 +244,7 @@ fn figure(frame: &Frame, axes: &[usize], falls: &[Fall], fixed: &[&Row]) -> Opti
             let dashes = if dashed.is_empty() { String::new() } else { format!("; dashed: {}", dashed.join(", ")) };
             format!("{}{mean}{dashes}", frame.metric_name())
         },
-        x: Along::Log("samples a pixel"),
+        x: Along::Log("samples per pixel"),
         y: Along::Log(frame.metric_name()),
         panels,
         series: series.clone(),
@@ -257,7 +254,7 @@ fn figure(frame: &Frame, axes: &[usize], falls: &[Fall], fixed: &[&Row]) -> Opti
     Some(figure)
 }
 
-/// Of each method the mean error over environments by count.
+/// The mean error over environments by method and count.
 fn summed(own: &[&Fall], index: &dyn Fn(&str) -> usize) -> Vec<Mark> {
     let of_method = |(method, falls): (Value, Vec<&&Fall>)| {
         let points = || falls.iter().flat_map(|fall| fall.curve.points.iter().map(|point| (fall.curve.first(), point)));
@@ -273,7 +270,7 @@ fn summed(own: &[&Fall], index: &dyn Fn(&str) -> usize) -> Vec<Mark> {
     grouped(own, |fall| fall.curve.method.clone()).into_iter().flat_map(of_method).collect()
 }
 
-/// A line across at the mean over environments.
+/// A horizontal line at the mean over environments.
 fn rule(name: &str, own: Numbers, series: usize) -> Option<Mark> {
     let mean = own.estimate()?;
     Some(Mark::new(Form::HorizontalRule(mean.value), series).tip(format!("{name}: {}", with_interval(&mean))))

@@ -1,10 +1,9 @@
-//! Is one method better than another, and where? The effect of any way to make an image on its error.
+//! Is one way to make an image better than another, and where?
 //!
-//! For a swept axis of methods, of their parameters or of their tables, its first value is the base. Each image with another value is
-//! paired with the image that has the base and agrees on all other axes ([`pair`]). The *effect* is the ratio of their errors: below 1 the
-//! value is better than the base. It is told as the geometric mean over environments, by alpha or the axis that the experiment names; where it is below 1 here and above 1 there,
-//! it is told along that axis and never averaged over it. A pair of which both errors are within the reference's noise tells nothing and is
-//! left out of the mean. A sentence names values of two axes only if some image has both.
+//! For a swept axis of methods, of their parameters or of their tables, the first value is the base. Each image with another value is paired
+//! with the image that has the base and agrees on all other axes ([`pair`]). The *effect* is the ratio of their errors: below 1 the value is
+//! better. It is averaged geometrically over environments, but never over an axis along which it is below 1 here and above 1 there. Pairs with
+//! both errors within the reference's noise do not count. A sentence names values of two axes only if some image has both.
 
 use super::prelude::*;
 
@@ -13,23 +12,22 @@ pub const QUESTION: Question = Question {
     asks: "Is one way to make the image better than another, and where?",
     columns: &[
         column("axis", "The axis whose value changes."),
-        column("value", "The value that is judged."),
-        column("base", "The value that it is judged against: the first one of the axis."),
-        column("ratio", "Error over that of the base; below 1 the value is closer to the reference."),
-        column("is_resolved", "1 where an error of the two stands clear of the reference's noise, else 0."),
+        column("value", "The value that is compared."),
+        column("base", "The first value of the axis."),
+        column("ratio", "Error over the error of the base; below 1 the value is closer to the reference."),
+        column("is_resolved", "1 if one of the two errors is resolved against the reference's noise, else 0."),
     ],
     lacks,
     answer,
     ..Question::PLAIN
 };
 
-/// Ways to make the image of a case.
 const WAYS: [Part; 3] = [Part::Method, Part::Parameter, Part::Table];
-/// Axes that the sentence tells of; the table has all.
+/// Most axes in the sentence.
 const TOLD_MAX: usize = 2;
 
 fn lacks(shape: &Shape) -> Option<&'static str> {
-    // A method that samples has no partner among those that do not.
+    // A sampling method has no partner without samples.
     let has_two = |draws: bool| shape.methods().filter(|method| method.uses_samples == draws).count() > 1;
     let is_way = |axis: usize| WAYS.contains(&AXES[axis].part) && axis != METHOD && shape.is_swept(axis);
     match (0..AXES.len()).any(is_way) || has_two(true) || has_two(false) {
@@ -41,7 +39,7 @@ fn lacks(shape: &Shape) -> Option<&'static str> {
     }
 }
 
-/// An image beside the one with the base.
+/// An image compared with the one that has the base.
 struct Effect<'r, 'f> {
     value: Value,
     row: &'r Row<'f>,
@@ -49,7 +47,6 @@ struct Effect<'r, 'f> {
     is_resolved: bool,
 }
 
-/// The effects of the values of one axis.
 struct OfAxis<'r, 'f> {
     axis: usize,
     base: Value,
@@ -77,13 +74,13 @@ impl<'r, 'f> OfAxis<'r, 'f> {
         grouped(resolved, |effect| effect.value.clone()).into_iter().map(numbers).collect()
     }
 
-    /// ", 2 within the noise": environments beyond the n that have a resolved ratio.
+    /// ", 2 within the noise": environments beyond the n with a resolved ratio.
     fn unresolved(&self, n: usize) -> String {
         let [_, all] = Numbers::ratios(self.effects.iter().map(|effect| (effect.row, effect.ratio))).wins();
         if all > n { format!(", {} within the noise", all - n) } else { String::new() }
     }
 
-    /// The value that errs least next to the base, or less than it.
+    /// The best value except the base.
     fn best(&self) -> Option<Best<'r, 'f>> {
         let rivals = self.told().into_iter().filter_map(|(value, own)| Some((value, own.estimate()?, own)));
         let best = rivals.reduce(|a, b| if b.1.value < a.1.value { b } else { a });
@@ -128,7 +125,7 @@ fn answer(frame: &Frame) -> Option<Finding> {
 
 fn sentence(frame: &Frame, of: &OfAxis, best: Option<&Best>) -> String {
     let Some((value, numbers, ratio)) = best else {
-        return format!("`{}` changes nothing that stands clear of the reference's noise.", AXES[of.axis].name);
+        return format!("`{}` has no effect above the reference's noise.", AXES[of.axis].name);
     };
     let [name, base] = [value, &of.base].map(|value| format!("`{}`", frame.names.said(of.axis, value)));
     let metric = frame.metric_name();
@@ -150,15 +147,15 @@ fn sentence(frame: &Frame, of: &OfAxis, best: Option<&Best>) -> String {
     match tried {
         1 => format!("{name} has **{times} times**{interval} the `{metric}` of {base}{wins}."),
         _ if ratio.value < 1.0 => {
-            format!("{among} {name} errs least: it has {times} times{interval} the `{metric}` of {base}{wins}.")
+            format!("{among}, {name} errs least: it has {times} times{interval} the `{metric}` of {base}{wins}.")
         }
         _ => {
-            format!("{among} the base {base} errs least; the next, {name}, has {times} times{interval} its `{metric}`.")
+            format!("{among}, the base {base} errs least; the next, {name}, has {times} times{interval} its `{metric}`.")
         }
     }
 }
 
-/// By [`Frame::row_axis`] and environment if one value is judged; else one row a value.
+/// By [`Frame::row_axis`] and environment for a single value; else one row per value.
 fn digest(frame: &Frame, all: &[OfAxis]) -> Table {
     let words = &with_interval;
     let told: Vec<_> = all.iter().map(|of| (of, of.told())).collect();
@@ -183,7 +180,7 @@ fn digest(frame: &Frame, all: &[OfAxis]) -> Table {
     table.without_empty()
 }
 
-/// One panel an environment, after their mean: the ratio by [`Frame::row_axis`], a colour a value.
+/// One panel per environment, after their mean: the ratio by [`Frame::row_axis`], one colour per value.
 fn figure(frame: &Frame, of: &OfAxis) -> Option<Figure> {
     let judged = distinct_in_order(of.effects.iter().map(|effect| effect.value.clone()));
     let (along, names) = (frame.row_axis(), &frame.names);
@@ -220,12 +217,12 @@ fn figure(frame: &Frame, of: &OfAxis) -> Option<Figure> {
     Chart {
         title: &format!("Effect of {}", AXES[of.axis].name),
         note: format!(
-            "Error over that of {}; below 1 is better{}",
+            "Error over the error of {}; below 1 is better{}",
             names.short(of.axis, &of.base),
             if lead.is_summed() { INTERVAL } else { "" }
         ),
-        x: Along::Steps(names.name(along), widths.iter().map(|width| names.short(along, width)).collect()),
-        y: Along::Log(&format!("{} over that of the base", frame.metric_name())),
+        x: Along::values(frame, along, &widths),
+        y: Along::Log(&format!("{} over the base", frame.metric_name())),
         panels: light_panels(frame, &lead, summed, lights),
         series: judged.iter().map(|value| names.said(of.axis, value)).collect(),
     }

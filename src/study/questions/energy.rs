@@ -1,20 +1,19 @@
-//! Which model and masking loses energy, how much, and which creates some?
+//! Which model and masking loses or creates energy, and how much?
 //!
-//! A white furnace: a constant environment over a surface that reflects all it gets (F = 1, no metal, nothing left to a diffuse term), held
-//! against a white Lambert surface, which shows exactly what arrives. With t the image and r that surface, the change of energy is
-//! Σ (t - r) / Σ r, the metric `bias_rel`: below 0 a single scattering loses energy, above 0 it creates some. Its 95 % interval is
-//! ± 1.96 standard errors of the noise in the image that judges (`bias_rel_noise_floor`). By n·v the extremes are those of the bins.
+//! A white furnace: a constant environment over a surface that reflects everything (F = 1, no metal, no diffuse rest), compared with a white
+//! Lambert surface, which shows exactly what arrives. With t the image and r that surface, the change of energy is Σ (t - r) / Σ r, the metric
+//! `bias_rel`: single scattering below 0 loses energy, above 0 it creates some. Its 95 % interval is ± 1.96 standard errors of the reference's
+//! noise (`bias_rel_noise_floor`). By n·v the extremes are those of the bins.
 
-use super::n_dot_v::ends;
 use super::prelude::*;
 use crate::study::frame::line::NORMAL_95;
 
 pub const QUESTION: Question = Question {
     name: "energy",
-    asks: "Which model and masking loses energy, how much, and which creates some?",
+    asks: "Which model and masking loses or creates energy, and how much?",
     columns: &[
-        column("change", "Energy that leaves over energy that arrives, minus 1, over the whole surface."),
-        column("change_lo", "Lower end of its 95 % interval, by the noise of the image that judges."),
+        column("change", "Outgoing over incoming energy, minus 1, over the whole surface."),
+        column("change_lo", "Lower end of its 95 % interval, from the noise of the reference."),
         column("change_hi", super::UPPER),
         column("least", "The change in the bin of n·v that loses most."),
         column("least_n_dot_v_from", "Least n·v of that bin."),
@@ -28,12 +27,11 @@ pub const QUESTION: Question = Question {
     ..Question::PLAIN
 };
 
-/// The metric of the change.
 const CHANGE: &str = "bias_rel";
-/// A bin of n·v that shows more than this above what arrives creates energy: less is within the noise of a bin.
+/// Smaller gains are within the noise of a bin.
 const MEANT: f64 = 0.005;
 
-/// Axes of a furnace with the one value that each must have, and what is said where it has another.
+/// Axes of a furnace, the value that each must have, and the fault if it has another.
 const WHITE: [(usize, &str, &str); 5] = [
     (ENVIRONMENT, "builtin:constant", "axes.environment is not builtin:constant alone"),
     (ENVIRONMENT_SCALE, "1", "axes.environment_scale is not 1"),
@@ -45,28 +43,27 @@ const WHITE: [(usize, &str, &str); 5] = [
 fn lacks(shape: &Shape) -> Option<&'static str> {
     if shape.reference_method != NONE || !shape.judges_all_terms {
         return Some(
-            "reference is not { method = \"none\", terms = \"all\" }: a furnace is judged by a white Lambert surface",
+            "reference is not { method = \"none\", terms = \"all\" }: the reference of a furnace is a white Lambert surface",
         );
     }
     let is = |axis: usize, wanted: &str| matches!(&shape.values[axis][..], [only] if only.to_string() == wanted);
     WHITE.iter().find(|(axis, wanted, _)| !is(*axis, wanted)).map(|(.., lack)| *lack)
 }
 
-/// The balance of one image.
 struct Balance<'r, 'f> {
     row: &'r Row<'f>,
-    /// What tells it apart, without the value on [`Frame::row_axis`]: "ggx · separable".
+    /// "ggx · separable".
     name: String,
     width: Value,
     change: f64,
-    /// Half its 95 % interval.
+    /// Half the 95 % interval.
     half: Option<f64>,
-    /// The change in the bin of n·v that loses most and in the one that creates most, with the bins' ends.
+    /// The smallest and the largest change in a bin, and the ends of the bin.
     least: (f64, [f64; 2]),
     most: (f64, [f64; 2]),
 }
 
-/// Swept axes that tell the ways of scattering apart, without that of the columns.
+/// Swept axes that distinguish surfaces, without [`Frame::row_axis`].
 fn key_axes(frame: &Frame) -> Vec<usize> {
     let parts = [Part::Case, Part::Method, Part::Count, Part::Parameter, Part::Table];
     frame.swept(&parts).into_iter().filter(|known| *known != frame.row_axis()).collect()
@@ -107,15 +104,10 @@ fn answer(frame: &Frame) -> Option<Finding> {
     })
 }
 
-/// What is neither empty nor alone, joined: "ggx, separable, alpha 1".
-fn place<const N: usize>(words: [&str; N]) -> String {
-    words.into_iter().filter(|word| !word.is_empty()).collect::<Vec<_>>().join(", ").replace(" · ", ", ")
-}
-
 fn sentence(frame: &Frame, widths: &[Value], all: &[Balance]) -> Option<String> {
     let width = |value: &Value| frame.names.one(frame.row_axis(), value);
     let by_change = |a: &&Balance, b: &&Balance| a.change.total_cmp(&b.change);
-    let named = |one: &Balance| match place([&one.name]) {
+    let named = |one: &Balance| match commas([&one.name]) {
         name if name.is_empty() => percent(one.change),
         name => format!("{} ({name})", percent(one.change)),
     };
@@ -125,23 +117,22 @@ fn sentence(frame: &Frame, widths: &[Value], all: &[Balance]) -> Option<String> 
         let range = if own().count() == 1 { named(worst) } else { format!("{} to {}", named(worst), named(best)) };
         Some((if width(value).is_empty() { String::new() } else { format!(" at {}", width(value)) }, range))
     };
-    // The ends of the sweep stand for it; the digest has all of it.
+    // Only the ends of the sweep; the digest has all of it.
     let (last, range) = at(widths.last()?)?;
-    let mut text = format!("In a white furnace{last} energy changes by {range}.");
+    let mut text = format!("In a white furnace{last}, the energy changes by {range}.");
     if let Some((first, range)) = widths.first().filter(|_| widths.len() > 1).and_then(at) {
         text += &format!(" It changes by {range}{first}.");
     }
     let strongest = all.iter().max_by(|a, b| a.most.0.total_cmp(&b.most.0))?;
     let (change, bin) = strongest.most;
-    let bin = format!("n·v {}", ends(bin));
-    let where_most = place([&strongest.name, &width(&strongest.width), &bin]);
+    let place = commas([&strongest.name, &width(&strongest.width), &view(bin)]);
     Some(match change > MEANT {
-        true => text + &format!(" Most is created by {where_most}: {}.", percent(change)),
-        false => text + " None creates energy at any n·v.",
+        true => text + &format!(" The largest gain is {}: {place}.", percent(change)),
+        false => text + " No surface creates energy at any n·v.",
     })
 }
 
-/// One row a way of scattering, one column a value of [`Frame::row_axis`], and what creates energy.
+/// One row per surface, one column per value of [`Frame::row_axis`], and the largest gain.
 fn digest(frame: &Frame, widths: &[Value], all: &[Balance]) -> Table {
     let width = |value: &Value| frame.names.one(frame.row_axis(), value);
     let heads = widths.iter().map(width);
@@ -150,7 +141,7 @@ fn digest(frame: &Frame, widths: &[Value], all: &[Balance]) -> Table {
     for (name, own) in grouped(all, |one| one.name.clone()) {
         let of = |value: &Value| own.iter().find(|one| one.width == *value).map(|one| with_half(one));
         let most = own.iter().max_by(|a, b| a.most.0.total_cmp(&b.most.0)).filter(|one| one.most.0 > MEANT);
-        let bin = most.map(|one| format!("{} n·v {}", width(&one.width), ends(one.most.1)).trim().to_owned());
+        let bin = most.map(|one| format!("{} {}", width(&one.width), view(one.most.1)).trim().to_owned());
         let row = std::iter::once(Cell::from(name)).chain(widths.iter().map(|value| of(value).into()));
         table.row(row.chain(cells![most.map(|one| percent(one.most.0)), bin]).collect());
     }
@@ -163,7 +154,7 @@ fn with_half(one: &Balance) -> String {
     format!("{}{half}", percent(one.change))
 }
 
-/// One panel a masking, one line a model: the change over [`Frame::row_axis`].
+/// One panel per masking, one line per model: the change over [`Frame::row_axis`].
 fn figure(frame: &Frame, axes: &[usize], widths: &[Value], all: &[Balance]) -> Option<Figure> {
     let (of, names) = (frame.row_axis(), &frame.names);
     let rest: Vec<usize> = axes.iter().copied().filter(|axis| *axis != BRDF).collect();
@@ -186,8 +177,8 @@ fn figure(frame: &Frame, axes: &[usize], widths: &[Value], all: &[Balance]) -> O
     };
     Chart {
         title: "Energy in a white furnace",
-        note: "energy that leaves over energy that arrives, minus 1; above 0 energy is created".to_owned(),
-        x: Along::Steps(names.name(of), widths.iter().map(|width| names.short(of, width)).collect()),
+        note: "outgoing over incoming energy, minus 1; above 0 energy is created".to_owned(),
+        x: Along::values(frame, of, widths),
         y: Along::Linear("change of energy"),
         panels: grouped(all, |one| one.row.key(&rest)).into_iter().map(panel).collect(),
         series: models.clone(),

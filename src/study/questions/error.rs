@@ -1,8 +1,7 @@
 //! How wrong is each method?
 //!
-//! The error of each method and sample count in each case, in the metric of the question: geometric mean over point sets,
-//! and over environments where several are told as one. For a mean square error such as relmse, 100 sqrt(error) is the root mean square error in percent of the
-//! reference ("rms"): 0.01 is 10 % rms.
+//! The error of each method and sample count in each case: geometric mean over point sets, and over environments if these are averaged. For a
+//! mean square error such as relmse, 100 sqrt(error) is the root mean square error in percent of the reference ("rms"): 0.01 is 10 % rms.
 //!
 //! The *leading* method is the first without samples, which is what a renderer ships, else the first that samples, at its largest count.
 
@@ -18,7 +17,7 @@ pub const QUESTION: Question = Question {
         IS_RESOLVED,
         column(
             "rms_percent",
-            "Root mean square error in percent of the reference; empty where the metric is no mean square.",
+            "Root mean square error in percent of the reference; empty if the metric is not a mean square.",
         ),
     ],
     lacks,
@@ -27,11 +26,11 @@ pub const QUESTION: Question = Question {
 };
 
 fn lacks(shape: &Shape) -> Option<&'static str> {
-    // A white furnace is held against a surface without specular term.
-    (shape.reference_method == NONE).then_some("reference.method is none: what differs is the term that it leaves out")
+    // A white furnace has a reference without specular term.
+    (shape.reference_method == NONE).then_some("reference.method is none: the difference is the missing term")
 }
 
-/// The point sets of one way in one case.
+/// One way in one case, over all point sets.
 struct Case<'r, 'f> {
     row: &'r Row<'f>,
     way: String,
@@ -55,7 +54,6 @@ fn cases<'r, 'f>(frame: &Frame, images: &[&'r Row<'f>]) -> Vec<Case<'r, 'f>> {
 fn answer(frame: &Frame) -> Option<Finding> {
     let images = frame.images();
     let all = cases(frame, &images);
-    // No specular term beside methods that have one.
     let has_methods = images.iter().any(|row| !row.has_no_method());
     let is_fixed = |case: &&Case| case.row.samples().is_none() && !(has_methods && case.row.has_no_method());
     let largest = || all.iter().reduce(|a, b| if b.row.samples() > a.row.samples() { b } else { a });
@@ -79,7 +77,7 @@ fn numbers<'r, 'f>(cases: &[Case<'r, 'f>], way: &str) -> Numbers<'r, 'f> {
     Numbers::new(cases.iter().filter(|case| case.way == way).map(|case| (case.row, case.error)), Middle::GeometricMean)
 }
 
-/// The leading method by [`Frame::row_axis`] and environment; if that has one value, every method by environment.
+/// The leading method by [`Frame::row_axis`] and environment; if the axis has one value, every method by environment.
 fn digest(frame: &Frame, lead: &str, all: &[Case]) -> Table {
     let words = |mean: &Estimate| with_rms(frame, mean.value) + &interval_words(mean, number);
     if frame.shape.is_swept(frame.row_axis()) {
@@ -90,7 +88,7 @@ fn digest(frame: &Frame, lead: &str, all: &[Case]) -> Table {
     by_light(frame, &[AXES[METHOD].name], &rows, &words)
 }
 
-/// Errors that differ by less than this factor are told as one.
+/// Smaller ratios of errors are not mentioned.
 const CHANGE_MIN: f64 = 2.0;
 
 fn sentence(frame: &Frame, lead: &str, all: &[Case]) -> Option<String> {
@@ -99,28 +97,28 @@ fn sentence(frame: &Frame, lead: &str, all: &[Case]) -> Option<String> {
     let scope = match mean.n {
         1 => {
             let [scene, light] = [SCENE, ENVIRONMENT].map(|of| frame.names.short(of, &first.point[of]));
-            format!(", on {scene} under {light}")
+            format!(" on {scene} under {light}")
         }
-        n => format!(", the geometric mean of {n} {}", AXES[ENVIRONMENT].plural),
+        n => format!(" (geometric mean of {n} {})", AXES[ENVIRONMENT].plural),
     };
     let (value, percent) = (number(mean.value), rms_percent(frame, mean.value));
     let rms = percent.map_or_else(String::new, |percent| format!(", about **{} % rms**", number(percent)));
     let value = if percent.is_some() { value } else { format!("**{value}**") };
-    // The range of the environments is told next.
+    // The range over environments comes next.
     let interval = mean.told_interval().map_or_else(String::new, |_| interval_words(&mean, number));
-    let text = format!("`{lead}` errs by a `{}` of {value}{interval}{rms}{scope}.", frame.metric_name());
+    let text = format!("The `{}` of `{lead}` is {value}{interval}{rms}{scope}.", frame.metric_name());
     let extremes = errors.extremes(frame, "it", CHANGE_MIN, |error| with_rms(frame, error));
     let end = match all.iter().any(|case| case.way == lead && case.is_resolved) {
-        false => " The reference's own noise shows in it: the true error may be smaller.".to_owned(),
+        false => " This is within the reference's noise: the true error may be smaller.".to_owned(),
         true => errors.scope(frame),
     };
     Some(text + &extremes + &end)
 }
 
-/// Ways of one method that differ in their sample count: the fewest, the middle one and the most.
+/// Most sample counts of a method in the figure: the fewest, the middle one and the most.
 const COUNTS_SHOWN: usize = 3;
 
-/// Dots by [`Frame::row_axis`] if its values are numbers, else by way; one panel an environment, after their mean.
+/// Dots by [`Frame::row_axis`] if its values are numbers, else by way; one panel per environment, after their mean.
 fn figure(frame: &Frame, all: &[Case]) -> Option<Figure> {
     let ways = shown_ways(all);
     let shown = all.iter().filter(|case| ways.contains(&case.way));
@@ -154,7 +152,7 @@ fn figure(frame: &Frame, all: &[Case]) -> Option<Figure> {
         ways.iter().enumerate().flat_map(of_way).collect()
     };
     let is_shown = |case: &Case| ways.contains(&case.way);
-    let left_out = if all.iter().all(is_shown) { "" } else { "; least, middle and largest sample count" };
+    let left_out = if all.iter().all(is_shown) { "" } else { "; smallest, middle and largest sample count" };
     let lead = numbers(all, &ways[0]);
     let lights = grouped(shown, |case| case.row.point[ENVIRONMENT].clone()).into_iter().map(panel).collect();
     Chart {
@@ -173,7 +171,7 @@ fn figure(frame: &Frame, all: &[Case]) -> Option<Figure> {
     .figure()
 }
 
-/// Methods without samples, and of each other method a few of its counts.
+/// Methods without samples, and a few counts of each other method.
 fn shown_ways(all: &[Case]) -> Vec<String> {
     let of_method = |(_, own): (Value, Vec<&Case>)| {
         let mut counts = distinct_in_order(own.iter().filter_map(|case| case.row.samples()));

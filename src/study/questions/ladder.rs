@@ -1,11 +1,11 @@
 //! At which step does the error of the split sum, or of a diffuse term, arise?
 //!
-//! Some approximations lead from an integral to what is rendered (`crate::ladder`, docs/estimators.md). What each makes of the error hangs on
-//! which others were made before, so that it has four numbers: its covariance share in the ladder's order, the `relmse` that it adds
-//! first and takes away last, and the mean of what it adds over all orders, its Shapley value (`ladder::attribution`).
+//! The approximations from an integral to the rendered image are steps (`crate::ladder`, docs/estimators.md). The contribution of a step
+//! depends on the steps before it, so it has four numbers: its covariance share in the ladder's order, the `relmse` that it adds first and
+//! removes last, and its Shapley value, the mean over all orders (`ladder::attribution`).
 //!
-//! They are told by environment, model, alpha, f0 and n·v, from `steps.csv`. Means are over environments with Student's interval; where
-//! environments disagree about the sign, their range stands instead.
+//! They are grouped by environment, model, alpha, f0 and n·v, from `steps.csv`. Means over environments have Student's interval; if
+//! environments disagree about the sign, their range is shown instead.
 
 use super::prelude::*;
 use crate::ladder::{BANDS, of_diffuse};
@@ -19,27 +19,21 @@ pub const QUESTION: Question = Question {
     name: "ladder",
     asks: "At which step does the error arise: of the split sum, or of the diffuse term?",
     columns: &[
-        column("n_dot_v_from", "Lower end of n·v."),
-        column("n_dot_v_to", "Upper end of n·v."),
-        column("rung", "What is approximated: see docs/estimators.md, \"The ladder\"."),
+        SEEN_FROM,
+        SEEN_TO,
+        column("rung", "The approximation: see docs/estimators.md, \"The ladder\"."),
         column(
             "share",
             "Covariance share of the error's `relmse`; shares of a case sum to 1, a negative one cancels others. With \
-             `environment` all: the mean of shares, each environment alike.",
+             `environment` all: the mean over environments.",
         ),
         column("share_lo", "Lower end of its 95 % interval over environments; empty for one environment."),
         column("share_hi", "Upper end of that interval."),
-        column("first_in", "`relmse` that the step adds when it is made first, after those that it needs."),
-        column("last_out", "`relmse` that goes when it alone is made exact, with those that need it."),
-        column(
-            "shapley",
-            "The mean of the `relmse` that it adds over all orders; the rungs' numbers sum to the error.",
-        ),
-        column(
-            "error",
-            "`relmse` after all steps. With `environment` all, this and the four others are arithmetic means.",
-        ),
-        column("step_error", "Standard error of the step over the step: see `steps.csv`."),
+        column("first_in", "`relmse` that the step adds if it comes first, after the steps that it needs."),
+        column("last_out", "`relmse` that goes if this step alone becomes exact, with the steps that need it."),
+        column("shapley", "Mean of the `relmse` that the step adds over all orders; the steps' numbers sum to the error."),
+        column("error", "`relmse` after all steps. With `environment` all, all numbers are arithmetic means."),
+        column("step_error", "Relative standard error of the step: see `steps.csv`."),
     ],
     lacks,
     answer,
@@ -50,10 +44,10 @@ fn lacks(shape: &Shape) -> Option<&'static str> {
     match () {
         () if !shape.has_ladder => Some("the experiment has no section [ladder]"),
         () if !has_ladder(shape) => Some(
-            "axes.method has no split-sum, and axes.diffuse neither sh9 nor irradiance-map: nothing else has steps",
+            "axes.method has no split-sum, and axes.diffuse neither sh9 nor irradiance-map: only these have steps",
         ),
         () if !shape.values[SCENE].iter().any(|scene| is_design(&scene.to_string())) => Some(
-            "no scene is design, where every view sees the whole map; pictures of a model go beside it: design,my.obj",
+            "no scene is design, where every view sees the whole map; add it beside pictures: design,my.obj",
         ),
         () if shape.reference_method != REFERENCE => {
             Some("reference.method is not reference: steps lead from the integral")
@@ -68,13 +62,13 @@ fn has_ladder(shape: &Shape) -> bool {
     shape.methods().any(|method| method.has_ladder) || shape.values[DIFFUSE_METHOD].iter().any(is_told)
 }
 
-/// Digits of the table's numbers, as of `steps.csv`.
+/// Significant digits, as in `steps.csv`.
 const DIGITS: usize = 4;
 
-/// Errors below this many times the reference's noise are not told apart: under constant light the split is exact.
+/// Errors below this many times the reference's noise are ignored: under constant light the split is exact.
 const RESOLVED: f64 = 10.0;
 
-const NOTHING: &str = "No error stands clear of the reference's noise: there is nothing to attribute.";
+const NOTHING: &str = "No error is above the reference's noise: there is nothing to attribute.";
 
 /// One step of one image over a band of n·v.
 #[derive(Clone, Copy)]
@@ -97,7 +91,7 @@ fn told<'r, 'f>(images: &[&'r Row<'f>]) -> Vec<Told<'r, 'f>> {
     images.iter().flat_map(|row| of_image(row)).collect()
 }
 
-/// The images of one model, f0 and whatever else is not light, at one value of [`Frame::row_axis`] and in one band of n·v.
+/// The images of one surface, at one value of [`Frame::row_axis`] and in one band of n·v.
 struct Group<'r, 'f> {
     /// "ggx · F0 1".
     name: String,
@@ -122,24 +116,22 @@ impl<'r, 'f> Group<'r, 'f> {
         self.share(step).map_or(0.0, |share| share.value)
     }
 
-    /// Whether there are environments enough for an interval.
+    /// Whether environments are enough for an interval.
     fn is_pooled(&self, step: &str) -> bool {
         self.share(step).is_some_and(|share| share.interval.is_some())
     }
 
-    /// "split sum", or the diffuse term.
     fn subject(&self) -> &'static str {
         let diffuse = Diffuse::by_name(&self.own[0].row.text(DIFFUSE_METHOD));
         if diffuse.is_some_and(|diffuse| of_diffuse(diffuse).is_some()) { "diffuse term" } else { "split sum" }
     }
 
     fn place(&self) -> String {
-        joined_words(&[self.name.clone(), self.heading.clone()])
+        [&self.name, &self.heading].into_iter().filter(|word| !word.is_empty()).cloned().collect::<Vec<_>>().join(", ")
     }
 }
 
 fn groups<'r, 'f>(frame: &Frame, told: &[Told<'r, 'f>]) -> Vec<Group<'r, 'f>> {
-    // The scene is the design for all of them.
     let of = frame.row_axis();
     let others: Vec<usize> =
         frame.case_axes().into_iter().filter(|other| ![of, ENVIRONMENT, SCENE].contains(other)).collect();
@@ -170,7 +162,7 @@ fn answer(frame: &Frame) -> Option<Finding> {
     let steps: Vec<&str> = distinct_in_order(told.iter().map(|told| told.step.step.as_str()));
     let axes = frame.table_axes();
     let mut table = Table::new(&axes, QUESTION.columns);
-    // Each environment over all views; by view only where nothing else tells of it.
+    // Each environment over all views; by view only without an average.
     for group in &groups {
         let own = |told: &&Told| group.seen == ALL_VIEWS || !group.is_pooled(&told.step.step);
         for Told { row, step, error } in group.own.iter().filter(own) {
@@ -180,7 +172,7 @@ fn answer(frame: &Frame) -> Option<Finding> {
             table.row([row.cells(&axes), own, interval.to_vec(), rest].concat());
         }
     }
-    // Over environments, where these are enough for an interval.
+    // Averages over environments.
     for group in &groups {
         for step in &steps {
             let Some(Estimate { value, interval: Some([lo, hi]), .. }) = group.share(step) else { continue };
@@ -221,41 +213,36 @@ fn sentence(frame: &Frame, groups: &[Group], steps: &[&str], told: &[Told]) -> O
     let share = if least == most { least } else { format!("{least} to {most}") };
     let at_least = if at(ALL_VIEWS).count() > 1 { ", least at " } else { " at " };
     let mut text = format!(
-        "**The {} makes {share}** of the {subject}'s `relmse` on scene `design`{at_least}{}.",
+        "**The {} causes {share}** of the {subject}'s `relmse` on scene `design`{at_least}{}.",
         says(lead),
         place.place()
     );
-    // The views at which it makes least of the error.
+    // The views at which it causes least of the error.
     let by_view = BANDS.into_iter().filter_map(|seen| Some((seen, ends(seen, lead)?)));
     let weakest = by_view.min_by(|(_, [a, _]), (_, [b, _])| a.1.mean(lead).total_cmp(&b.1.mean(lead)));
     if let Some((seen, [(least, group), _])) = weakest {
         let other = steps.iter().filter(|step| **step != lead);
         let next = other.max_by(|a, b| group.mean(a).total_cmp(&group.mean(b)));
         let next = next.map_or(String::new(), |step| format!(", {} {}", step, percent(group.mean(step))));
-        text += &format!(" At n·v {} to {} and {} it makes {least}{next}.", seen[0], seen[1], group.place());
+        text += &format!(" At {} and {} it causes {least}{next}.", view(seen), group.place());
     }
     let drawn = told.iter().filter(|told| told.step.seen == ALL_VIEWS).map(|told| told.step.share_error);
     let noise = 2.0 * drawn.fold(0.0, f64::max);
     if noise > 0.0 {
-        text += &format!(" Noise of what is drawn moves no share over all views by more than {}.", percent(noise));
+        text += &format!(" Sampling noise changes no share over all views by more than {}.", percent(noise));
     }
     let lights = Numbers::new(told.iter().map(|told| (told.row, 1.0)), Middle::GeometricMean);
     Some(text + &lights.scope(frame))
 }
 
-/// A step in a sentence.
 fn says(step: &str) -> String {
     if step == "view" { "step n = v = r".to_owned() } else { format!("step of {step}") }
 }
 
-fn joined_words(words: &[String]) -> String {
-    words.iter().filter(|word| !word.is_empty()).cloned().collect::<Vec<_>>().join(", ")
-}
-
-/// Shares below this are written as 0.
+/// Smaller shares are written as 0.
 const NOISE: f64 = 5e-4;
 
-/// "97 % ± 3", "-2.1 %"; where environments disagree about the sign, "-19 to 24 %".
+/// "97 % ± 3", "-2.1 %"; if environments disagree about the sign, "-19 to 24 %".
 fn share_words(share: &Estimate) -> String {
     let rounded = |share: f64| if share.abs() < NOISE { 0.0 } else { share };
     let [lo, hi] = share.ends.map(rounded);
@@ -267,7 +254,7 @@ fn share_words(share: &Estimate) -> String {
     format!("{}{half}", percent(rounded(share.value)))
 }
 
-/// One row a value of [`Frame::row_axis`] over all views, then one an end of n·v with the range over these values.
+/// One row per value of [`Frame::row_axis`] over all views, then one per end of n·v with the range over these values.
 fn digest(frame: &Frame, groups: &[Group], steps: &[&str]) -> Table {
     let of = [frame.row_axis()];
     let rows = frame.names.heads(&of);
@@ -275,7 +262,7 @@ fn digest(frame: &Frame, groups: &[Group], steps: &[&str]) -> Table {
     let mut table = Table::with_names(heads.chain(steps.iter().map(|step| step.to_string())));
     for (name, own) in grouped(groups, |group| group.name.clone()) {
         for group in own.iter().filter(|group| group.seen == ALL_VIEWS) {
-            let row = frame.names.head(&of, std::slice::from_ref(&group.width));
+            let row = frame.names.head_of(of[0], &group.width);
             let head = [cells![name.as_str()], row, cells![ALL]].concat();
             let shares = steps.iter().map(|step| Cell::from(group.share(step).as_ref().map(share_words)));
             table.row(head.into_iter().chain(shares).collect());
@@ -296,8 +283,8 @@ fn digest(frame: &Frame, groups: &[Group], steps: &[&str]) -> Table {
     table.without_empty()
 }
 
-/// Bars of shares by [`Frame::row_axis`], a panel a model: to the right of 0 what adds error, to the left what cancels it. Over all views, which grazing
-/// ones lead, then facing the viewer.
+/// Bars of shares by [`Frame::row_axis`], one panel per surface: right of 0 steps add error, left of 0 they cancel it. Over all views, which
+/// grazing ones dominate, then facing the viewer.
 fn figure(groups: &[Group], steps: &[&str]) -> Option<Figure> {
     let widths = ascending(distinct_in_order(groups.iter().map(|group| group.width.clone())));
     let heading = |width: &Value| {
@@ -317,7 +304,7 @@ fn figure(groups: &[Group], steps: &[&str]) -> Option<Figure> {
             Some((share.value, bar, whisker.map(|[lo, hi]| Mark::neutral(Form::Whisker(lo, hi)))))
         };
         let bars: Vec<_> = (0..steps.len()).filter_map(bar).collect();
-        // The interval of the longest bar: those of the others would lie over it.
+        // Only the interval of the longest bar: others would overlap it.
         let longest = bars.iter().max_by(|a, b| a.0.total_cmp(&b.0)).and_then(|(.., whisker)| whisker.clone());
         bars.into_iter().map(|(_, bar, _)| bar).chain(longest).collect::<Vec<_>>()
     };
@@ -325,7 +312,7 @@ fn figure(groups: &[Group], steps: &[&str]) -> Option<Figure> {
     let shown = views.into_iter().flat_map(|seen| groups.iter().filter(move |group| group.seen == seen));
     let title = |group: &Group| match group.seen == ALL_VIEWS {
         true => group.name.clone(),
-        false => joined_words(&[group.name.clone(), format!("n·v {} to {}", group.seen[0], group.seen[1])]),
+        false => commas([&group.name, &view(group.seen)]),
     };
     let panel = |(name, own): (String, Vec<&Group>)| {
         let rule = [Mark::neutral(Form::VerticalRule(0.0)), Mark::neutral(Form::VerticalRule(1.0))];

@@ -1,7 +1,5 @@
-//! Questions that a run can answer, one file each. The file's stem, with hyphens, is the key in `asks`, the name of the CSV and the SVG, and
-//! the anchor of the page.
-//!
-//! To add one: its file, one word in the list below, an experiment that asks it.
+//! Questions that a run can answer, one file each. The file's stem, with hyphens, is the key in `asks`, the name of CSV and SVG, and the anchor
+//! of the page.
 
 mod chart;
 mod numbers;
@@ -17,24 +15,23 @@ use crate::experiment::fault::ConfigError;
 use crate::figure::Figure;
 use crate::spelling::suggestion;
 
-/// Columns of several questions.
 const ERROR: Column = column("error", "Error in the metric of the question, geometric mean over point sets.");
 const NOISE_FLOOR: Column =
     column("noise_floor", "Error that an exact image would have, from the reference's own noise.");
-const IS_RESOLVED: Column = column("is_resolved", "1 where the error stands clear of that noise, else 0.");
+const IS_RESOLVED: Column = column("is_resolved", "1 if the error is ten standard errors above that noise, else 0.");
 const SAMPLED: Column = column("sampled", "The sampling method.");
 const FIXED: Column = column("fixed", "The method without samples.");
 const BIAS_SHARE: Column = column(
     "bias_share",
     "Squared bias over mean square error; as an unbiased estimate it may fall below 0. Empty without [bias_variance].",
 );
-/// Of the second column of an interval.
+pub const SEEN_FROM: Column = column("n_dot_v_from", "Lower end of n·v.");
+pub const SEEN_TO: Column = column("n_dot_v_to", "Upper end of n·v.");
 const UPPER: &str = "Upper end of that interval.";
-/// Declares the modules of the questions and lists them in this order.
+/// Declares and lists the modules of the questions.
 macro_rules! questions {
     ($($stem:ident),+ $(,)?) => {
         $(mod $stem;)+
-        /// Every question.
         pub static QUESTIONS: &[&Question] = &[$(&$stem::QUESTION),+];
     };
 }
@@ -54,68 +51,57 @@ questions! {
     times,
 }
 
-/// Sentences of a finding.
 pub const SENTENCES_MAX: usize = 3;
-/// Words of a sentence.
 pub const WORDS_MAX: usize = 25;
 
-/// Follows an answer in a metric of what is seen where nothing is.
-const NO_PICTURE: &str = " Pixels of the scene `design` are no picture: this metric needs another scene.";
+const NO_PICTURE: &str = " The scene `design` is not a picture: this metric needs another scene.";
 
-/// Something that the rows of a run can answer.
 pub struct Question {
     /// The file's stem with hyphens.
     pub name: &'static str,
-    /// The question in words, with a question mark.
     pub asks: &'static str,
-    /// Columns of its table that are no axes.
+    /// Columns of its table after the axes.
     pub columns: &'static [Column],
-    /// Whether the answer rests on measured times.
+    /// Whether the answer depends on measured times.
     pub uses_times: bool,
-    /// Whether the rows of its digest are values of an axis, which `by` names.
+    /// Whether `by` can name the axis of the rows of its digest.
     pub has_rows: bool,
-    /// What an experiment lacks to serve it, as the end of the sentence "cannot be answered: ..."; `None` where it serves.
+    /// What an experiment lacks, as the end of "cannot be answered: ...".
     pub lacks: fn(&Shape) -> Option<&'static str>,
-    /// The answer; nothing while no finished cell tells.
+    /// `None` without suitable finished cells.
     pub answer: fn(&Frame) -> Option<Finding>,
 }
 
 impl Question {
-    /// What most questions have in common.
     const PLAIN: Self =
         Self { name: "", asks: "", columns: &[], uses_times: false, has_rows: true, lacks: |_| None, answer: |_| None };
 
-    /// Whether the answer rests on times of a driver that computes on the CPU: it says nothing about a GPU.
-    pub fn rests_on_cpu_times(&self, frame: &Frame) -> bool {
-        self.uses_times && frame.run.is_cpu_timed()
+    /// Whether the answer depends on times of a CPU driver, which say nothing about a GPU.
+    pub fn rests_on_cpu_times(&self, run: &Finished) -> bool {
+        self.uses_times && run.is_cpu_timed()
     }
 }
 
-/// What a question found.
 #[derive(Clone, Debug)]
 pub struct Finding {
-    /// One to three sentences of at most 25 words. Each number of them stands in the table or the digest.
+    /// One to three sentences of at most 25 words. Each of their numbers is in the table or the digest.
     pub sentence: String,
-    /// Every row, for programs.
     pub table: Table,
-    /// A few rows for people; the table itself where there is none.
+    /// A few rows for people; by default the table.
     pub digest: Option<Table>,
     pub figure: Option<Figure>,
 }
 
-/// An answered question.
 pub struct Answer {
     pub question: &'static Question,
     pub finding: Finding,
 }
 
-/// The question of that name.
 pub fn question(name: &str) -> Option<&'static Question> {
     QUESTIONS.iter().copied().find(|question| question.name == name)
 }
 
-/// The answers of a run to the questions of its experiment, the leading one first; if it asks none, to every question that the axes serve.
-/// The metric is the one of that name, else the experiment's own.
+/// Answers the questions of the experiment, by default every question that its axes can answer. `metric` replaces the experiment's own.
 pub fn answers(run: &Finished, metric: Option<&str>) -> Vec<Answer> {
     let asked = run.config.as_ref().map_or(&[][..], |config| &config.asks);
     let mut frame = Frame::new(run, metric);
@@ -136,7 +122,7 @@ pub fn answers(run: &Finished, metric: Option<&str>) -> Vec<Answer> {
     answers
 }
 
-/// Faults for each asked name that is not a question, each question that the axes cannot serve, and each `by` that makes no rows.
+/// Reports asked names that are not questions, questions that the axes cannot answer, and each `by` that makes no rows.
 pub fn check(config: &Config) -> Result<(), ConfigError> {
     let shape = Shape::of_config(config);
     let names: Vec<&str> = QUESTIONS.iter().map(|question| question.name).collect();
@@ -159,14 +145,14 @@ pub fn check(config: &Config) -> Result<(), ConfigError> {
                 (0..AXES.len()).filter(|&axis| fits(axis)).map(|axis| config.named(axis).name()).collect();
             let expected =
                 if known.is_empty() { "leave it out".to_owned() } else { format!("expected {}", known.join(", ")) };
-            let fault = if is_row_axis(*axis) { "has fewer than two values" } else { "does not tell cases apart" };
+            let fault = if is_row_axis(*axis) { "has fewer than two values" } else { "does not distinguish cases" };
             faults.add(place, format!("asks.by: {name} {fault}; {expected}"));
         }
     }
     faults.into_result()
 }
 
-/// Whether the values of an axis can be the rows of an answer: it tells cases apart, and is not the environments, which are columns.
+/// Whether an axis can be the rows of an answer: it distinguishes cases, and is not the environment, which makes columns.
 fn is_row_axis(axis: usize) -> bool {
     let parts = [Part::Case, Part::Parameter, Part::Table, Part::Method];
     parts.contains(&AXES[axis].part) && ![METHOD, ENVIRONMENT].contains(&axis)

@@ -1,11 +1,11 @@
 //! Where on a surface, and on which surface, does a method err?
 //!
-//! The error of a method over the pixels with n·v in a bin, by bin and alpha or the axis that the experiment names: the median over
-//! everything else that is swept, of each method at its leading count, the tried one nearest to the default of the axis.
+//! The error of a method over the pixels with n·v in a bin, by bin and [`Frame::row_axis`]: the median over everything else that is swept, of
+//! each method at the tried count nearest to the default.
 //!
-//! On the scene `design` each bin sees the whole map. A picture's scope is its view. Under one camera n·v is tied to the place on the map: with an orthographic camera v is the same everywhere, and
-//! the mirror direction lies 2 acos(n·v) from it, so that each bin sees one ring of the map. Turning the map by 60 degrees moves a bin by up
-//! to a factor of 440 (sky, alpha 0.1, n·v 0.3 to 0.4). From one view the figure shows where lamps are, not what grazing angles do.
+//! On the scene `design` each bin sees the whole map. In a picture n·v is tied to the place on the map: with an orthographic camera the mirror
+//! direction is 2 acos(n·v) from v, so each bin sees one ring of the map. Turning the map by 60 degrees changes a bin by up to a factor of 440
+//! (sky, alpha 0.1, n·v 0.3 to 0.4): from one view the figure shows where lamps are, not the effect of grazing angles.
 
 use super::prelude::*;
 
@@ -15,7 +15,7 @@ pub const QUESTION: Question = Question {
     columns: &[
         column("n_dot_v_from", "Least n·v of the bin."),
         column("n_dot_v_to", "Largest n·v of the bin."),
-        column("n", "Environments behind the error."),
+        column("n", "Number of environments."),
         column("error", "Median over environments of the error over the bin's pixels, in the metric of the question."),
         column("error_lo", "Lower end of its 95 % interval over environments; empty below six environments."),
         column("error_hi", super::UPPER),
@@ -29,7 +29,6 @@ fn lacks(shape: &Shape) -> Option<&'static str> {
     (!shape.is_swept(ALPHA)).then_some("axes.alpha has fewer than two values")
 }
 
-/// The error of a method at one value of [`Frame::row_axis`] in one bin.
 struct Place<'r, 'f> {
     method: String,
     width: Value,
@@ -38,7 +37,7 @@ struct Place<'r, 'f> {
     rows: Vec<&'r Row<'f>>,
 }
 
-/// The images of each method at the tried count nearest to the default, by ratio; those without samples first.
+/// The images of each method at the tried count nearest to the default; methods without samples first.
 fn leading<'r, 'f>(frame: &'r Frame<'f>) -> Vec<(String, Vec<&'r Row<'f>>)> {
     let distance = |row: &Row| row.samples().map_or(0.0, from_usual);
     let is_asked = |row: &&Row| !row.cell.bins.is_empty() && !frame.is_nothing(row);
@@ -47,7 +46,7 @@ fn leading<'r, 'f>(frame: &'r Frame<'f>) -> Vec<(String, Vec<&'r Row<'f>>)> {
         let ways = grouped(ways, |row| frame.way(row));
         ways.into_iter().reduce(|a, b| if distance(b.1[0]) < distance(a.1[0]) { b } else { a })
     };
-    // Without any specular term the diffuse methods are asked about.
+    // Without any specular term diffuse methods are compared.
     let method = frame.way_axes()[0];
     let mut found: Vec<_> = grouped(rows, |row| row.point[method].clone()).into_iter().filter_map(nearest).collect();
     found.sort_by_key(|(_, rows)| rows[0].samples().is_some());
@@ -75,17 +74,12 @@ fn places<'r, 'f>(frame: &Frame, method: &str, rows: &[&'r Row<'f>]) -> Vec<Plac
     found
 }
 
-/// Different bins, ascending.
+/// Distinct bins, ascending.
 fn bins(all: impl Iterator<Item = [f64; 2]>) -> Vec<[f64; 2]> {
     let mut bins: Vec<[f64; 2]> = all.collect();
     bins.sort_by(|a, b| a[0].total_cmp(&b[0]));
     bins.dedup();
     bins
-}
-
-/// "0.3 to 0.4": the last bin ends above 1, so that 1 lies in it.
-pub(super) fn ends([lo, hi]: [f64; 2]) -> String {
-    format!("{lo} to {}", hi.min(1.0))
 }
 
 fn answer(frame: &Frame) -> Option<Finding> {
@@ -113,23 +107,23 @@ fn sentence(frame: &Frame, all: &[Place]) -> Option<String> {
     let own = || all.iter().filter(|place| place.method == *lead);
     let by_error = |a: &&Place, b: &&Place| a.error.value.total_cmp(&b.error.value);
     let (most, least) = (own().max_by(by_error)?, own().min_by(by_error)?);
-    let place = |place: &Place| format!("n·v {}, {}", ends(place.bin), frame.names.one(frame.row_axis(), &place.width));
+    let place = |place: &Place| format!("{}, {}", view(place.bin), frame.names.one(frame.row_axis(), &place.width));
     let over = match most.error.n {
         1 => String::new(),
-        n => format!(", the median of {n} {}", AXES[ENVIRONMENT].plural),
+        n => format!(" (median of {n} {})", AXES[ENVIRONMENT].plural),
     };
     let is_design = most.rows.iter().all(|row| is_design(&row.text(SCENE)));
     let turns = [ENVIRONMENT_ORIENTATION, ENVIRONMENT_ROTATION, SCENE].iter().any(|of| frame.shape.is_swept(*of));
-    let (view, end) = match () {
+    let (scope, end) = match () {
         () if is_design => ("On the scene `design`", ""),
         () if turns => ("In these views", ""),
         () => (
             "In this view",
-            " Each n·v sees one part of the map, so this says where lamps stand as much as where the method fails.",
+            " Each n·v sees one part of the map, so the places of lamps matter as much as the method.",
         ),
     };
     Some(format!(
-        "{view} `{lead}` errs most at {}: {} {}{over}. It errs least at {}: {}.{end}",
+        "{scope}, `{lead}` errs most at {}: {} {}{over}. It errs least at {}: {}.{end}",
         place(most),
         frame.metric_name(),
         number(most.error.value),
@@ -138,11 +132,11 @@ fn sentence(frame: &Frame, all: &[Place]) -> Option<String> {
     ))
 }
 
-/// One row a method and value of [`Frame::row_axis`], one column a bin.
+/// One row per method and value of [`Frame::row_axis`], one column per bin.
 fn digest(frame: &Frame, all: &[Place], bins: &[[f64; 2]]) -> Table {
     let of = [frame.row_axis()];
     let first = std::iter::once(AXES[METHOD].name).chain(frame.names.heads(&of)).map(str::to_owned);
-    let mut table = Table::with_names(first.chain(bins.iter().map(|bin| format!("n·v {}", ends(*bin)))));
+    let mut table = Table::with_names(first.chain(bins.iter().map(|bin| view(*bin))));
     for ((method, width), own) in grouped(all, |place| (place.method.clone(), place.width.clone())) {
         let place = |bin: &[f64; 2]| own.iter().find(|place| place.bin == *bin);
         let cells = bins.iter().map(|bin| Cell::from(place(bin).map(|place| with_interval(&place.error))));
@@ -151,7 +145,7 @@ fn digest(frame: &Frame, all: &[Place], bins: &[[f64; 2]]) -> Table {
     table
 }
 
-/// One panel a method: n·v over [`Frame::row_axis`].
+/// One panel per method: n·v over [`Frame::row_axis`].
 fn figure(frame: &Frame, all: &[Place], bins: &[[f64; 2]]) -> Option<Figure> {
     let (of, names) = (frame.row_axis(), &frame.names);
     let widths = ascending(distinct_in_order(all.iter().map(|place| place.width.clone())));
@@ -159,7 +153,7 @@ fn figure(frame: &Frame, all: &[Place], bins: &[[f64; 2]]) -> Option<Figure> {
         let Place { method, width, bin, error, rows } = place;
         let x = bins.iter().position(|known| known == bin)?;
         let y = widths.iter().position(|known| known == width)?;
-        let tip = format!("{method} · {} · n·v {}: {}", names.one(of, width), ends(*bin), with_interval(error));
+        let tip = format!("{method} · {} · {}: {}", names.one(of, width), view(*bin), with_interval(error));
         let (value, cell) = (error.value, only(rows));
         Some(Tile { panel: method.clone(), at: [x, y], value, text: number(value), tip, cell })
     };

@@ -1,5 +1,4 @@
-//! A number of each image of a group, and how it hangs on alpha, on the environment and on other axes of cases: digests, extremes, changes
-//! of sign.
+//! A number of each image of a group, and how it depends on the axes: digests, extremes, changes of sign.
 
 use super::words::{count, listed, number, range, range_words, scope_sentence};
 use crate::environment::BUILTIN_PREFIX;
@@ -11,20 +10,20 @@ use crate::study::frame::{Frame, Row, distinct_in_order, values};
 use crate::study::table::Table;
 use crate::table::csv::Cell;
 
-/// The name of the last row and column.
+/// Name of the last row and column.
 pub const ALL: &str = "all";
 
 /// Groups by their value on an axis, ascending, each with its number.
 pub type Along = Vec<(Value, f64)>;
 
-/// A number of each image, summed up over any group of them.
+/// A number of each image, averaged over any group of them.
 #[derive(Clone)]
 pub struct Numbers<'r, 'f> {
     items: Vec<(&'r Row<'f>, f64)>,
     middle: Middle,
-    /// Whether 1 parts them into better and worse.
+    /// Whether 1 separates better from worse.
     is_ratio: bool,
-    /// Whether it is part of a group in which formulas count for nothing.
+    /// Whether it is part of a group in which formulas do not count.
     is_part: bool,
 }
 
@@ -33,7 +32,7 @@ impl<'r, 'f> Numbers<'r, 'f> {
         Self { items: items.into_iter().collect(), middle, is_ratio: false, is_part: false }
     }
 
-    /// Ratios, told by their geometric mean and never averaged over a change of sign.
+    /// Ratios, averaged by their geometric mean, but never over a change of sign.
     pub fn ratios(items: impl IntoIterator<Item = (&'r Row<'f>, f64)>) -> Self {
         Self { is_ratio: true, ..Self::new(items, Middle::GeometricMean) }
     }
@@ -43,12 +42,12 @@ impl<'r, 'f> Numbers<'r, 'f> {
         self.evidence().values(ENVIRONMENT).contains(&row.point[ENVIRONMENT])
     }
 
-    /// Whether environments are enough for an interval: a figure then shows their middle before each of them.
+    /// Whether environments are enough for an interval.
     pub fn is_summed(&self) -> bool {
         self.estimate().is_some_and(|all| all.interval.is_some())
     }
 
-    /// A dot at the middle, named and in words, and a whisker of its interval. `at` gives a number its place.
+    /// As [`middle_marks`].
     pub fn marks(
         &self,
         series: usize,
@@ -59,7 +58,7 @@ impl<'r, 'f> Numbers<'r, 'f> {
         middle_marks(&all, series, at, (name, words))
     }
 
-    /// Those under measured environments, where these are enough for an interval: formulas then stand beside them and count for nothing.
+    /// The numbers under measured environments, if these are enough for an interval: formulas then do not count.
     fn evidence(&self) -> Self {
         let measured = self.measured();
         let are_enough = measured >= CLUSTERS_MIN || (self.is_part && measured > 0);
@@ -67,29 +66,28 @@ impl<'r, 'f> Numbers<'r, 'f> {
         Self { items: self.items.iter().copied().filter(|(row, _)| is_kept(row)).collect(), ..*self }
     }
 
-    /// How many measured environments there are.
+    /// Number of measured environments.
     fn measured(&self) -> usize {
         self.values(ENVIRONMENT).iter().filter(|light| !is_formula(light)).count()
     }
 
-    /// Under how many environments a ratio is below 1, and how many there are.
+    /// Number of environments with a ratio below 1, and of all.
     pub fn wins(&self) -> [usize; 2] {
         let of_each = self.evidence().along(ENVIRONMENT);
         [of_each.iter().filter(|(_, ratio)| *ratio < 1.0).count(), of_each.len()]
     }
 
-    /// In how many images a ratio is below 1, and how many there are.
+    /// Number of images with a ratio below 1, and of all.
     pub fn less(&self) -> [usize; 2] {
         [self.items.iter().filter(|(_, ratio)| *ratio < 1.0).count(), self.items.len()]
     }
 
-    /// Of the images with this value on an axis.
+    /// The images with this value on an axis.
     pub fn at(&self, of: usize, value: &Value) -> Self {
         let own = self.items.iter().copied().filter(|(row, _)| row.point[of] == *value);
         Self { items: own.collect(), is_part: self.is_part || self.measured() >= CLUSTERS_MIN, ..*self }
     }
 
-    /// The method of its first row.
     pub fn first_method(&self) -> String {
         self.rows().next().map_or_else(String::new, |row| row.text(METHOD))
     }
@@ -99,24 +97,22 @@ impl<'r, 'f> Numbers<'r, 'f> {
         self.evidence().items.iter().map(|(_, number)| *number).fold(f64::NAN, f64::max)
     }
 
-    /// The rows behind the numbers.
     pub fn rows(&self) -> impl Iterator<Item = &'r Row<'f>> {
         self.items.iter().map(|(row, _)| *row)
     }
 
-    /// The different values of an axis, ascending.
     pub fn values(&self, of: usize) -> Vec<Value> {
         values(self.rows(), of)
     }
 
-    /// The number of the whole group with its interval over environments; nothing for none.
+    /// The average with its interval over environments.
     pub fn estimate(&self) -> Option<Estimate> {
         let evidence = self.evidence();
         let values = evidence.items.iter().map(|(row, number)| (row.point[ENVIRONMENT].clone(), *number));
         estimate(&values.collect::<Vec<_>>(), self.middle)
     }
 
-    /// The same, but nothing for ratios on both sides of 1.
+    /// The average, unless ratios are on both sides of 1.
     pub fn pooled(&self, frame: &Frame) -> Option<Estimate> {
         self.estimate().filter(|_| !self.is_ratio || self.change_of_sign(frame).is_none())
     }
@@ -126,7 +122,7 @@ impl<'r, 'f> Numbers<'r, 'f> {
         scope_sentence(frame, &self.evidence().rows().collect::<Vec<_>>())
     }
 
-    /// ", under sky" of one environment, ", in the median environment" or the like of several.
+    /// ", under sky" for one environment, else `several`.
     pub fn place(&self, frame: &Frame, several: &str) -> String {
         match self.values(ENVIRONMENT).as_slice() {
             [only] => format!(", under {}", frame.names.short(ENVIRONMENT, only)),
@@ -134,7 +130,7 @@ impl<'r, 'f> Numbers<'r, 'f> {
         }
     }
 
-    /// The number at each value of an axis.
+    /// The average at each value of an axis.
     pub fn along(&self, of: usize) -> Along {
         self.values(of)
             .into_iter()
@@ -142,13 +138,12 @@ impl<'r, 'f> Numbers<'r, 'f> {
             .collect()
     }
 
-    /// " By alpha it runs from 16 for alpha 0.5 to 64 for alpha 0.05.": the axis, of the rows or environment, along which a positive number
-    /// changes most; nothing if it changes by less than this factor along both.
+    /// " By alpha it ranges from 16 for alpha 0.5 to 64 for alpha 0.05.": the axis, of the rows or the environment, along which the number
+    /// changes most; empty if it changes by less than `factor` along both.
     pub fn extremes(&self, frame: &Frame, subject: &str, factor: f64, words: impl Fn(f64) -> String) -> String {
         let of_axis = |of: usize| {
             let mut groups = self.evidence().along(of);
             groups.retain(|(_, number)| !number.is_nan());
-            // Of equal ones the first.
             let least = groups.iter().cloned().reduce(|a, b| if b.1 < a.1 { b } else { a })?;
             let most = groups.into_iter().reduce(|a, b| if b.1 > a.1 { b } else { a })?;
             Some((most.1 / least.1, of, [least, most]))
@@ -158,11 +153,11 @@ impl<'r, 'f> Numbers<'r, 'f> {
         let Some((_, of, ends)) = found.reduce(|a, b| if b.0 > a.0 { b } else { a }) else { return String::new() };
         let [least, most] =
             ends.map(|(value, number)| format!("{} for {}", words(number), frame.names.one(of, &value)));
-        format!(" By {} {subject} runs from {least} to {most}.", frame.names.name(of))
+        format!(" By {} {subject} ranges from {least} to {most}.", frame.names.name(of))
     }
 
-    /// The first axis of cases along which a ratio is below 1 here and above it there, with the ratio at each of its values.
-    /// Environments are a sample: where the interval of their mean lies on one side of 1, they agree.
+    /// The first axis of cases with ratios on both sides of 1, and these ratios. Environments are a sample: they agree if the interval of their
+    /// mean is on one side of 1.
     pub fn change_of_sign(&self, frame: &Frame) -> Option<(usize, Along)> {
         let (below, above) = (1.0 / (1.0 + SAME), 1.0 + SAME);
         let told = self.estimate().and_then(|all| all.told_interval());
@@ -175,15 +170,14 @@ impl<'r, 'f> Numbers<'r, 'f> {
         })
     }
 
-    /// The estimate in words, as a cell; of ratios on both sides of 1 their range.
+    /// The average in words; for ratios on both sides of 1 their range.
     pub fn cell(&self, frame: &Frame, words: &dyn Fn(&Estimate) -> String) -> Cell {
         let is_told = self.pooled(frame).is_some();
         let both = || range(self.items.iter().map(|(_, number)| *number));
         self.estimate().map(|all| if is_told { words(&all) } else { both() }).into()
     }
 
-    /// A digest: one row a value of [`Frame::row_axis`] in the columns of [`by_light`]. If that has one value, the rows are values of the first
-    /// other axis that tells cases apart.
+    /// A digest with one row per value of [`Frame::row_axis`], else of the first swept axis of cases, and the columns of [`by_light`].
     pub fn digest(&self, frame: &Frame, words: &dyn Fn(&Estimate) -> String) -> Table {
         let mut swept = frame.swept(&[Part::Case]);
         swept.retain(|of| *of != ENVIRONMENT);
@@ -192,20 +186,20 @@ impl<'r, 'f> Numbers<'r, 'f> {
             return by_light(frame, &[], &[(Vec::new(), self.clone())], words);
         };
         let (values, heads) = (self.values(of), frame.names.heads(&[of]));
-        let row = |value: &Value| (frame.names.head(&[of], std::slice::from_ref(value)), self.at(of, value));
+        let row = |value: &Value| (frame.names.head_of(of, value), self.at(of, value));
         let mut rows: Vec<(Vec<Cell>, Self)> = values.iter().map(row).collect();
         rows.extend((values.len() > 1).then(|| (all_head(&heads), self.clone())));
         by_light(frame, &heads, &rows, words)
     }
 }
 
-/// The first cells of the row over all: [`ALL`] under the first of these heads.
+/// The first cells of the row over all, under these heads.
 pub fn all_head(heads: &[&str]) -> Vec<Cell> {
     let blanks = heads.iter().skip(1).map(|_| Cell::Missing);
     std::iter::once(Cell::from(ALL)).chain(blanks).collect()
 }
 
-/// A dot at a middle, named and in words, and a whisker of its interval. `at` gives a number its place.
+/// A dot at an average, with its name and words, and a whisker of its interval. `at` places a number.
 pub fn middle_marks(
     all: &Estimate,
     series: usize,
@@ -218,15 +212,15 @@ pub fn middle_marks(
     std::iter::once(dot).chain(whisker).collect()
 }
 
-/// "0.25 (0.50) and 0.5 (0.25)": the values with a ratio below 1, and those with one above.
+/// "0.25 (0.50) and 0.5 (0.25)": values with ratios below 1, and above.
 pub fn sides(frame: &Frame, of: usize, groups: &Along) -> [String; 2] {
     let (less, more): (Vec<_>, Vec<_>) = groups.iter().partition(|(_, ratio)| *ratio < 1.0);
     let words = |(at, ratio): &(Value, f64)| format!("{} ({})", frame.names.short(of, at), number(*ratio));
     [less, more].map(|own| listed(&own.into_iter().map(words).collect::<Vec<_>>()))
 }
 
-/// A digest whose rows are groups with their first cells: one column an environment and one over all. Where a group has environments
-/// enough for an interval, that column stands for theirs, with their range beside it.
+/// A digest with one row per group, one column per environment and one over all. If environments are enough for an interval, their columns
+/// are replaced by their range.
 pub fn by_light(
     frame: &Frame,
     names: &[&str],
@@ -250,7 +244,7 @@ pub fn by_light(
     let plain = |end: f64| words(&Estimate { value: end, interval: None, n: 1, ends: [end; 2] });
     for (head, own) in rows {
         let cells = shown.iter().map(|light| own.at(ENVIRONMENT, light).cell(frame, words));
-        // Their range stands beside it, so an interval that is wider than a decade is left out.
+        // The range is beside it, so an interval wider than a decade is omitted.
         let told = |all: &Estimate| words(&Estimate { interval: all.told_interval(), ..*all });
         let all = has_all.then(|| match own.pooled(frame) {
             None if is_summed && own.is_ratio => Cell::from("mixed"),
@@ -262,15 +256,15 @@ pub fn by_light(
     table.without_empty()
 }
 
-/// Whether a light is one of the builtin formulas.
+/// Whether a light is a built-in formula.
 pub fn is_formula(light: &Value) -> bool {
     light.to_string().starts_with(BUILTIN_PREFIX)
 }
 
-/// How far a sample count is from the default, by ratio.
+/// Distance of a sample count from the default, by ratio.
 pub fn from_usual(samples: u32) -> f64 {
     (f64::from(samples) / f64::from((AXES[SAMPLES].default)().count())).ln().abs()
 }
 
-/// Ratios nearer to 1 than this are on neither side of it.
+/// Ratios this close to 1 are on neither side of it.
 const SAME: f64 = 0.05;

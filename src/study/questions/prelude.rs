@@ -1,9 +1,9 @@
-//! What every question is made of: numbers, words and charts, rows of the frame, axes, cells.
+//! Common imports of the questions.
 
 pub use super::chart::{Along, Chart, INTERVAL, Tile, dot, joined, light_panels, only, step, tiles};
 pub use super::numbers::{ALL, Numbers, all_head, by_light, from_usual, sides};
 pub use super::words::*;
-pub use super::{Finding, Question};
+pub use super::{Finding, Question, SEEN_FROM, SEEN_TO};
 pub use crate::experiment::axis::*;
 pub use crate::experiment::value::Value;
 pub use crate::figure::{Figure, Mark, Shape as Form};

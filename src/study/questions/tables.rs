@@ -1,19 +1,19 @@
-//! Which tables does one ship?
+//! Which tables should a renderer ship?
 //!
-//! Tables are judged against what they approximate: the split sum with exact factors, `P(r, alpha) (f0 A + B)`, which is the method
-//! [`EXACT_SPLIT`]. Against the truth a fault of the tables may cancel one of the split. In each *condition* (environment, model, alpha, f0, and
-//! on the scene `design` each band of n·v: facing the viewer the split errs least, so that tables matter most):
+//! Tables are compared with what they approximate, the split sum with exact factors, `P(r, alpha) (f0 A + B)` (method [`EXACT_SPLIT`]): against
+//! the truth an error of the tables may cancel one of the split. In each *condition* (environment, model, alpha, f0, and on the scene `design`
+//! each band of n·v: the split errs least facing the viewer, so tables matter most there):
 //!
-//! - `error`: of the tables against the exact split, which is also what relative metrics divide by;
-//! - `split_error`: of the truth (method `reference`) against the exact split, in the same metric;
+//! - `error`: the tables against the exact split, which is also what relative metrics divide by;
+//! - `split_error`: the truth (method `reference`) against the exact split, in the same metric;
 //! - `share`: the first over the second.
 //!
-//! A *combination* is one value of each swept setting of tables. It is *enough* at an alpha where its share is at most [`enough`] in every
-//! condition: the split itself then makes the error, and better tables cannot help. Shipped is the combination of fewest texels that is enough
-//! at every alpha; of equally large ones that with the fewest samples, then that with the least share at its worst.
+//! A *combination* is one value of each swept setting of tables. It is *enough* at an alpha if its share is at most [`enough`] in every
+//! condition: the split itself then causes the error. The answer is the combination with the fewest texels that is enough at every alpha; among
+//! equal ones the one with the fewest samples, then the smallest worst share.
 
 use super::prelude::*;
-use crate::metrics::{ALL_VIEWS, VIEWS};
+use crate::metrics::ALL_VIEWS;
 use crate::precompute::PrecomputeSettings;
 use crate::shade::{EXACT_SPLIT, REFERENCE};
 use crate::table::markdown::significant;
@@ -22,29 +22,29 @@ use std::ops::Range;
 
 pub const QUESTION: Question = Question {
     name: "tables",
-    asks: "Which tables does one ship, and from which roughness on does no table help?",
+    asks: "Which tables should a renderer ship, and from which roughness do better tables not help?",
     columns: &[
-        column("n_dot_v_from", "Lower end of n·v."),
-        column("n_dot_v_to", "Upper end of n·v."),
+        SEEN_FROM,
+        SEEN_TO,
         column(
             "error",
             "Error of the tables against the split sum with exact factors, in the metric of the question; relative metrics divide by that split.",
         ),
-        column("split_error", "Error of the truth against the same: what the split itself costs."),
+        column("split_error", "Error of the truth against the same split: the cost of the split itself."),
         column("share", "The first over the second."),
         column("is_enough", "1 where the share is at most 0.1 of a mean square, 0.32 of a mean magnitude, else 0."),
-        column("texels", "Texels of all levels and faces of the tables that the combination sizes."),
-        column("is_resolved", "1 where the error stands clear of the reference's noise, else 0."),
+        column("texels", "Texels of all levels and faces of the prefiltered map and of the DFG table."),
+        column("is_resolved", "1 if the error is resolved against the reference's noise, else 0."),
     ],
     lacks,
     answer,
     ..Question::PLAIN
 };
 
-/// Tables that err by at most this share of the split's own mean square error are enough: they add 5 % to it at most.
+/// Largest share of the split's mean square error for tables that are enough: they add at most 5 % to its root.
 const SHARE: f64 = 0.1;
 
-/// The same share in the metric of the question: a third of an error that is no square.
+/// The same share in the metric of the question: a third for an error that is not a square.
 fn enough(frame: &Frame) -> f64 {
     SHARE.powf(0.5 * frame.metric.description().power)
 }
@@ -53,23 +53,20 @@ fn lacks(shape: &Shape) -> Option<&'static str> {
     let draws_truth = shape.methods().any(|method| method.name == REFERENCE);
     match () {
         () if shape.reference_method != EXACT_SPLIT => {
-            Some("reference.method is not ladder-view: tables are judged against the split sum with exact factors")
+            Some("reference.method is not ladder-view: tables are compared with the split sum with exact factors")
         }
-        () if !draws_truth => Some("axes.method has no `reference`: it tells what the split itself costs"),
-        () if !shape.methods().any(|method| method.uses_prefiltered()) => Some("axes.method looks up no table"),
-        () => parameters(shape).is_empty().then_some("axes has no setting of a table with two values"),
+        () if !draws_truth => Some("axes.method has no `reference`, which gives the cost of the split itself"),
+        () if !shape.methods().any(|method| method.uses_prefiltered()) => Some("axes.method has no method with tables"),
+        () => parameters(shape).is_empty().then_some("no setting of a table has two values"),
     }
 }
 
-/// The swept settings of tables.
 fn parameters(shape: &Shape) -> Vec<usize> {
     (0..AXES.len()).filter(|&axis| AXES[axis].part == Part::Table && shape.is_swept(axis)).collect()
 }
 
-/// One combination in one condition.
 struct Tried<'r, 'f> {
     row: &'r Row<'f>,
-    /// Ends of n·v.
     seen: [f64; 2],
     /// Values of the parameters.
     tables: Key,
@@ -81,15 +78,13 @@ impl Tried<'_, '_> {
     fn share(&self) -> f64 {
         self.error / self.split
     }
-}
 
-impl Tried<'_, '_> {
     /// Texels of the tables of the row.
     fn texels(&self) -> f64 {
         texels(&self.row.point.settings().shading.precompute)
     }
 
-    /// Samples that its prefiltered map takes; none by harmonics.
+    /// Samples of its prefiltered map; 0 for harmonics.
     fn samples(&self) -> f64 {
         self.row.point.settings().shading.precompute.samples_of("prefilter").unwrap_or(0.0)
     }
@@ -103,19 +98,14 @@ fn texels(settings: &PrecomputeSettings) -> f64 {
     f64::from(settings.layout.face_count) * width * height * levels + f64::from(settings.dfg_size).powi(2)
 }
 
-/// Over all views, and on a design in each band of n·v.
 fn tried<'r, 'f>(frame: &Frame, images: &[&'r Row<'f>], parameters: &[usize]) -> Vec<Tried<'r, 'f>> {
     let mut all = seen_at(frame, images, parameters, ALL_VIEWS);
-    if images.iter().all(|row| is_design(&row.text(SCENE))) {
-        for seen in VIEWS {
-            let Some(run) = frame.run.seen_at(seen) else { continue };
-            all.extend(seen_at(&frame.like(&run, frame.metric_name()), images, parameters, seen));
-        }
+    for (seen, run) in frame.views(images) {
+        all.extend(seen_at(&frame.like(&run, frame.metric_name()), images, parameters, seen));
     }
     all
 }
 
-/// By the scores of a frame, which may be of some views alone.
 fn seen_at<'r, 'f>(frame: &Frame, images: &[&'r Row<'f>], parameters: &[usize], seen: [f64; 2]) -> Vec<Tried<'r, 'f>> {
     let errors: HashMap<&str, f64> =
         frame.rows.iter().filter_map(|row| Some((row.cell.id.as_str(), frame.error(row)?))).collect();
@@ -134,7 +124,6 @@ fn seen_at<'r, 'f>(frame: &Frame, images: &[&'r Row<'f>], parameters: &[usize], 
     images.iter().filter_map(one).filter(|one| one.share().is_finite()).collect()
 }
 
-/// A combination at some alphas.
 struct Combination<'t, 'r, 'f> {
     tables: Key,
     own: Vec<&'t Tried<'r, 'f>>,
@@ -151,7 +140,7 @@ impl Combination<'_, '_, '_> {
     }
 }
 
-/// Every combination that was tried in all conditions of these rows, the smallest first.
+/// The combinations that were tried in all conditions of these rows, the smallest first.
 fn combinations<'t, 'r, 'f>(own: impl Iterator<Item = &'t Tried<'r, 'f>>) -> Vec<Combination<'t, 'r, 'f>> {
     let groups = grouped(own, |one| one.tables.clone());
     let most = groups.iter().map(|(_, own)| own.len()).max();
@@ -164,25 +153,21 @@ fn combinations<'t, 'r, 'f>(own: impl Iterator<Item = &'t Tried<'r, 'f>>) -> Vec
     all
 }
 
-/// The smallest that is enough, else the one with the least share at its worst.
+/// The smallest combination that is enough, else the one with the smallest worst share.
 fn chosen<'c, 't, 'r, 'f>(enough: f64, all: &'c [Combination<'t, 'r, 'f>]) -> Option<&'c Combination<'t, 'r, 'f>> {
     let by_worst = |a: &&Combination, b: &&Combination| a.worst().share().total_cmp(&b.worst().share());
     all.iter().find(|one| one.worst().share() <= enough).or_else(|| all.iter().min_by(by_worst))
 }
 
-/// In percent; a third digit where it is not enough, so that 10.5 % does not read as 10 %.
+/// In percent; with a third digit if it is not enough, so that 10.5 % does not read as 10 %.
 fn told_share(enough: f64, share: f64) -> String {
     if share > enough { format!("{} %", significant(100.0 * share, 3)) } else { percent(share) }
 }
 
 /// "qwantani, alpha 0.1, n·v 0.8 to 1".
 fn place(frame: &Frame, one: &Tried, axes: &[usize]) -> String {
-    let seen = (one.seen != ALL_VIEWS).then(|| format!("n·v {} to {}", one.seen[0], one.seen[1]));
-    [Some(frame.names.label(axes, &one.row.key(axes))).filter(|text| !text.is_empty()), seen]
-        .into_iter()
-        .flatten()
-        .collect::<Vec<_>>()
-        .join(", ")
+    let seen = if one.seen == ALL_VIEWS { String::new() } else { view(one.seen) };
+    commas([&frame.names.label(axes, &one.row.key(axes)), &seen])
 }
 
 /// "64x64, 6 levels".
@@ -219,7 +204,7 @@ fn answer(frame: &Frame) -> Option<Finding> {
 type ByWidth<'t, 'r, 'f> = [(Value, Vec<Combination<'t, 'r, 'f>>)];
 type Rows<'t, 'r, 'f> = [(Value, Vec<&'t Tried<'r, 'f>>)];
 
-/// The longest run of neighbouring values of [`Frame::row_axis`] for which one combination is enough, the widest of equally long ones.
+/// The longest run of neighbouring values of [`Frame::row_axis`] with one combination that is enough; of equally long runs the last.
 fn longest<'t, 'r, 'f>(enough: f64, rows: &Rows<'t, 'r, 'f>) -> Option<(Range<usize>, Combination<'t, 'r, 'f>)> {
     let ranges =
         (1..=rows.len()).rev().flat_map(|length| (length..=rows.len()).rev().map(move |end| end - length..end));
@@ -242,7 +227,6 @@ fn range_words(frame: &Frame, rows: &Rows, range: &Range<usize>) -> String {
     }
 }
 
-/// First what can be shipped and where.
 fn sentence(
     frame: &Frame,
     parameters: &[usize],
@@ -254,7 +238,7 @@ fn sentence(
     let (of, best) = (frame.row_axis(), chosen(enough, whole)?);
     let words = |tables: &Key| words(frame, parameters, tables);
     let place = |one: &Tried| place(frame, one, &distinct_in_order([ENVIRONMENT, of]));
-    // A share within the noise of the reference is an upper end.
+    // A share within the reference's noise is an upper bound.
     let share = |one: &Tried| {
         let bound = if frame.is_resolved(one.row) { "" } else { "at most " };
         format!("{bound}{}", told_share(enough, one.share()))
@@ -262,12 +246,11 @@ fn sentence(
     let mut text = match longest(enough, rows) {
         Some((range, one)) if range.len() < rows.len() => {
             let ship = format!(
-                "{} ship **{}**: at most {} of the split's `{metric}`.",
+                "{}, ship **{}**: at most {} of the split's `{metric}`.",
                 range_words(frame, rows, &range),
                 words(&one.tables),
                 told_share(enough, one.worst().share()),
             );
-            // Elsewhere each value has its own best tables, as in the digest.
             let outside = by_width.iter().enumerate().filter(|(place, _)| !range.contains(place));
             let best = outside.filter_map(|(_, (width, all))| Some((width, chosen(enough, all)?.worst())));
             let (do_too, fail): (Vec<_>, Vec<_>) = best.partition(|(_, worst)| worst.share() <= enough);
@@ -278,7 +261,7 @@ fn sentence(
             let fail_worst = fail.iter().map(|(_, worst)| *worst).max_by(|a, b| a.share().total_cmp(&b.share()));
             let none = fail_worst.map(|worst| {
                 format!(
-                    " At {} none is enough. The best, {}, reach {}: a `{metric}` of {} under {}.",
+                    " At {}, no tables are enough. The best, {}, reach {}: a `{metric}` of {} under {}.",
                     at(&fail),
                     words(&worst.tables),
                     share(worst),
@@ -287,7 +270,7 @@ fn sentence(
                 )
             });
             let others =
-                (!do_too.is_empty()).then(|| format!(" At {} other tables do: the rows say which.", at(&do_too)));
+                (!do_too.is_empty()).then(|| format!(" At {}, other tables are enough: see the rows.", at(&do_too)));
             [Some(ship), none, others].into_iter().flatten().collect()
         }
         Some((_, one)) => format!(
@@ -304,7 +287,7 @@ fn sentence(
             place(best.worst())
         ),
     };
-    // The longest run of values up to the largest at which the smallest tables do.
+    // The values from which on the smallest tables are enough.
     let is_enough = |all: &[Combination]| all.first().is_some_and(|least| least.worst().share() <= enough);
     let rest = by_width.iter().rposition(|(_, all)| !is_enough(all)).map_or(0, |last| last + 1);
     if let Some((width, all)) = by_width.get(rest)
@@ -317,14 +300,14 @@ fn sentence(
         };
         let own = all[0].numbers(|one| one.split).estimate().map_or(String::new(), |mean| with_rms(frame, mean.value));
         text += &format!(
-            " {from} the smallest tried are enough: the split itself has a `{metric}` of {own} at {}.",
+            " {from}, the smallest tables are enough: the split itself has a `{metric}` of {own} at {}.",
             frame.names.one(of, width)
         );
     }
     Some(text)
 }
 
-/// One row a value of [`Frame::row_axis`], the last over all: the smallest tables that are enough, their error, and that of the split.
+/// One row per value of [`Frame::row_axis`], the last over all: the smallest tables that are enough, their error, and the split's error.
 fn digest(frame: &Frame, parameters: &[usize], scope: &[usize], by_width: &ByWidth, whole: &[Combination]) -> Table {
     let of = frame.row_axis();
     let heads = frame.names.heads(&[of]);
@@ -348,14 +331,13 @@ fn digest(frame: &Frame, parameters: &[usize], scope: &[usize], by_width: &ByWid
         let place: Vec<usize> = scope.iter().copied().filter(|axis| width.is_none() || *axis != of).collect();
         let errors = cells![told(|one| one.error), told(|one| one.split)];
         let worst = cells![told_share(enough, worst.share()), self::place(frame, worst, &place)];
-        let head = |width| frame.names.head(&[of], std::slice::from_ref(width));
-        let head = width.map_or_else(|| all_head(&heads), head);
+        let head = width.map_or_else(|| all_head(&heads), |width| frame.names.head_of(of, width));
         table.row([head, cells![tables], errors, worst].concat());
     }
     table
 }
 
-/// One panel a value of [`Frame::row_axis`], one dot a combination at its worst, which decides; those that are made alike are joined.
+/// One panel per value of [`Frame::row_axis`], one dot per combination at its worst condition; dots of one kind are joined.
 fn figure(frame: &Frame, parameters: &[usize], all: &[&Tried]) -> Option<Figure> {
     let is_kind = |axis: &usize| frame.shape.values[*axis].iter().all(|value| matches!(value, Value::Text(_)));
     let kinds: Vec<usize> = parameters.iter().copied().filter(is_kind).collect();
@@ -382,9 +364,9 @@ fn figure(frame: &Frame, parameters: &[usize], all: &[&Tried]) -> Option<Figure>
     };
     let by_width = grouped_ascending(all.iter().copied(), frame.row_axis(), |one| one.row);
     Chart {
-        title: "What tables cost beside the split",
+        title: "Error of tables and of the split",
         note: format!(
-            "{} of tables over that of the split itself, in the worst condition; below the line the split makes the error",
+            "{} of tables over that of the split itself, in the worst condition; below the line the split dominates",
             frame.metric_name()
         ),
         x: Along::Log("texels"),

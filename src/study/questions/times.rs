@@ -1,14 +1,12 @@
 //! What does a frame cost with each method, and what do the tables cost once?
 //!
-//! A time is a sum of passes in each round, the median over rounds, with the 95 % interval of that median (order statistics and resampling,
-//! none below six rounds). Methods that are compared were timed in the same rounds in changing order: the time of one over the time of
-//! another is the median of the ratios round by round, so a disturbed round disturbs both. It is not the quotient of the medians. The host's
-//! own time of the same submissions checks the sum.
+//! A time is the sum of passes in each round, the median over rounds, with its 95 % interval. Compared methods were timed in the same rounds:
+//! the ratio of two methods is the median of the ratios round by round, so that a disturbed round affects both; it is not the quotient of the
+//! medians. The host's own time of the same submissions checks the sum.
 //!
-//! Passes that make tables run once for each map and model. Sets of tables made with other parameters are alternatives: their times are a
-//! range and never a sum.
+//! Tables are computed once per map and model. Sets of tables with other parameters are alternatives: their times are a range, never a sum.
 //!
-//! Times hold for the device that was timed. Times of a driver that computes on the CPU say nothing about a GPU.
+//! Times hold for the timed device only. Times of a CPU driver say nothing about a GPU.
 
 use super::prelude::*;
 use crate::run::timing::{FRAME, Key, PRECOMPUTE, TimingRecord, summarize, swept_axes};
@@ -19,14 +17,14 @@ pub const QUESTION: Question = Question {
     name: "times",
     asks: "What does a frame cost with each method, and what do the tables cost once?",
     columns: &[
-        column("phase", "`frame` for what each frame costs, `precompute` for tables that are made once."),
+        column("phase", "`frame` for the cost of each frame, `precompute` for tables that are computed once."),
         column("environment_size", "Width and height of the environment, texels."),
-        column("pass", "A pass that makes a table, or `all`: their sum, or the sum of a frame's passes."),
-        column("rounds", "Rounds that were timed."),
+        column("pass", "A pass of a table, or `all`: the sum of all passes."),
+        column("rounds", "Timed rounds."),
         column("ms", "Time in milliseconds, the median over rounds."),
         column("ms_lo", "Lower end of its 95 % interval; empty below six rounds."),
         column("ms_hi", super::UPPER),
-        column("over", "A method timed in the same rounds, with its sample count; a row for each."),
+        column("over", "A method timed in the same rounds, with its sample count; one row for each."),
         column("ratio", "Time of the frame over this method's, the median of the ratios round by round."),
         column("ratio_lo", "Lower end of its 95 % interval; empty below six rounds."),
         column("ratio_hi", super::UPPER),
@@ -40,11 +38,10 @@ pub const QUESTION: Question = Question {
     answer,
 };
 
-/// A set of passes that was timed.
 struct Timed<'f> {
     record: &'f TimingRecord,
     key: Key,
-    /// Sums of the passes, ms, one a round.
+    /// Sums of the passes, ms, one per round.
     sums: Vec<f64>,
 }
 
@@ -57,7 +54,7 @@ impl Timed<'_> {
         summarize(&self.sums).median
     }
 
-    /// The method, or the diffuse one if there is no specular term.
+    /// The method; without specular term the diffuse method.
     fn method(&self) -> &str {
         method(&self.key)
     }
@@ -71,12 +68,12 @@ fn method(key: &Key) -> &str {
     if text(key, METHOD) == NONE { text(key, DIFFUSE_METHOD) } else { text(key, METHOD) }
 }
 
-/// "sampled 40": how a timed frame is made.
+/// "sampled 40".
 fn way(key: &Key) -> String {
     format!("{} {}", method(key), text(key, SAMPLES)).trim_end().to_owned()
 }
 
-/// What a phase timed, methods without samples first.
+/// The timed sets of a phase; methods without samples first.
 fn timed<'f>(frame: &Frame<'f>, phase: &str) -> Vec<Timed<'f>> {
     let records = frame.run.timings.iter().filter(|record| record.phase == phase);
     let timed = |record: &'f TimingRecord| Timed { record, key: record.key(), sums: record.sums_ms() };
@@ -124,12 +121,12 @@ fn answer(frame: &Frame) -> Option<Finding> {
     })
 }
 
-/// The ends of an interval as cells; nothing below six rounds.
+/// The ends of an interval; missing below six rounds.
 fn ends(interval: [f64; 2]) -> [Cell; 2] {
     interval.map(|end| Some(end).filter(|end| end.is_finite()).into())
 }
 
-/// One row a way to make a frame and a way that it was timed beside, with what the method's tables cost once.
+/// One row per way to make a frame and per way that it was timed with, and the cost of its tables.
 fn digest(frames: &[Timed], sets: &[Timed], ratios: &[Ratio]) -> Table {
     let names = ["configurations", "ms a frame", "times as long", "as", "tables once, ms", "of which"];
     let mut table = Table::with_names(std::iter::once(AXES[METHOD].name).chain(names));
@@ -148,7 +145,7 @@ fn digest(frames: &[Timed], sets: &[Timed], ratios: &[Ratio]) -> Table {
     table.without_empty()
 }
 
-/// "mips 28 to 29, prefilter 265 to 287": by kind. The levels of a prefiltered map, "prefilter mip 2", count together.
+/// "mips 28 to 29, prefilter 265 to 287": times by kind; levels of a map count together.
 fn passes(tables: &[&Timed]) -> Option<String> {
     let kind = |pass: &str| pass.split(' ').next().unwrap_or_default().to_owned();
     let of_set = |set: &&Timed| {
@@ -161,7 +158,7 @@ fn passes(tables: &[&Timed]) -> Option<String> {
     Some(words.collect::<Vec<_>>().join(", ")).filter(|words| !words.is_empty())
 }
 
-/// The first way beside the last that was timed with it, the costliest, and the tables of the first.
+/// The first way, the last (the costliest) that was timed with it, and the tables of the first.
 fn sentence(frame: &Frame, digest: &Table) -> Option<String> {
     let place = |name: &str| digest.columns.iter().position(|column| column == name);
     let text = |row: &[Cell], name: &str| place(name).map_or_else(String::new, |column| shown(&row[column]));
@@ -173,17 +170,17 @@ fn sentence(frame: &Frame, digest: &Table) -> Option<String> {
             let [other, times, other_ms] =
                 [AXES[METHOD].name, "times as long", "ms a frame"].map(|name| text(last, name));
             format!(
-                "A frame of `{other}` takes {times} times as long as one of `{name}`{on}: {other_ms} ms beside {ms} ms."
+                "A frame of `{other}` takes {times} times as long as one of `{name}`{on}: {other_ms} ms instead of {ms} ms."
             )
         }
     };
     Some(match text(base, "tables once, ms") {
         none if none.is_empty() => frames,
-        once => format!("{frames} The tables of `{name}` cost {once} ms once for each map and model."),
+        once => format!("{frames} The tables of `{name}` take {once} ms once per map and model."),
     })
 }
 
-/// One bar a configuration.
+/// One bar per configuration.
 fn figure(frame: &Frame, frames: &[Timed], axes: &[usize]) -> Option<Figure> {
     let name = |one: &Timed| {
         let rest = axes.iter().filter(|axis| ![METHOD, SAMPLES].contains(axis)).map(|axis| one.text(*axis).to_owned());

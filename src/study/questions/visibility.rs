@@ -1,21 +1,20 @@
-//! At which exposure and contrast does the difference show?
+//! At which exposure and contrast is the difference visible?
 //!
-//! The measure is FLIP \[Andersson20\], the difference that a viewer notices when two images are flipped in place, from 0 to 1: its mean over
-//! the image, after the tone curve. From [`VISIBLE_FROM`] on a difference is called visible. Of each method and tone curve: the median
-//! over environments, its extremes over images, and under how many environments the difference shows.
+//! The measure is the mean over the image of FLIP \[Andersson20\], from 0 to 1, after the tone curve: the difference that a viewer notices when
+//! two images alternate in place. From [`VISIBLE_FROM`] it counts as visible.
 
 use super::prelude::*;
 
 pub const QUESTION: Question = Question {
     name: "visibility",
-    asks: "At which exposure and contrast does the difference show?",
+    asks: "At which exposure and contrast is the difference visible?",
     columns: &[
-        column("n", "Environments behind the median."),
-        column("flip", "Mean FLIP of an image, the median over environments; from 0 (none) to 1."),
+        column("n", "Number of environments."),
+        column("flip", "Mean FLIP of an image, median over environments; from 0 (none) to 1."),
         column("flip_least", "Mean FLIP of the image with the least."),
         column("flip_most", "Mean FLIP of the image with the most."),
-        column("visible_from", "Mean FLIP from which a difference is called visible, a convention of this project."),
-        column("visible", "Under how many environments the median has at least that."),
+        column("visible_from", "Mean FLIP of a visible difference, a convention of this project."),
+        column("visible", "Number of environments with at least that."),
     ],
     has_rows: false,
     lacks,
@@ -30,12 +29,11 @@ fn lacks(shape: &Shape) -> Option<&'static str> {
     (!is_swept).then_some("axes has neither two exposures nor two contrasts")
 }
 
-/// A method at one tone curve.
 struct Curve<'r, 'f> {
     method: String,
     /// Exposure and contrast.
     key: Key,
-    /// Mean FLIP under each environment, the median over its images.
+    /// Mean FLIP by environment, median over its images.
     flips: Vec<f64>,
     rows: Vec<&'r Row<'f>>,
 }
@@ -53,7 +51,7 @@ impl Curve<'_, '_> {
 /// By method, contrast and exposure, the latter two ascending; methods without samples first.
 fn curves<'r, 'f>(frame: &'r Frame<'f>) -> Vec<Vec<Curve<'r, 'f>>> {
     let flip = |row: &Row| row.flip().filter(|flip| flip.is_finite());
-    // The image without a specular term is there for scale, unless it is the diffuse term that is asked about.
+    // Images without the compared term are only there for scale.
     let rows = frame.rows.iter().filter(|row| !frame.is_nothing(row) && flip(row).is_some());
     let mut methods = grouped(rows, |row| frame.way(row));
     methods.sort_by_key(|(_, rows)| rows[0].samples().is_some());
@@ -86,7 +84,7 @@ fn answer(frame: &Frame) -> Option<Finding> {
     Some(Finding { sentence, table, digest: Some(digest(&methods)), figure: figure(frame, &methods) })
 }
 
-/// "exposure 0.5 to 50 and 500" or "every tried exposure": where the difference shows at one contrast, tried neighbours drawn together.
+/// "exposure 0.5 to 50 and 500" or "every tried exposure": where the difference is visible at one contrast.
 fn shown(own: &[&Curve]) -> String {
     let is_visible = |one: &&&Curve| one.middle() >= VISIBLE_FROM;
     match own.iter().filter(is_visible).count() {
@@ -110,9 +108,9 @@ fn sentence(frame: &Frame, own: &[Curve]) -> Option<String> {
     let peak = peak(own)?;
     let over = match peak.flips.len() {
         1 => String::new(),
-        n => format!(", the median of {n} {}", AXES[ENVIRONMENT].plural),
+        n => format!(" (median of {n} {})", AXES[ENVIRONMENT].plural),
     };
-    // Contrasts that show alike are said together.
+    // Contrasts with equal words are grouped.
     let contrasts = grouped(own, |one| one.key[1].clone()).into_iter().map(|(contrast, at)| (contrast, shown(&at)));
     let groups = grouped(contrasts, |(_, words)| words.clone());
     let part = |(words, own): &(String, Vec<(Value, String)>)| {
@@ -120,7 +118,7 @@ fn sentence(frame: &Frame, own: &[Curve]) -> Option<String> {
         if groups.len() == 1 { format!("at {words}") } else { format!("at {words} with contrast {at}") }
     };
     Some(format!(
-        "The error of `{}` shows most at {}: mean FLIP {}{over}. It is visible {}.",
+        "The error of `{}` is most visible at {}: mean FLIP {}{over}. It is visible {}.",
         peak.method,
         frame.names.label(&DISPLAY, &peak.key).replace(" · ", ", "),
         number(peak.middle()),
@@ -132,7 +130,7 @@ fn tried(methods: &[Vec<Curve>], axis: usize) -> Vec<Value> {
     values(methods.iter().flatten().flat_map(|one| &one.rows).copied(), axis)
 }
 
-/// One row a method, one column a contrast.
+/// One row per method, one column per contrast.
 fn digest(methods: &[Vec<Curve>]) -> Table {
     let contrasts = tried(methods, CONTRAST);
     let heads = contrasts.iter().map(|contrast| format!("visible at contrast {contrast}"));
@@ -152,7 +150,7 @@ fn digest(methods: &[Vec<Curve>]) -> Table {
     table
 }
 
-/// One panel a method: exposure over contrast.
+/// One panel per method: exposure over contrast.
 fn figure(frame: &Frame, methods: &[Vec<Curve>]) -> Option<Figure> {
     let steps = DISPLAY.map(|axis| tried(methods, axis));
     let tile = |one: &Curve| {
@@ -168,7 +166,7 @@ fn figure(frame: &Frame, methods: &[Vec<Curve>]) -> Option<Figure> {
     tiles(
         "The difference after the tone curve",
         format!(
-            "mean FLIP, median over the rest; from {VISIBLE_FROM} on a difference is called visible (a convention)"
+            "mean FLIP, median over the rest; a difference from {VISIBLE_FROM} counts as visible (a convention)"
         ),
         [0, 1].map(names),
         methods.iter().flatten().filter_map(tile).collect(),

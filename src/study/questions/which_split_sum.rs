@@ -1,9 +1,8 @@
-//! Which split sum should an engine ship? The error of each way to shade, beside that of the first method of the experiment, against how often
-//! a pixel looks an environment map up (`Method::lookups_of_pixel`).
+//! Which split sum should an engine ship? The error of each way to shade against its lookups of an environment map per pixel
+//! (`Method::lookups_of_pixel`); lookups of small tables do not count.
 //!
-//! Errors are divided by those of that first method, the *base*, in the same case, and told as the geometric mean over environments. A way is
-//! on the *front* where no other with as few lookups has a smaller mean over all cases. Lookups of the tables beside the map do not count:
-//! they are small, and every way reads some.
+//! Errors are divided by those of the first method of the experiment, the *base*, in the same case, and averaged geometrically over
+//! environments. A way is on the *front* if no other with as few lookups has a smaller mean over all cases.
 
 use super::prelude::*;
 use crate::shade::Method;
@@ -13,10 +12,10 @@ pub const QUESTION: Question = Question {
     name: "which-split-sum",
     asks: "Which split sum should an engine ship?",
     columns: &[
-        column("lookups", "How often a pixel looks an environment map up."),
-        column("base", "The method that errors are divided by: the first of the experiment."),
-        column("ratio", "Error over that of the base; below 1 the way is closer to the reference."),
-        column("is_on_front", "1 where no way with as few lookups has a smaller mean ratio over all cases, else 0."),
+        column("lookups", "Lookups of an environment map per pixel."),
+        column("base", "The first method of the experiment."),
+        column("ratio", "Error over the error of the base; below 1 the way is closer to the reference."),
+        column("is_on_front", "1 if no way with as few lookups has a smaller mean ratio over all cases, else 0."),
     ],
     lacks,
     answer,
@@ -25,10 +24,10 @@ pub const QUESTION: Question = Question {
 
 fn lacks(shape: &Shape) -> Option<&'static str> {
     let count = shape.methods().filter(|method| method.uses_prefiltered()).count();
-    (count < 2).then_some("axes.method has fewer than two methods that look the prefiltered map up")
+    (count < 2).then_some("axes.method has fewer than two methods with a prefiltered map")
 }
 
-/// A method at a sample count, with its errors over those of the base.
+/// A method at a sample count.
 struct Way<'r, 'f> {
     name: String,
     lookups: u32,
@@ -41,7 +40,7 @@ fn lookups(row: &Row) -> Option<u32> {
     Method::by_name(&row.text(METHOD))?.lookups_of_pixel(row.samples())
 }
 
-/// Fewest lookups first, the best of them first.
+/// Ordered by lookups, then by mean ratio.
 fn ways<'r, 'f>(frame: &Frame, ratios: &[(&'r Row<'f>, f64)]) -> Vec<Way<'r, 'f>> {
     let way = |(name, own): (String, Vec<&(&'r Row<'f>, f64)>)| {
         let ratios = Numbers::ratios(own.iter().copied().copied());
@@ -94,9 +93,9 @@ fn sentence(frame: &Frame, ways: &[Way], base: &Value) -> Option<String> {
     let times = |way: &Way| format!("{} times{}", number(way.mean.value), interval_words(&way.mean, number));
     let many = if first.lookups == 1 { "lookup" } else { "lookups" };
     let first_words = match first.name == base.to_string() {
-        true => format!("With **{} {many}** ship `{base}`: no other has less `{metric}`.", first.lookups),
+        true => format!("With **{} {many}** per pixel, ship `{base}`: no other has less `{metric}`.", first.lookups),
         false => format!(
-            "With **{} {many}** ship `{}`: it has {} the `{metric}` of `{base}`.",
+            "With **{} {many}** per pixel, ship `{}`: it has {} the `{metric}` of `{base}`.",
             first.lookups,
             first.name,
             times(first)
@@ -104,7 +103,7 @@ fn sentence(frame: &Frame, ways: &[Way], base: &Value) -> Option<String> {
     };
     let next = front
         .next()
-        .map(|way| format!(" With **{}** `{}` has {}.", way.lookups, way.ratios.first_method(), times(way)));
+        .map(|way| format!(" With **{}**, `{}` has {}.", way.lookups, way.ratios.first_method(), times(way)));
     let all = ways.last()?;
     Some(first_words + &next.unwrap_or_default() + &all.ratios.scope(frame))
 }
@@ -114,8 +113,7 @@ fn row_axes(frame: &Frame) -> Vec<usize> {
     distinct_in_order([F0, frame.row_axis()]).into_iter().filter(|axis| frame.shape.is_swept(*axis)).collect()
 }
 
-/// By F0 and [`Frame::row_axis`] the ways of the front with the base, each with its number of lookups; of several images the last rows have the mean and
-/// the worst one.
+/// By F0 and [`Frame::row_axis`] the ways of the front with one lookup or more; the last rows are the mean and the worst image.
 fn digest(frame: &Frame, ways: &[Way]) -> Table {
     let by_axes = row_axes(frame);
     let shown: Vec<&Way> = ways.iter().filter(|way| way.is_on_front || way.lookups == 1).collect();
@@ -127,9 +125,11 @@ fn digest(frame: &Frame, ways: &[Way]) -> Table {
             shown.iter().map(|way| at(&way.ratios, &by_axes, &key).estimate().as_ref().map(with_interval).into());
         table.row(frame.names.head(&by_axes, &key).into_iter().chain(cells).collect());
     }
-    let labelled = |label: &str, cells: Vec<Cell>| {
-        let blanks = heads.iter().skip(1).map(|_| None::<f64>.into());
-        std::iter::once(Cell::from(label)).chain(blanks).chain(cells).collect()
+    let labelled = |label: &str, mut cells: Vec<Cell>| {
+        let mut row = all_head(&heads);
+        row[0] = label.into();
+        row.append(&mut cells);
+        row
     };
     table.row(labelled(ALL, shown.iter().map(|way| Cell::from(with_interval(&way.mean))).collect()));
     if shown.iter().any(|way| way.ratios.rows().count() > 1) {
@@ -146,7 +146,7 @@ fn at<'r, 'f>(numbers: &Numbers<'r, 'f>, axes: &[usize], key: &[Value]) -> Numbe
     axes.iter().zip(key).fold(numbers.clone(), |own, (axis, value)| own.at(*axis, value))
 }
 
-/// Ratios against lookups, a panel an F0 and value of [`Frame::row_axis`]; of the ways with one lookup the base and the best.
+/// Ratios against lookups, one panel per F0 and value of [`Frame::row_axis`]; of the ways with one lookup the base and the best.
 fn figure(frame: &Frame, ways: &[Way], base: &Value) -> Option<Figure> {
     let by_axes = row_axes(frame);
     let is_sampled = |way: &&Way| way.ratios.rows().any(|row| row.samples().is_some());
@@ -164,13 +164,13 @@ fn figure(frame: &Frame, ways: &[Way], base: &Value) -> Option<Figure> {
             if marks.len() > 2 { joined(marks) } else { marks }
         };
         let marks = series.iter().enumerate().flat_map(of_series).collect();
-        (frame.names.label(&by_axes, key).replace(" · ", ", "), marks)
+        (commas([&frame.names.label(&by_axes, key)]), marks)
     };
     let keys: Vec<Key> = by(&rows(&shown), &by_axes).into_iter().map(|(key, _)| key).collect();
     Chart {
         title: "Error against lookups of a map",
         note: format!("{} over that of {base}{INTERVAL}", frame.metric_name()),
-        x: Along::Log("lookups a pixel"),
+        x: Along::Log("lookups per pixel"),
         y: Along::Log("ratio"),
         panels: keys.iter().map(panel).collect(),
         series: series.clone(),

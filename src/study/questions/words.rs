@@ -1,25 +1,23 @@
-//! Numbers, counts and scopes as sentences say them.
+//! Numbers, counts and scopes in sentences.
 
 use crate::experiment::axis::{AXES, ENVIRONMENT};
 use crate::experiment::value::Value;
 use crate::study::frame::{Frame, Row, estimate::Estimate, values};
 use crate::table::markdown::significant;
 
-/// Digits of a number in a sentence.
 const DIGITS: usize = 2;
 
-/// A number as sentences and digests write it: two digits.
+/// A number with two digits.
 pub fn number(x: f64) -> String {
     significant(x, DIGITS)
 }
 
-/// "12 (95 % 8.1 to 17)"; without an interval, or with one wider than a decade, the number alone.
+/// "12 (95 % 8.1 to 17)"; see [`interval_words`].
 pub fn with_interval(estimate: &Estimate) -> String {
     number(estimate.value) + &interval_words(estimate, number)
 }
 
-/// " (95 % 8.1 to 17)"; where that is wider than a decade, the range of the environments; nothing for too few of them, or where the ends
-/// read alike.
+/// " (95 % 8.1 to 17)"; if that is wider than a decade, the range of the environments. Empty for too few environments or equal ends.
 pub fn interval_words(estimate: &Estimate, words: impl Fn(f64) -> String) -> String {
     let told = estimate.told_interval();
     let which = if told.is_some() { "95 %" } else { AXES[ENVIRONMENT].plural };
@@ -27,13 +25,13 @@ pub fn interval_words(estimate: &Estimate, words: impl Fn(f64) -> String) -> Str
     if lo == hi || estimate.interval.is_none() { String::new() } else { format!(" ({which} {lo} to {hi})") }
 }
 
-/// "8.1 to 17", or one number where the two read alike.
+/// "8.1 to 17", or one number if both ends read alike.
 pub fn range_words(ends: [f64; 2], words: impl Fn(f64) -> String) -> String {
     let [least, most] = ends.map(words);
     if least == most { least } else { format!("{least} to {most}") }
 }
 
-/// `relmse` as an error that people can picture: 11 for 0.012, in percent of the reference. Nothing for metrics that are no mean square.
+/// The root of a mean square in percent: 11 for 0.012. `None` for other metrics.
 pub fn rms_percent(frame: &Frame, error: f64) -> Option<f64> {
     (frame.metric.description().power == 2.0).then(|| 100.0 * error.sqrt())
 }
@@ -46,7 +44,7 @@ pub fn with_rms(frame: &Frame, error: f64) -> String {
     }
 }
 
-/// "a", "a and b", "a, b and c"; of more than four the first three and "others".
+/// "a", "a and b", "a, b and c"; of more than four, the first three and "others".
 pub fn listed(words: &[String]) -> String {
     match words {
         [] => String::new(),
@@ -56,10 +54,22 @@ pub fn listed(words: &[String]) -> String {
     }
 }
 
-/// " Over 10 environments, 3 BRDF models, 5 alphas."; nothing if all axes have one value.
+/// " Over 10 environments, 3 BRDF models, 5 alphas."; empty if all axes have one value.
 pub fn scope_sentence(frame: &Frame, rows: &[&Row]) -> String {
-    let scope = scope(frame, rows);
+    let count = |axis: usize| values(rows.iter().copied(), axis).iter().filter(|value| **value != Value::Unset).count();
+    let counts = frame.case_axes().into_iter().map(|axis| (axis, count(axis))).filter(|(_, n)| *n > 1);
+    let scope = counts.map(|(axis, n)| format!("{n} {}", frame.names.plural(axis))).collect::<Vec<_>>().join(", ");
     if scope.is_empty() { scope } else { format!(" Over {scope}.") }
+}
+
+/// The non-empty words, separated by commas: "ggx, alpha 1".
+pub fn commas<const N: usize>(words: [&str; N]) -> String {
+    words.into_iter().filter(|word| !word.is_empty()).collect::<Vec<_>>().join(", ").replace(" · ", ", ")
+}
+
+/// "n·v 0.8 to 1": the last bin ends above 1, so that it holds 1.
+pub fn view([lo, hi]: [f64; 2]) -> String {
+    format!("n·v {lo} to {}", hi.min(1.0))
 }
 
 /// "1 sample", "30 samples".
@@ -67,19 +77,12 @@ pub fn count(n: usize, one: &str, many: &str) -> String {
     format!("{n} {}", if n == 1 { one } else { many })
 }
 
-/// `25 %` of 0.25, `-25 %` of -0.25.
+/// "25 %" for 0.25.
 pub fn percent(share: f64) -> String {
     format!("{} %", number(100.0 * share))
 }
 
-/// "2 environments, 3 BRDF models, 5 alphas": how many values rows have on these axes; axes with one value are left out.
-fn scope(frame: &Frame, rows: &[&Row]) -> String {
-    let count = |axis: usize| values(rows.iter().copied(), axis).iter().filter(|value| **value != Value::Unset).count();
-    let counts = frame.case_axes().into_iter().map(|axis| (axis, count(axis))).filter(|(_, n)| *n > 1);
-    counts.map(|(axis, n)| format!("{n} {}", frame.names.plural(axis))).collect::<Vec<_>>().join(", ")
-}
-
-/// The smallest and the largest of positive numbers: "5.1" or "5.1 to 6.0".
+/// The range of positive numbers: "5.1" or "5.1 to 6.0".
 pub fn range(values: impl IntoIterator<Item = f64>) -> String {
     let (least, most) = values.into_iter().fold((f64::INFINITY, 0.0), |(lo, hi), x| (f64::min(lo, x), f64::max(hi, x)));
     range_words([least, most], number)

@@ -80,7 +80,7 @@ fn a_median_has_an_interval_from_six_environments_on() {
     let few = finding(&under(&[0.3, 2.0, 0.3, 0.3, 0.3]), "break-even");
     assert!(!few.sentence.contains("95 %") && few.sentence.contains("**16 samples"), "{}", few.sentence);
     let many = finding(&under(&[0.3, 2.0, 0.3, 0.3, 2.0, 0.3, 0.3, 2.0]), "break-even");
-    assert!(many.sentence.contains("**16 samples a pixel** (95 % 4 to 16)"), "{}", many.sentence);
+    assert!(many.sentence.contains("**16 samples per pixel** (95 % 4 to 16)"), "{}", many.sentence);
     // An interval that is open, or wider than a decade, is not told.
     let open = finding(&under(&[0.3, 1e-6, 0.3, 0.3, 1e-6, 0.3, 0.3, 1e-6]), "break-even");
     assert!(!open.sentence.contains("95 %"), "{}", open.sentence);
@@ -210,5 +210,5 @@ fn each_pair_of_methods_breaks_even_by_itself() {
     near(of("relmse", "split-sum-relative", "sampled-vndf"), 16.0, 2.0 / 0.3, [2.0, 4.0]);
     near(of("flip", "split-sum", "sampled-vndf"), 16.0, 16.0 / 1.5, [1.0, 1.0]);
     assert!(of("flip", "split-sum-relative", "sampled")[0].is_nan(), "107 samples were not tried");
-    assert!(found.sentence.contains("In `flip` it is 64, and 64."), "{}", found.sentence);
+    assert!(found.sentence.contains("In `flip`: 64, and 64."), "{}", found.sentence);
 }

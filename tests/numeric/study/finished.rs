@@ -32,7 +32,7 @@ fn damaged_tables_are_refused_by_name() {
         lines(&bins, 1) + &bins.lines().filter(|line| line.starts_with(cells[0])).collect::<Vec<_>>().join("\n") + "\n";
     let damages = [
         ("errors.csv", String::new(), "the file is empty"),
-        ("errors.csv", lines(&errors, 1), "it is cut off"),
+        ("errors.csv", lines(&errors, 1), "the table is truncated"),
         ("errors.csv", lines(&errors, 4), "3 rows, but the folder has records of 4 cells"),
         ("errors.csv", errors[..errors.len() - 3].to_owned(), "ends within a row"),
         ("errors.csv", lines(&errors, 2) + "0009,sampled,1\n", "found record with 3 fields"),

@@ -45,7 +45,7 @@ fn an_experiment_in_perceptual_roughness_is_answered_in_it() {
         assert_eq!(numbers(&found.table, "alpha"), squares);
     }
     let (_, found) = told("asks = [\"error\"]\n", axes);
-    assert!(found.sentence.contains("By perceptual_roughness it runs from"), "{}", found.sentence);
+    assert!(found.sentence.contains("By perceptual_roughness it ranges from"), "{}", found.sentence);
     assert!(
         found.sentence.contains("for roughness 0.25") && found.sentence.ends_with("3 roughnesses."),
         "{}",
@@ -71,7 +71,7 @@ fn the_rows_of_an_answer_are_values_of_the_axis_it_names() {
     let rows = digest(&found);
     assert_eq!([&rows[0][0], &rows[1][0]], ["0.04", "1"]);
     assert!(rows[0][1].starts_with("0.088 (") && rows[1][1].starts_with("0.35 ("), "{rows:?}");
-    assert!(found.sentence.contains("By f0 it runs from"), "{}", found.sentence);
+    assert!(found.sentence.contains("By f0 it ranges from"), "{}", found.sentence);
     let (_, found) = told(&by("which-split-sum"), axes);
     assert_eq!(found.digest.unwrap().columns[0], "f0");
     // Every question with such rows takes the axis.

@@ -185,7 +185,7 @@ fn a_report_is_written_to_a_new_file_or_over_a_report() {
     };
     let before = std::fs::read(run.join("errors.csv")).unwrap();
     let (code, said) = report(&run.join("errors.csv"));
-    assert!(code == Some(2) && said.contains("is no report of splitsum"), "{said}");
+    assert!(code == Some(2) && said.contains("is not a report of splitsum"), "{said}");
     assert!(std::fs::read(run.join("errors.csv")).unwrap() == before);
     let (code, said) = report(dir.path());
     assert!(code == Some(2) && said.contains("is a folder; expected the file to write"), "{said}");
@@ -209,11 +209,7 @@ fn of_many_point_sets_the_first_stays_where_not_all_fit() {
     assert_eq!(whole.images.len(), 1 + 1 + 2 * 3);
     assert!(whole.notes.is_empty(), "{:?}", whole.notes);
     let (used, cut) = bytes(Choice::Automatic, all * 3 / 4);
-    assert!(
-        used <= all * 3 / 4 && cut.notes[0].contains("of several point sets the images of the first"),
-        "{:?}",
-        cut.notes
-    );
+    assert!(used <= all * 3 / 4 && cut.notes[0].contains("only those of the first point set"), "{:?}", cut.notes);
     for cell in &runs[0].finished.cells {
         let image = &cut.images[cut.index[&(0, cell.images.clone().unwrap().radiance)]];
         let set = cell.point.get("point_set").to_string();
@@ -245,7 +241,7 @@ fn a_crop_leaves_out_the_images_that_end_before_it() {
         }
     }
     assert!(sizes.contains(&true) && sizes.contains(&false));
-    assert!(set.notes.iter().any(|note| note.contains("2 of 4 images end before the crop does")), "{:?}", set.notes);
+    assert!(set.notes.iter().any(|note| note.contains("2 of 4 images do not contain the crop")), "{:?}", set.notes);
     // In none of the sizes: an error that names them all.
     let beyond = Window { x: 40, y: 0, width: 16, height: 8 };
     let error = collect(&runs, Choice::Crop(beyond), BUDGET_BYTES).unwrap_err();

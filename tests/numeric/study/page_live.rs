@@ -183,7 +183,7 @@ fn a_model_has_the_means_of_its_maps() {
     assert!((surface.metallic - 0.1).abs() < 1e-6 && (surface.alpha - 0.0625).abs() < 1e-6, "{surface:?}");
     assert_eq!(
         (model.parts[0].triangle_count, model.note.as_str()),
-        (2, "The textures of x are shown as their means.")
+        (2, "The textures of x are replaced by their means.")
     );
 }
 

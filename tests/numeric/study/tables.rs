@@ -76,8 +76,8 @@ fn where_no_tables_are_enough_the_best_are_named() {
     assert_eq!(told(&finding, "0.5", ["tables"]), ["64 samples"]);
     // What can be shipped comes first.
     let said = &finding.sentence;
-    assert!(said.starts_with("At alpha 0.5 (roughness 0.71) ship **64 samples**: at most 2.0 %"), "{said}");
-    assert!(said.contains("At alpha 0.1 none is enough. The best, 256 samples, reach 50.0 %"), "{said}");
+    assert!(said.starts_with("At alpha 0.5 (roughness 0.71), ship **64 samples**: at most 2.0 %"), "{said}");
+    assert!(said.contains("At alpha 0.1, no tables are enough. The best, 256 samples, reach 50.0 %"), "{said}");
     assert!(said.contains("under sky · alpha 0.1"), "{said}");
 }
 

@@ -15,8 +15,8 @@ fn without_times_no_question_of_times_is_served() {
 fn times_of_a_cpu_driver_are_named() {
     let paper = beside(swept());
     let frame = Frame::new(&paper.run, None);
-    assert!(question("times").unwrap().rests_on_cpu_times(&frame));
-    assert!(!question("error").unwrap().rests_on_cpu_times(&frame));
+    assert!(question("times").unwrap().rests_on_cpu_times(frame.run));
+    assert!(!question("error").unwrap().rests_on_cpu_times(frame.run));
     assert!(paper.finding("times").sentence.contains("on this CPU driver"));
 }
 
@@ -65,7 +65,7 @@ fn alternative_tables_are_a_range_and_never_a_sum() {
     assert_eq!(split("tables once, ms"), "40 to 382");
     assert_eq!(split("of which"), "mips 2.0, prefilter 30 to 372, dfg 8.0");
     assert!(!digest.markdown().contains("422") && !finding.table.csv().contains("422"));
-    assert!(finding.sentence.ends_with("The tables of `split-sum` cost 40 to 382 ms once for each map and model."));
+    assert!(finding.sentence.ends_with("The tables of `split-sum` take 40 to 382 ms once per map and model."));
     let all = only(&finding.table, &[("phase", "precompute"), ("method", "split-sum"), ("pass", "all")]);
     assert_eq!(column(&all, "prefilter_sample_count"), ["64", "1024"]);
     assert_eq!(numbers(&all, "ms"), [40.0, 382.0]);

@@ -16,20 +16,20 @@ fn the_tables_of_a_run_that_is_at_work_are_those_of_the_cells_that_are_done() {
     // A run writes its tables now and then: there are records that they do not hold yet.
     std::fs::write(dir.join("errors.csv"), early).unwrap();
     let error = Finished::read(dir).unwrap_err().to_string();
-    assert!(error.contains("7 rows, but the folder has records of 17 cells: it is cut off"), "{error}");
+    assert!(error.contains("7 rows, but the folder has records of 17 cells: the table is truncated"), "{error}");
 
     let at_work = Store::open(dir, &plan).unwrap();
-    let note = format!("{}: under way: 7 of 32 cells", dir.display());
+    let note = format!("{}: in progress: 7 of 32 cells", dir.display());
     let run = Finished::read(dir).unwrap();
     assert_eq!(run.under_way_note().as_ref(), Some(&note));
     assert!(written(dir).record.cells == 7 && notes(dir).next().is_none());
     let options = PageOptions { out: dir.join("now.html"), ..PageOptions::in_folder(dir) };
     let page = write(&options, &Told::of_runs(&[super::page::read(dir)])).unwrap();
     assert_eq!(page.notes.first(), Some(&note));
-    assert!(String::from_utf8(read(&page.path)).unwrap().contains("7 of 32 cells are done: the run is under way."));
+    assert!(String::from_utf8(read(&page.path)).unwrap().contains("7 of 32 cells are done: the run is in progress."));
     std::fs::remove_file(dir.join("errors.csv")).unwrap();
     let error = Finished::read(dir).unwrap_err().to_string();
-    assert!(error.contains("a run is under way in it and has written no table yet"), "{error}");
+    assert!(error.contains("the run in progress has not written a table yet"), "{error}");
 
     drop(at_work);
     invoke(&plan, dir, &log(), usize::MAX).unwrap();
