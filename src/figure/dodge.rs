@@ -1,39 +1,39 @@
-//! Dots that would hide each other on a step stand beside each other, in lanes; an interval goes with its dot.
+//! Moves dots that would hide each other on a step, with their intervals, into lanes.
 
 use super::scale::Axis;
 use super::{Panel, ScaleKind, Shape};
 
-/// Marks closer than this share of the other axis hide each other.
+/// Marks closer than this, as a share of the other axis, hide each other.
 const NEAR: f64 = 0.04;
-/// More lanes than this make rows too high; marks then share lanes.
+/// Most lanes of a step.
 const LANES: usize = 12;
-/// Between the middles of two lanes, pixels.
+/// Distance of two lanes, pixels.
 pub const PITCH: f64 = 8.0;
-/// The share of a step that marks keep to.
+/// Share of a step that lanes may fill.
 const FILLED: f64 = 0.9;
 
-/// Where the marks of a panel stand beside the middle of their step.
+/// The lanes of the marks of a panel.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Dodge {
     /// Steps run along y.
     pub is_y: bool,
-    /// Lanes from the middle, by mark.
+    /// By mark; 0 is the middle of the step.
     lanes: Vec<f64>,
     /// The most lanes of a step.
     pub count: usize,
 }
 
-/// A dot on a step with its interval.
+/// A dot on a step, with its interval.
 struct Standing {
     marks: Vec<usize>,
     step: f64,
     series: Option<usize>,
-    /// Its ends on the other axis, shares of the domain.
+    /// Ends on the other axis, as shares of the domain.
     reach: [f64; 2],
 }
 
 impl Dodge {
-    /// The lanes of a panel: on each step a dot takes the first that is free.
+    /// On each step a dot takes the first free lane.
     pub fn new(panel: &Panel) -> Self {
         let is_y = matches!(panel.y.kind, ScaleKind::Steps(_));
         let mut found = Self { is_y, lanes: vec![0.0; panel.marks.len()], count: 1 };
@@ -65,7 +65,7 @@ impl Dodge {
     }
 }
 
-/// The dots on steps that no line runs through, each with the interval of its series around it.
+/// The dots on steps, each with the interval of its series; none if lines join dots.
 fn standing(panel: &Panel, is_y: bool) -> Vec<Standing> {
     let has_line = panel.marks.iter().any(|mark| matches!(mark.shape, Shape::Line(_)));
     if has_line || !(is_y || matches!(panel.x.kind, ScaleKind::Steps(_))) {
@@ -82,7 +82,7 @@ fn standing(panel: &Panel, is_y: bool) -> Vec<Standing> {
             let is_own = other.series == mark.series && a[across] == at[across] && from <= place && place <= to;
             is_own.then_some((k, [from, to]))
         });
-        // Of several the one that is nearest in the list.
+        // Of several, the nearest in the list.
         let interval = interval.min_by_key(|(k, _)| k.abs_diff(i));
         let marks = [i].into_iter().chain(interval.map(|(k, _)| k)).collect();
         let reach = interval.map_or([place; 2], |(_, reach)| reach);

@@ -1,16 +1,16 @@
-//! Elements of an SVG as texts.
+//! Elements of an SVG.
 
 use super::Figure;
 use super::ink::dashes;
 use super::text::{Words, escape, px};
 
-/// A line from point to point, as the data of a path.
+/// Path data of a polyline.
 pub fn line(points: &[[f64; 2]]) -> String {
     let step = |(i, [x, y]): (usize, &[f64; 2])| format!("{}{},{}", if i == 0 { 'M' } else { 'L' }, px(*x), px(*y));
     points.iter().enumerate().map(step).collect()
 }
 
-/// A rectangle, as the data of a path.
+/// Path data of a rectangle.
 pub fn rectangle([x, y, width, height]: [f64; 4]) -> String {
     let [x, y, width, height] = [x, y, width, height].map(px);
     format!("M{x},{y}h{width}v{height}h-{width}z")
@@ -21,13 +21,12 @@ pub fn path(class: &str, more: &str, data: &str) -> String {
     format!("<path class=\"{class}\"{more} d=\"{data}\"/>")
 }
 
-/// The attribute that dashes the lines of a series, where they are.
+/// The dash attribute of a series; empty for solid lines.
 pub fn dash(figure: &Figure, series: Option<usize>) -> String {
     let dashes = series.and_then(|index| dashes(index, figure.series.get(index)?.is_dashed));
     dashes.map_or_else(String::new, |dashes| format!(" stroke-dasharray=\"{dashes}\""))
 }
 
-/// One line of text.
 pub fn words(words: &Words) -> String {
     let [x, y] = words.at.map(px);
     let anchor = match words.anchor {

@@ -1,4 +1,4 @@
-//! The head of a figure: title, note, legend and the bar of tile colours.
+//! The head of a figure: title, note, legend, colour bar.
 
 use super::labels::Labels;
 use super::layout::{Layout, PAD};
@@ -10,24 +10,20 @@ const TITLE_LINES: usize = 4;
 const NOTE_LINES: usize = 6;
 /// Between blocks, pixels.
 const GAP: f64 = 8.0;
-/// Room of a legend's line or bar, of a lone marker, and between two entries.
+/// Widths in a legend, pixels.
 const SWATCH: f64 = 22.0;
 const MARKER: f64 = 9.0;
 const SWATCH_GAP: f64 = 6.0;
 const ENTRY_GAP: f64 = 16.0;
 const ENTRY_HEIGHT: f64 = 18.0;
-/// Size of the bar of tile colours.
+/// Size of the colour bar, pixels.
 const BAR: [f64; 2] = [220.0, 10.0];
 
-/// How a ramp runs, as a scale.
 pub fn ramp_scale(ramp: &Ramp) -> Scale {
-    let Ramp { lo, hi, .. } = *ramp;
-    let kind = if ramp.is_log { ScaleKind::Log { lo, hi } } else { ScaleKind::Linear { lo, hi } };
-    Scale { label: ramp.label.clone(), kind }
+    Scale { label: ramp.label.clone(), kind: ScaleKind::Log { lo: ramp.lo, hi: ramp.hi } }
 }
 
 impl Layout {
-    /// Everything above the panels.
     pub fn head(&mut self, figure: &Figure) {
         self.paragraph(&figure.title, TITLE, TITLE_LINES);
         self.paragraph(&figure.note, NOTE, NOTE_LINES);
@@ -37,7 +33,7 @@ impl Layout {
         }
     }
 
-    /// Lines over the whole width.
+    /// Text over the whole width.
     pub fn paragraph(&mut self, text: &str, font: Font, most: usize) {
         let lines = font.wrap(text, self.width - 2.0 * PAD, most);
         let at = [PAD, self.height + font.line() - 0.25 * font.size];

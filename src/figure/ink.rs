@@ -1,12 +1,11 @@
-//! Colours of a figure: inks and series as CSS custom properties for light and dark grounds, and the colours of tiles.
+//! Colours of a figure: CSS custom properties for light and dark grounds, and colours of tiles.
 
 use super::Ramp;
 use crate::table::colormap::Palette;
 
-/// A CSS property of a class, the custom property that it follows, and its colour on a light and on a dark ground.
+/// Class, CSS property, custom property, and colours on a light and a dark ground.
 type Ink = (&'static str, &'static str, &'static str, [&'static str; 2]);
 
-/// What is not a series.
 pub const INKS: [Ink; 9] = [
     (".fig-ground", "fill", "--fig-ground", ["#ffffff", "#14161a"]),
     (".fig-ink", "fill", "--fig-ink", ["#1b1d21", "#ecebe8"]),
@@ -19,9 +18,8 @@ pub const INKS: [Ink; 9] = [
     (".fig-none", "fill", "--fig-none", ["#eceded", "#24272c"]),
 ];
 
-/// Series on a light and on a dark ground, after Okabe and Ito; each at least 3:1 from its ground.
-///
-/// Blue, vermilion, green, purple, ochre, pink, sky, grey.
+/// Colours of series on a light and a dark ground, after Okabe and Ito, with a contrast of at least 3:1: blue, vermilion, green, purple,
+/// ochre, pink, sky, grey.
 pub const SERIES: [[&str; 2]; 8] = [
     ["#0072b2", "#56a8e0"],
     ["#c94f00", "#ff8a4c"],
@@ -33,21 +31,20 @@ pub const SERIES: [[&str; 2]; 8] = [
     ["#54575c", "#c2c3c6"],
 ];
 
-/// The class of a series; neutral ink for none.
+/// The CSS class of a series, or of neutral ink.
 pub fn class(series: Option<usize>) -> String {
     series.map_or_else(|| "fig-plain".to_owned(), |index| format!("fig-s{}", index % SERIES.len()))
 }
 
-/// Dashes of the lines of a series: solid ones differ by marker, dashed ones by pattern.
+/// The dashes of a series: solid lines differ by marker, dashed ones by pattern.
 pub fn dashes(index: usize, is_dashed: bool) -> Option<&'static str> {
     const PATTERNS: [&str; 4] = ["6 4", "2 3", "9 3 2 3", "12 4"];
     is_dashed.then(|| PATTERNS[index % PATTERNS.len()])
 }
 
-/// Sizes, weights and strokes.
 const SHAPES: &str = include_str!("../../assets/report/figure.css");
 
-/// The style sheet of a figure. Each colour stands twice: programs without custom properties read the first.
+/// The style sheet of a figure. Each colour is written twice, for programs without custom properties.
 pub fn style() -> String {
     let inks = INKS.map(|(class, property, name, colors)| (class.to_owned(), property, name.to_owned(), colors));
     let series = SERIES.iter().enumerate();
@@ -64,13 +61,13 @@ pub fn style() -> String {
     format!("{}{}@media(prefers-color-scheme:dark){{{dark}}}", SHAPES.replace("\n", ""), rules(0))
 }
 
-/// The ends of a palette's one-sided colours are black and near white, which are lost on a ground of that colour.
+/// The used part of one-sided colours, without black and near white.
 const SEQUENTIAL: [f64; 2] = [0.12, 0.97];
 
 impl Ramp {
-    /// Where a value lies on the palette, 0 to 1; values outside have the colour of the end.
+    /// The place of a value on the palette, from 0 to 1.
     fn place(&self, value: f64) -> f64 {
-        let f = |value: f64| if self.is_log { value.max(f64::MIN_POSITIVE).ln() } else { value };
+        let f = |value: f64| value.max(f64::MIN_POSITIVE).ln();
         let [lo, hi, value] = [self.lo, self.hi, value].map(f);
         let place = match self.middle.map(f) {
             Some(middle) => 0.5 + 0.5 * (value - middle) / (hi - middle).max(middle - lo),
@@ -79,7 +76,7 @@ impl Ramp {
         if place.is_nan() { 0.5 } else { place.clamp(0.0, 1.0) }
     }
 
-    /// The sRGB-encoded colour of a value.
+    /// The sRGB-encoded colour.
     pub fn color(&self, value: f64) -> [u8; 3] {
         let place = self.place(value);
         match self.middle {
@@ -89,14 +86,13 @@ impl Ramp {
     }
 }
 
-/// `#rrggbb`.
 pub fn hex([r, g, b]: [u8; 3]) -> String {
     format!("#{r:02x}{g:02x}{b:02x}")
 }
 
-/// The class of words on a colour: the one of black and white that stands out more (WCAG 2, relative luminance).
+/// The class of black or white words on a colour, whichever has more contrast (WCAG 2).
 pub fn words_on(color: [u8; 3]) -> &'static str {
-    /// Where black and white have the same contrast.
+    /// Luminance at which both have the same contrast.
     const EVEN: f64 = 0.179;
     let linear = color.map(|code| {
         let encoded = f64::from(code) / 255.0;

@@ -1,4 +1,4 @@
-//! The labels of an axis: which of them have room, on how many lines, and how much room they take.
+//! The labels of an axis that have room, and the room that they take.
 
 use super::scale::{Axis, Tick, ticks};
 use super::text::{DESCENT, LABEL, MIDDLE, Words, is_whole, stack};
@@ -8,11 +8,11 @@ use super::{Scale, ScaleKind};
 pub const OFF: f64 = 6.0;
 /// Between two labels side by side, pixels.
 const BETWEEN: f64 = 8.0;
-/// Between two labels of numbers above each other, pixels: closer ones crowd.
+/// Between two numbers above each other, pixels.
 const RISE: f64 = 22.0;
-/// Lines of a step's name.
+/// Most lines of a step's name.
 const LINES: usize = 3;
-/// The longest name of a step below an axis, pixels.
+/// Longest upright name of a step, pixels.
 const UPRIGHT_LONGEST: f64 = 120.0;
 
 #[derive(Clone, Debug, PartialEq)]
@@ -27,7 +27,7 @@ struct Label {
 pub struct Labels {
     all: Vec<Label>,
     is_upright: bool,
-    /// Pixels across the axis, with the distance to it.
+    /// Extent across the axis, with the distance to it, pixels.
     pub depth: f64,
 }
 
@@ -35,14 +35,13 @@ fn numbers(found: Vec<Tick>) -> Vec<Label> {
     found.into_iter().map(|(value, full)| Label { value, lines: vec![full.clone()], full }).collect()
 }
 
-/// Names of steps, broken or cut short as `fit` says.
 fn steps(names: &[String], fit: impl Fn(&str) -> Vec<String>) -> Vec<Label> {
     let label = |(i, name): (usize, &String)| Label { value: i as f64, lines: fit(name), full: name.clone() };
     names.iter().enumerate().map(label).collect()
 }
 
 impl Labels {
-    /// Below an axis from 0 to its length; a label of a number reaches at most `over` pixels beyond each end.
+    /// Labels below an axis of `length` pixels; numbers reach at most `over` pixels beyond each end.
     pub fn below(scale: &Scale, length: f64, over: [f64; 2], tried: &[f64]) -> Self {
         let axis = Axis::new(&scale.kind, 0.0, length);
         let ScaleKind::Steps(names) = &scale.kind else {
@@ -57,14 +56,14 @@ impl Labels {
             let found = Self { all, is_upright: false, depth: 0.0 };
             return Self { depth: OFF + found.row(), ..found };
         }
-        // Names of steps that are still too narrow for them are left out in turn.
+        // Skips names if steps are too narrow.
         let every = (LABEL.line() / axis.step()).ceil().max(1.0) as usize;
         let all = steps(names, |name| vec![LABEL.elide(name, UPRIGHT_LONGEST)]).into_iter().step_by(every);
         let found = Self { all: all.collect(), is_upright: true, depth: 0.0 };
         Self { depth: OFF + found.widest(), ..found }
     }
 
-    /// Beside an axis; names of steps take at most `room` pixels, numbers stand along `length` pixels.
+    /// Labels beside an axis of `length` pixels; names of steps take at most `room` pixels.
     pub fn beside(scale: &Scale, length: f64, room: f64, tried: &[f64]) -> Self {
         let axis = Axis::new(&scale.kind, 0.0, length);
         let is_apart = |a: &Tick, b: &Tick| axis.at(b.0) - axis.at(a.0) >= RISE;
@@ -85,12 +84,12 @@ impl Labels {
         self.all.iter().map(|label| label.value).collect()
     }
 
-    /// How many labels are cut short.
+    /// Number of truncated labels.
     pub fn cut(&self) -> usize {
         self.all.iter().filter(|label| !is_whole(&label.lines, &label.full)).count()
     }
 
-    /// The height of a row whose name has the most lines.
+    /// Height of the label with the most lines.
     pub fn row(&self) -> f64 {
         self.all.iter().map(|label| label.lines.len()).max().unwrap_or(1) as f64 * LABEL.line()
     }
@@ -111,7 +110,6 @@ impl Labels {
         words.collect()
     }
 
-    /// Words beside a panel whose left border is given.
     pub fn words_beside(&self, axis: &Axis, left: f64) -> Vec<Words> {
         let words = self.all.iter().flat_map(|label| {
             let above = (label.lines.len() as f64 - 1.0) / 2.0 * LABEL.line();
@@ -122,7 +120,7 @@ impl Labels {
     }
 }
 
-/// The middle of a label that stays between two ends.
+/// Moves the middle of a label so that it stays between two ends.
 fn inward(at: f64, half: f64, [from, to]: [f64; 2]) -> f64 {
     at.min(to - half).max(from + half)
 }

@@ -1,4 +1,4 @@
-//! Where everything of a figure stands at a width: small multiples in columns, axes, labels, words that overlap nothing.
+//! Lays a figure out at a width: panels in columns, axes, labels, words.
 
 use super::dodge::{Dodge, PITCH};
 use super::labels::{Labels, OFF};
@@ -6,34 +6,33 @@ use super::scale::Axis;
 use super::text::{AXIS, LABEL, NAME, TILE, Words, stack};
 use super::{Figure, Panel, Scale, ScaleKind, Shape};
 
-/// Around everything, pixels.
+/// Margin, pixels.
 pub const PAD: f64 = 12.0;
-/// More columns make panels that cannot be compared with those below.
+/// Most columns of panels.
 const COLUMNS: usize = 4;
 /// Between columns and between rows of panels, pixels.
 const COLUMN_GAP: f64 = 18.0;
 const ROW_GAP: f64 = 14.0;
-/// The narrowest panel of numbers, and the smallest step, pixels.
+/// Least width of a panel of numbers, and of a step, pixels.
 const NARROWEST: f64 = 150.0;
 const STEP_LEAST: f64 = 14.0;
-/// Names of steps take at most this share of a column, and at most so many pixels.
+/// Largest share of a column, and most pixels, of names of steps.
 const NAMES_SHARE: f64 = 0.44;
 const NAMES_MOST: f64 = 300.0;
-/// Height of a panel over its width, and its least and most.
+/// Height of a panel over its width, and its limits in pixels.
 const ASPECT: f64 = 0.68;
 const HEIGHTS: [f64; 2] = [110.0, 320.0];
-/// Least heights of a row of marks, of tiles, and the margin of a row.
+/// Least height of a row of marks and of tiles, and margin of a row, pixels.
 const ROW: f64 = 20.0;
 const TILE_ROW: f64 = 25.0;
 const ROW_MARGIN: f64 = 7.0;
-/// Beside the words of a tile.
 const TILE_MARGIN: f64 = 4.0;
 /// Most lines of a title.
 const LINES: usize = 3;
-/// More rows of panels than this are not seen at once: each has its own labels.
+/// With more rows of panels, each has its own labels.
 const ROWS_AT_ONCE: usize = 3;
 
-/// A panel in its place.
+/// A placed panel.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Frame {
     pub x: Axis,
@@ -42,30 +41,26 @@ pub struct Frame {
     pub top: f64,
     pub right: f64,
     pub bottom: f64,
-    /// Places of grid lines along x and y.
+    /// Grid lines along x and y.
     pub lines: [Vec<f64>; 2],
     pub dodge: Dodge,
-    /// Whether the words of tiles have room.
     pub has_tile_words: bool,
 }
 
-/// A figure laid out.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Layout {
     pub width: f64,
-    /// Of what is laid out so far.
+    /// So far.
     pub height: f64,
     pub words: Vec<Words>,
-    /// Series with the left end and the middle height of its mark in the legend.
+    /// Series, and left middle of its mark in the legend.
     pub entries: Vec<(usize, [f64; 2])>,
-    /// The width of these marks.
     pub swatch: f64,
-    /// Left, top, width and height of the bar of tile colours, and its ticks.
+    /// Left, top, width, height and ticks of the colour bar.
     pub bar: Option<([f64; 4], Vec<f64>)>,
     pub frames: Vec<Frame>,
 }
 
-/// A figure at a width.
 pub fn layout(figure: &Figure, width: f64) -> Layout {
     let mut layout = Layout { width, height: PAD, ..Layout::default() };
     layout.head(figure);
@@ -81,18 +76,17 @@ pub fn layout(figure: &Figure, width: f64) -> Layout {
     layout
 }
 
-/// What the panels have in common.
 struct Grid<'f> {
     figure: &'f Figure,
     dodges: Vec<Dodge>,
     width: f64,
-    /// All panels have one scale of x, of y: only the outer ones are labelled.
+    /// Whether all panels have one scale of x and of y: then only outer panels are labelled.
     is_shared: [bool; 2],
-    /// The title of the axis of all panels.
+    /// Common titles of axes.
     titles: [Option<&'f str>; 2],
 }
 
-/// Coordinates of the marks of a panel along x and y, to choose ticks by.
+/// Coordinates of marks along x and y, for the choice of ticks.
 fn tried(panel: &Panel) -> [Vec<f64>; 2] {
     let places = panel.marks.iter().flat_map(|mark| match &mark.shape {
         Shape::Line(points) => points.clone(),
@@ -112,19 +106,18 @@ impl Grid<'_> {
         &self.figure.panels
     }
 
-    /// Labels beside each panel for columns of a width.
     fn beside(&self, columns: usize) -> Vec<Labels> {
         let column = (self.width - 2.0 * PAD) / columns as f64;
         let (room, length) = ((column * NAMES_SHARE).min(NAMES_MOST), height_of(column - 30.0));
         self.panels().iter().map(|panel| Labels::beside(&panel.y, length, room, &tried(panel)[1])).collect()
     }
 
-    /// Whether the labels of y stand beside a panel.
+    /// Whether a panel has labels of y.
     fn is_labelled(&self, index: usize, columns: usize) -> bool {
         !self.is_shared[1] || index.is_multiple_of(columns)
     }
 
-    /// The left border of the panels of each column, and their width.
+    /// Left borders of the columns, and the width of panels.
     fn columns(&self, columns: usize, beside: &[Labels]) -> (Vec<f64>, f64) {
         let depth = |i: usize| if self.is_labelled(i, columns) { beside[i].depth } else { 0.0 };
         let gutters: Vec<f64> =
@@ -135,18 +128,17 @@ impl Grid<'_> {
         ((0..columns).map(left).collect(), width)
     }
 
-    /// The narrowest that a panel may be.
     fn narrowest(&self, index: usize) -> f64 {
         let panel = &self.panels()[index];
         let ScaleKind::Steps(names) = &panel.x.kind else { return NARROWEST };
-        // Names that are level are read more easily than upright ones.
+        // Level names are easier to read than upright ones.
         let words = names.iter().flat_map(|name| name.split_whitespace()).map(|word| LABEL.width(word) + OFF);
         let lanes = self.dodges[index].count as f64 * PITCH;
         let step = words.fold(STEP_LEAST, f64::max).max(tile_width(panel)).max(lanes);
         (names.len() as f64 * step).max(NARROWEST * 0.75)
     }
 
-    /// The most columns in which every panel has room, evenly filled.
+    /// The largest number of columns with room for every panel, evenly filled.
     fn column_count(&self) -> usize {
         let count = self.panels().len().max(1);
         let cut = |labels: &[Labels]| labels.iter().map(Labels::cut).sum::<usize>();
@@ -154,7 +146,7 @@ impl Grid<'_> {
         let fits = |columns: &usize| {
             let beside = self.beside(*columns);
             let (_, width) = self.columns(*columns, &beside);
-            // Names that one column shows whole are not cut short to have more.
+            // More columns must not truncate names.
             cut(&beside) == at_best && (0..self.panels().len()).all(|i| self.narrowest(i) <= width)
         };
         let most = (1..=COLUMNS.min(count)).rev().find(fits).unwrap_or(1);
@@ -168,7 +160,7 @@ impl Grid<'_> {
         least.max(labels.row().max(lanes) + ROW_MARGIN)
     }
 
-    /// What stands above a panel whose top is 0: its name, and the title of y where it is its own.
+    /// The words above a panel: its name, and the title of y unless that is common.
     fn names(&self, index: usize, left: f64, width: f64) -> Vec<Words> {
         let panel = &self.panels()[index];
         let title = if self.titles[1].is_none() { panel.y.label.as_str() } else { "" };
@@ -214,7 +206,7 @@ impl Grid<'_> {
         layout.height += PAD;
     }
 
-    /// Places one panel; returns the end of what stands below it.
+    /// Places a panel; returns the lower end of its labels.
     fn panel(
         &self,
         layout: &mut Layout,
@@ -225,7 +217,7 @@ impl Grid<'_> {
     ) -> f64 {
         let panel = &self.panels()[index];
         let right = left + width;
-        // Half of what is between two panels; all of the margin at the sides of the figure.
+        // Labels may use half of the gap between panels, or the margin.
         let side = COLUMN_GAP / 2.0 - 2.0;
         let over = [if index.is_multiple_of(columns) { beside.depth.max(side) } else { side }, side];
         let has_rows = matches!(panel.y.kind, ScaleKind::Steps(_));
@@ -251,7 +243,7 @@ impl Grid<'_> {
         if self.titles[0].is_none() {
             end = title_below(layout, &panel.x.label, [left, right + side], end);
         }
-        // A line behind the middle of a bar or a tile leads to nothing.
+        // Grid lines behind bars and tiles are useless.
         let is_filled =
             panel.marks.iter().any(|mark| matches!(mark.shape, Shape::HorizontalBar { .. } | Shape::Tile { .. }));
         let lines = |axis: &Axis, labels: &Labels| match axis.has_steps() && is_filled {
@@ -273,7 +265,7 @@ impl Grid<'_> {
     }
 }
 
-/// The title of x between two ends below what ends at `top`; returns its own end.
+/// Places the title of x below `top`; returns its lower end.
 fn title_below(layout: &mut Layout, title: &str, [left, right]: [f64; 2], top: f64) -> f64 {
     let lines = AXIS.wrap(title, right - left, LINES);
     let at = [(left + right) / 2.0, top + AXIS.line()];
@@ -281,7 +273,6 @@ fn title_below(layout: &mut Layout, title: &str, [left, right]: [f64; 2], top: f
     top + lines.len() as f64 * AXIS.line() + OFF / 2.0
 }
 
-/// The widest words of tiles with their margin.
 fn tile_width(panel: &Panel) -> f64 {
     let words = panel.marks.iter().filter_map(|mark| match &mark.shape {
         Shape::Tile { text, .. } => Some(text),

@@ -1,7 +1,4 @@
-//! How each shape is drawn.
-//!
-//! Marks stay in their panel: where a value lies outside of the domain (0 or less on a logarithm, infinity), an open arrow stands at the
-//! border. NaN has no place and is not drawn.
+//! Draws marks. A value outside of the domain becomes an open arrow at the border; NaN is not drawn.
 
 use super::element::{dash, line, path, rectangle};
 use super::ink::{class, hex, words_on};
@@ -12,14 +9,13 @@ use super::{Figure, Mark, Shape};
 
 /// Half the caps of a whisker, pixels.
 const CAP: f64 = 3.0;
-/// Half the size of an arrow.
 const ARROW: f64 = 4.5;
-/// Height of a horizontal bar over that of its row.
+/// Height of a bar over its row.
 const BAR: f64 = 0.66;
 /// Between tiles.
 const TILE_GAP: f64 = 1.0;
 
-/// The outlines of markers in the order of series, from the middle; areas are about equal.
+/// Outlines of markers by series, from the middle, of similar area.
 const MARKERS: [&str; 8] = [
     "m0-3.5a3.5 3.5 0 1 0 .01 0z",
     "m-3.2,-3.2h6.4v6.4h-6.4z",
@@ -31,12 +27,11 @@ const MARKERS: [&str; 8] = [
     "m-4.5,-2.4h9v4.8h-9z",
 ];
 
-/// The marker of a series around a place.
 pub fn marker(series: Option<usize>, at: [f64; 2]) -> String {
     line(&[at]) + MARKERS[series.unwrap_or(0) % MARKERS.len()]
 }
 
-/// All marks of a panel, from the ground up: tiles, bars, axes, rules, lines, intervals, dots.
+/// Draws a panel from the ground up: tiles, bars, axes, rules, lines, intervals, dots.
 pub fn draw(figure: &Figure, index: usize, frame: &Frame) -> String {
     let panel = &figure.panels[index];
     let mut order: Vec<usize> = (0..panel.marks.len()).collect();
@@ -54,7 +49,7 @@ pub fn draw(figure: &Figure, index: usize, frame: &Frame) -> String {
     format!("<g role=\"group\"{name}>\n{filled}{border}\n{others}</g>\n")
 }
 
-/// Filled shapes stand below the axes, dots above all.
+/// Filled shapes are below the axes, dots on top.
 fn layer(shape: &Shape) -> u8 {
     match shape {
         Shape::Tile { .. } | Shape::HorizontalBar { .. } => 0,
@@ -65,7 +60,7 @@ fn layer(shape: &Shape) -> u8 {
     }
 }
 
-/// The attributes of a mark's group, and its title; people can point at a mark with a tip.
+/// Attributes and title of a mark's group.
 fn head(mark: &Mark, panel: usize) -> String {
     let class = class(mark.series);
     if mark.tip.is_empty() {
@@ -80,7 +75,6 @@ fn head(mark: &Mark, panel: usize) -> String {
     )
 }
 
-/// Draws one mark.
 struct Pen<'f> {
     figure: &'f Figure,
     frame: &'f Frame,
@@ -89,7 +83,7 @@ struct Pen<'f> {
 }
 
 impl Pen<'_> {
-    /// The elements of a mark; nothing where it has no place.
+    /// The elements of a mark; `None` for NaN.
     fn shape(&self) -> Option<String> {
         let Frame { left, top, right, bottom, .. } = *self.frame;
         match &self.mark.shape {
@@ -113,7 +107,7 @@ impl Pen<'_> {
         }
     }
 
-    /// Where a point lies, with what moves marks of a step apart, and an open triangle where it lies beyond the domain.
+    /// The place of a point, dodged on steps, and an arrow if it is outside of the domain.
     fn place(&self, [x, y]: [f64; 2]) -> Option<([f64; 2], String)> {
         let Frame { x: across, y: up, dodge, .. } = self.frame;
         let mut at = [across.at(x), up.at(y)];
@@ -131,7 +125,7 @@ impl Pen<'_> {
         Some((at, path("fig-b", "", &(line(&[at, back(1.0), back(-1.0)]) + "Z"))))
     }
 
-    /// A place for the pointer, wider than what is drawn.
+    /// A wide target for the pointer.
     fn hit(&self, data: &str) -> String {
         if self.mark.tip.is_empty() { String::new() } else { path("fig-h", "", data) }
     }
@@ -164,13 +158,13 @@ impl Pen<'_> {
         Some(path("fig-l fig-thin", "", &data) + &start + &end + &self.hit(&line(&[from, to])))
     }
 
-    fn tile(&self, [x, y]: [usize; 2], value: Option<f64>, text: &str) -> String {
+    fn tile(&self, [x, y]: [usize; 2], value: f64, text: &str) -> String {
         let (across, down) = (&self.frame.x, &self.frame.y);
         let (middle, level) = (across.at(x as f64), down.at(y as f64));
         let (width, height) = (across.step() - TILE_GAP, down.step() - TILE_GAP);
         let data = rectangle([middle - width / 2.0, level - height / 2.0, width, height]);
         let ramp = self.figure.ramp.as_ref();
-        let color = value.filter(|value| !value.is_nan()).zip(ramp).map(|(value, ramp)| ramp.color(value));
+        let color = ramp.filter(|_| !value.is_nan()).map(|ramp| ramp.color(value));
         let drawn = match color {
             Some(color) => path("fig-o", &format!(" fill=\"{}\"", hex(color)), &data),
             None => path("fig-none fig-o", "", &data),

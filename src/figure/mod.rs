@@ -1,6 +1,4 @@
-//! A description of a chart, and its SVG ([`svg`]).
-//!
-//! Marks are placed in data units. A mark may carry the words of its tip and the cell that it stands for.
+//! A chart, described in data units, and its SVG ([`svg`]).
 
 mod dodge;
 mod element;
@@ -13,11 +11,11 @@ mod scale;
 pub mod svg;
 pub mod text;
 
-/// A chart of one or more panels with one legend.
+/// Panels with a common legend.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Figure {
     pub title: String,
-    /// One line below the title: what is shown, unit, scope.
+    /// Below the title: quantity, unit, scope.
     pub note: String,
     pub panels: Vec<Panel>,
     pub series: Vec<Series>,
@@ -25,15 +23,13 @@ pub struct Figure {
     pub ramp: Option<Ramp>,
 }
 
-/// What a colour stands for.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Series {
     pub name: String,
-    /// Dashed: a bound, a floor, something that was not measured.
+    /// For bounds, floors and other unmeasured values.
     pub is_dashed: bool,
 }
 
-/// One coordinate system.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Panel {
     /// Empty for a single panel.
@@ -43,10 +39,9 @@ pub struct Panel {
     pub marks: Vec<Mark>,
 }
 
-/// How data become lengths.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scale {
-    /// With its unit; empty where the steps say it.
+    /// With the unit.
     pub label: String,
     pub kind: ScaleKind,
 }
@@ -65,31 +60,27 @@ pub enum ScaleKind {
     Steps(Vec<String>),
 }
 
-/// What the colour of a tile says.
+/// The logarithmic colour scale of tiles.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Ramp {
     pub label: String,
     pub lo: f64,
     pub hi: f64,
-    /// Logarithmic, of positive numbers.
-    pub is_log: bool,
-    /// A value in the middle at which the colours part, such as 1 for a ratio; nothing for one-sided colours.
+    /// The value at which colours diverge, such as 1 for a ratio; `None` for one-sided colours.
     pub middle: Option<f64>,
 }
 
-/// One thing that is drawn.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Mark {
     pub shape: Shape,
-    /// Index into [`Figure::series`]; nothing for neutral ink.
+    /// Index into [`Figure::series`]; `None` for neutral ink.
     pub series: Option<usize>,
-    /// Words for people who point at it; empty for a mark that is only drawn.
+    /// Tooltip; may be empty.
     pub tip: String,
-    /// Id of the cell of the run that it stands for.
+    /// Id of a cell of the run, for a link.
     pub cell: Option<String>,
 }
 
-/// The forms of marks.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Shape {
     Line(Vec<[f64; 2]>),
@@ -100,17 +91,17 @@ pub enum Shape {
         base: f64,
         to: f64,
     },
-    /// An interval, between two points on a vertical or horizontal line.
+    /// A vertical or horizontal interval.
     Whisker([f64; 2], [f64; 2]),
     /// Across the panel at a y.
     HorizontalRule(f64),
     /// Across the panel at an x.
     VerticalRule(f64),
-    /// A step of x and a step of y, coloured by a value, with a short text; nothing where there is no value.
+    /// A step of x and of y, coloured by a value, with a short text.
     Tile {
         x: usize,
         y: usize,
-        value: Option<f64>,
+        value: f64,
         text: String,
     },
 }
@@ -122,29 +113,25 @@ impl Figure {
 }
 
 impl Mark {
-    /// A mark of a series, without tip or cell.
     pub fn new(shape: Shape, series: usize) -> Self {
         Self { series: Some(series), ..Self::neutral(shape) }
     }
 
-    /// A mark in neutral ink.
     pub fn neutral(shape: Shape) -> Self {
         Self { shape, series: None, tip: String::new(), cell: None }
     }
 
-    /// The same with words.
     pub fn tip(self, tip: impl Into<String>) -> Self {
         Self { tip: tip.into(), ..self }
     }
 
-    /// The same with the cell that it stands for.
     pub fn cell(self, cell: impl Into<String>) -> Self {
         Self { cell: Some(cell.into()), ..self }
     }
 }
 
 impl Scale {
-    /// A logarithmic scale around positive numbers, to whole decades' thirds; `None` without numbers.
+    /// A logarithmic scale around positive numbers; `None` without numbers.
     pub fn log(label: &str, values: impl IntoIterator<Item = f64>) -> Option<Self> {
         let (lo, hi) = ends(values.into_iter().filter(|value| *value > 0.0))?;
         let pad = ((hi / lo).ln() * 0.06).exp().max(1.15);

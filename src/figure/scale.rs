@@ -1,8 +1,8 @@
-//! From data to pixels, and the ticks of an axis.
+//! Maps data to pixels; ticks of an axis.
 
 use super::ScaleKind;
 
-/// A scale along a length of the picture.
+/// A scale along a length of the figure.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Axis {
     is_log: bool,
@@ -14,13 +14,13 @@ pub struct Axis {
     to: f64,
 }
 
-/// Rounding may move an end of the domain out of it.
+/// Tolerance at the ends of the domain.
 const ROUNDING: f64 = 1e-9;
-/// What an empty domain is widened by.
+/// Widens an empty domain.
 const WIDENING: f64 = 2.0;
 
 impl Axis {
-    /// `from` and `to` are the pixels of the ends of the domain.
+    /// `from` and `to` are the ends in pixels.
     pub fn new(kind: &ScaleKind, from: f64, to: f64) -> Self {
         let (is_log, steps, lo, hi) = match kind {
             ScaleKind::Linear { lo, hi } => (false, 0, *lo, *hi),
@@ -51,7 +51,7 @@ impl Axis {
         self.steps > 0
     }
 
-    /// 0 at the start of the domain, 1 at its end; infinite for what a logarithm does not reach.
+    /// 0 at the start of the domain, 1 at its end; -∞ for a logarithm of 0 or less.
     pub fn share(&self, value: f64) -> f64 {
         match self.is_log {
             true if value <= 0.0 => f64::NEG_INFINITY,
@@ -60,7 +60,7 @@ impl Axis {
         }
     }
 
-    /// The value at a share; the inverse of [`Axis::share`].
+    /// The inverse of [`Axis::share`].
     pub fn value(&self, share: f64) -> f64 {
         match self.is_log {
             true => (self.lo.ln() + share * (self.hi.ln() - self.lo.ln())).exp(),
@@ -68,7 +68,7 @@ impl Axis {
         }
     }
 
-    /// Pixels, at most at the border; NaN for NaN.
+    /// Pixels, clamped to the ends; NaN for NaN.
     pub fn at(&self, value: f64) -> f64 {
         self.from + self.share(value).clamp(0.0, 1.0) * (self.to - self.from)
     }
@@ -80,17 +80,17 @@ impl Axis {
     }
 }
 
-/// A labelled place of an axis of numbers: the value and its label.
+/// A value and its label.
 pub type Tick = (f64, String);
 
-/// About as many labels at most.
+/// About the most labels.
 const LABELS: f64 = 8.0;
-/// An axis with fewer labels does not tell how it runs.
+/// Fewer labels do not show the scale.
 const LABELS_LEAST: usize = 3;
 /// Exponents of the smallest and largest f64.
 const EXPONENTS: std::ops::RangeInclusive<i32> = -323..=308;
 
-/// The densest round ticks that `fits` accepts. `tried` are the data: powers of two are labelled as such.
+/// The densest round ticks that `fits` accepts. `tried` are the data; powers of two are labelled as such.
 pub fn ticks(kind: &ScaleKind, tried: &[f64], fits: impl Fn(&[Tick]) -> bool) -> Vec<Tick> {
     let [lo, hi] = Axis::new(kind, 0.0, 1.0).domain();
     let candidates = match kind {
@@ -100,7 +100,7 @@ pub fn ticks(kind: &ScaleKind, tried: &[f64], fits: impl Fn(&[Tick]) -> bool) ->
             powers_of_two(lo, hi, tried).into_iter().chain(decades(lo, hi)).chain(linear(lo, hi)).collect()
         }
     };
-    // Whole numbers are counts: nothing lies between them.
+    // Whole numbers are counts.
     let is_whole = |value: f64| value.fract() == 0.0;
     let are_counts = !tried.is_empty() && tried.iter().all(|value| is_whole(*value));
     let is_count = |ticks: &[Tick]| !are_counts || ticks.iter().all(|tick| is_whole(tick.0));
@@ -109,7 +109,7 @@ pub fn ticks(kind: &ScaleKind, tried: &[f64], fits: impl Fn(&[Tick]) -> bool) ->
     best.or_else(|| fitting.iter().max_by_key(|ticks| ticks.len())).cloned().unwrap_or_default()
 }
 
-/// Ticks at powers of two as far apart as the tried ones, at every second, and so on; nothing where others were tried.
+/// Ticks at powers of two as far apart as the data, at every second, and so on; none for other data.
 fn powers_of_two(lo: f64, hi: f64, tried: &[f64]) -> Vec<Vec<Tick>> {
     let is_power = |value: &f64| *value >= 1.0 && value.is_finite() && value.log2().fract() == 0.0;
     let mut exponents: Vec<i32> =
@@ -125,7 +125,7 @@ fn powers_of_two(lo: f64, hi: f64, tried: &[f64]) -> Vec<Vec<Tick>> {
     (1..=POWERS_LEFT_OUT).map(every).collect()
 }
 
-/// Each of so many tried powers of two has a label at least.
+/// At least one of so many powers of two has a label.
 const POWERS_LEFT_OUT: i32 = 4;
 
 /// Ticks of a logarithmic axis, dense to sparse.
@@ -136,7 +136,7 @@ fn decades(lo: f64, hi: f64) -> Vec<Vec<Tick>> {
     dense.chain(sparse).take_while(|values| !values.is_empty()).map(|values| labelled(&values, None)).collect()
 }
 
-/// `digit 10^e` within a domain for every `by`th exponent.
+/// `digit 10^e` in the domain, for every `by`th exponent.
 fn multiples(lo: f64, hi: f64, digits: &[i64], by: i32) -> Vec<f64> {
     let (first, last) = (lo.log10().floor() as i32, hi.log10().ceil() as i32);
     let exponents = (first.max(*EXPONENTS.start())..=last.min(*EXPONENTS.end())).filter(|e| e.rem_euclid(by) == 0);
@@ -144,7 +144,7 @@ fn multiples(lo: f64, hi: f64, digits: &[i64], by: i32) -> Vec<f64> {
     all.filter(|value| (lo * (1.0 - ROUNDING)..=hi * (1.0 + ROUNDING)).contains(value)).collect()
 }
 
-/// The f64 nearest to `whole 10^e`, which a product is not.
+/// The f64 nearest to `whole 10^e`.
 fn decimal(whole: i64, e: i32) -> f64 {
     format!("{whole}e{e}").parse().unwrap_or(f64::NAN)
 }
@@ -162,22 +162,22 @@ fn linear(lo: f64, hi: f64) -> Vec<Vec<Tick>> {
     steps.filter(|(digit, e)| decimal(*digit, *e) >= least).map(of).filter(|ticks| !ticks.is_empty()).collect()
 }
 
-/// Numbers that are written out; smaller and larger ones as powers of ten.
+/// Numbers that are not written as powers of ten.
 const PLAIN: std::ops::RangeInclusive<f64> = 0.000_999..=999_999.0;
 
-/// Values with their labels: all written out, with so many decimals, or all as powers of ten.
+/// Labels values, all with so many decimals or all as powers of ten.
 fn labelled(values: &[f64], decimals: Option<usize>) -> Vec<Tick> {
     let is_plain = values.iter().all(|value| *value == 0.0 || PLAIN.contains(&value.abs()));
     let label = |value: f64| match decimals {
         _ if !is_plain => power(value),
-        // Without the sign of a zero.
+        // The sum removes the sign of a zero.
         Some(decimals) => format!("{:.decimals$}", value + 0.0).replace('-', "\u{2212}"),
         None => value.to_string(),
     };
     values.iter().map(|value| (*value, label(*value))).collect()
 }
 
-/// `10⁻⁴`, `2·10⁵`, and small whole numbers as they are.
+/// `10⁻⁴`, `2·10⁵`.
 fn power(value: f64) -> String {
     if value == 0.0 || value == 1.0 || value == 10.0 {
         return value.to_string();

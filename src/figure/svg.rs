@@ -1,12 +1,10 @@
-//! The SVG of a figure.
+//! Writes the SVG of a figure. It has no ids, so that a page can hold many.
 //!
-//! It needs nothing but itself and has no id, so that many figures can stand in one page.
+//! Colours are custom properties with fallbacks for light and dark. A page may set `--fig-ground`, `--fig-ink`, `--fig-muted`, `--fig-grid`,
+//! `--fig-axis`, `--fig-none`, `--fig-s0` to `--fig-s7`, and `--fig-font`.
 //!
-//! Colours are custom properties with fallbacks for light and dark. A page that holds the figure may set `--fig-ground`, `--fig-ink`,
-//! `--fig-muted`, `--fig-grid`, `--fig-axis`, `--fig-none`, `--fig-s0` to `--fig-s7`, and `--fig-font`; its values win.
-//!
-//! A mark with a tip is a `<g class="mark">`: its words are in `aria-label`, `data-tip` and `<title>`, its cell in `data-cell`, the indices
-//! of its panel and series in `data-panel` and `data-series`.
+//! A mark with a tip is a `<g class="mark">` with the words in `aria-label`, `data-tip` and `<title>`, its cell in `data-cell`, and the indices
+//! of panel and series in `data-panel` and `data-series`.
 
 use super::element::{dash, line, path, rectangle, words};
 use super::head::ramp_scale;
@@ -17,9 +15,8 @@ use super::scale::Axis;
 use super::text::{escape, px};
 use super::{Figure, Ramp, Shape};
 
-/// Widths at which figures are laid out, pixels: a desk and a phone.
+/// Widths of figures for a desktop and a phone, pixels.
 pub const WIDTHS: [u32; 2] = [760, 360];
-/// A figure has at least this width.
 const NARROWEST: u32 = 240;
 
 pub fn svg(figure: &Figure, width: u32) -> String {
@@ -41,7 +38,6 @@ pub fn svg(figure: &Figure, width: u32) -> String {
     )
 }
 
-/// What the marks of each series look like.
 fn legend(figure: &Figure, layout: &Layout) -> String {
     let swatch = layout.swatch;
     let entry = |(index, [x, y]): &(usize, [f64; 2])| {
@@ -60,9 +56,9 @@ fn legend(figure: &Figure, layout: &Layout) -> String {
     layout.entries.iter().map(entry).collect()
 }
 
-/// The bar of tile colours with its ticks.
+/// The colour bar with its ticks.
 fn bar_of(ramp: &Ramp, [left, top, width, height]: [f64; 4], ticks: &[f64]) -> String {
-    /// Whole pixels, so that no seam shows.
+    /// Whole pixels avoid seams.
     const PART: f64 = 2.0;
     let axis = Axis::new(&ramp_scale(ramp).kind, 0.0, 1.0);
     let part = |i: usize| {

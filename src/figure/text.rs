@@ -1,8 +1,6 @@
-//! Words in a figure: how wide they are, how they break, how they are escaped.
-//!
-//! The reader's browser picks the font, so widths are estimates that err on the wide side.
+//! Widths, line breaks and escapes of words in a figure. The browser picks the font, so widths are upper estimates.
 
-/// Advance widths of the printable ASCII characters of Helvetica, thousandths of the text size (Adobe font metrics).
+/// Advance widths of printable ASCII in Helvetica, thousandths of the text size (Adobe font metrics).
 const ADVANCES: [u16; 95] = [
     278, 278, 355, 556, 556, 889, 667, 191, 333, 333, 389, 584, 278, 333, 278, 278, 556, 556, 556, 556, 556, 556, 556,
     556, 556, 556, 278, 278, 584, 584, 584, 556, 1015, 667, 667, 722, 722, 667, 611, 778, 722, 278, 500, 667, 556, 833,
@@ -12,20 +10,19 @@ const ADVANCES: [u16; 95] = [
 ];
 /// The widest of the fonts in `figure.css` needs 6 % more than Helvetica.
 const SLACK: f64 = 1.08;
-/// Bold letters are wider.
 const BOLD: f64 = 1.1;
-/// From this character on (CJK) letters fill a square.
+/// Later letters (CJK) fill a square.
 const SQUARE_FROM: char = '\u{2e80}';
 
 /// Height of a line, text sizes.
 pub const LINE: f64 = 1.2;
-/// Top of the letters above the baseline, and the depth of those that hang below it, text sizes.
+/// Top and bottom of letters from the baseline, text sizes.
 pub const ASCENT: f64 = 0.78;
 pub const DESCENT: f64 = 0.22;
-/// Half the height of digits above the baseline, text sizes: centres a text on a y.
+/// Half the height of digits, text sizes: centres a text on a y.
 pub const MIDDLE: f64 = 0.35;
 
-/// A text size and weight with the class of its colour and size.
+/// Size, weight and CSS class of a text.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Font {
     pub size: f64,
@@ -34,35 +31,28 @@ pub struct Font {
 }
 
 pub const TITLE: Font = Font { size: 15.0, is_bold: true, class: "fig-ink fig-title" };
-/// Of a panel.
 pub const NAME: Font = Font { size: 12.0, is_bold: true, class: "fig-ink fig-name" };
-/// Titles of axes and names of series.
 pub const AXIS: Font = Font { size: 12.0, is_bold: false, class: "fig-ink fig-note" };
 pub const NOTE: Font = Font { class: "fig-muted fig-note", ..AXIS };
-/// Words of tiles; their own class says their colour.
 pub const TILE: Font = Font { size: 10.0, ..LABEL };
-/// Labels of axes.
 pub const LABEL: Font = Font { size: 11.0, is_bold: false, class: "fig-muted" };
 
 impl Font {
-    /// From one baseline to the next.
     pub fn line(self) -> f64 {
         self.size * LINE
     }
 
-    /// At least the width of one line in pixels.
+    /// Upper estimate of the width of a line, pixels.
     pub fn width(self, text: &str) -> f64 {
         let weight = if self.is_bold { BOLD } else { 1.0 };
         text.chars().map(advance).sum::<f64>() * self.size * SLACK * weight
     }
 
-    /// The width of the widest line.
     pub fn widest<'t>(self, lines: impl IntoIterator<Item = &'t String>) -> f64 {
         lines.into_iter().map(|line| self.width(line)).fold(0.0, f64::max)
     }
 
-    /// The text in at most `most` lines no wider than `room`, broken after commas where that is possible; the last ends in an ellipsis where
-    /// words are left out.
+    /// Breaks a text into at most `most` lines no wider than `room`, preferably after commas; the last may end in an ellipsis.
     pub fn wrap(self, text: &str, room: f64, most: usize) -> Vec<String> {
         let items = text.split_inclusive(", ").map(str::trim);
         let pieces = items.flat_map(|item| match self.width(item) <= room {
@@ -82,7 +72,7 @@ impl Font {
         lines.iter().map(|line| self.elide(line, room)).collect()
     }
 
-    /// The text, or as much of its start as fits with an ellipsis.
+    /// Truncates a text with an ellipsis.
     pub fn elide(self, text: &str, room: f64) -> String {
         if self.width(text) <= room {
             return text.to_owned();
@@ -92,22 +82,21 @@ impl Font {
     }
 }
 
-/// One line of text at a place.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Words {
     pub text: String,
-    /// All of it where `text` is cut short.
+    /// The whole text, if `text` is truncated.
     pub full: Option<String>,
-    /// Of the anchor, on the baseline.
+    /// The anchor on the baseline.
     pub at: [f64; 2],
-    /// As SVG names it.
+    /// SVG's `text-anchor`.
     pub anchor: &'static str,
-    /// Reads from bottom to top.
+    /// From bottom to top.
     pub is_upright: bool,
     pub class: &'static str,
 }
 
-/// The lines of a text below each other; the baseline of the first is given.
+/// Lines below each other, from the baseline of the first.
 pub fn stack<'t>(
     lines: &'t [String],
     full: &'t str,
@@ -125,7 +114,7 @@ pub fn stack<'t>(
     })
 }
 
-/// Whether lines have every letter of a text.
+/// Whether lines hold all of a text.
 pub fn is_whole(lines: &[String], text: &str) -> bool {
     lines.join(" ").split_whitespace().eq(text.split_whitespace())
 }
@@ -138,19 +127,19 @@ fn advance(letter: char) -> f64 {
         'α'..='ω' => 0.6,
         '…' => 1.0,
         _ if letter >= SQUARE_FROM => 1.0,
-        // The widest Latin capitals; what is not a letter is seldom wider.
+        // The widest Latin capitals.
         _ => 0.8,
     }
 }
 
-/// The text for an element or a quoted attribute. Controls, which XML forbids or reads as blanks, are blanks.
+/// Escapes a text for elements and attributes; controls become blanks.
 pub fn escape(text: &str) -> String {
     let text = text.replace(|c: char| c.is_control() || ['\u{fffe}', '\u{ffff}'].contains(&c), " ");
     let text = text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;");
     text.replace('"', "&quot;").replace('\'', "&#39;")
 }
 
-/// A coordinate with at most two decimals, without the sign of a zero.
+/// A coordinate with at most two decimals; the sum removes the sign of a zero.
 pub fn px(value: f64) -> String {
     ((value * 100.0).round() / 100.0 + 0.0).to_string()
 }

@@ -1,16 +1,16 @@
-//! Colours of error maps. Ranges are fixed, never fitted to an image: two methods then look as different as they are.
+//! Colours of error maps. Ranges are fixed, so that maps are comparable.
 
 use crate::pixels::{GrayImage, Rgb8Image};
 use std::sync::LazyLock;
 
-/// A run of colours over [0, 1].
+/// Colours over [0, 1].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Palette {
-    /// Black over purple to pale yellow, perceptually uniform: `magma` of Smith and van der Walt (matplotlib, CC0), in the 8-bit
-    /// codes of d3. FLIP's authors show their errors by it, too.
+    /// Black, purple, pale yellow, perceptually uniform: `magma` of Smith and van der Walt (matplotlib, CC0), in the 8-bit codes of d3. FLIP's
+    /// authors use it, too.
     Magma,
-    /// Blue over near white to red: the eleven colours of `RdBu` of ColorBrewer 2.0 \[Brewer03\], from the blue end, interpolated
-    /// linearly in encoded RGB. Safe for the colour-blind.
+    /// Blue, near white, red: `RdBu` of ColorBrewer 2.0 \[Brewer03\], reversed, interpolated linearly in encoded RGB. Safe for the
+    /// colour-blind.
     BlueRed,
 }
 
@@ -28,16 +28,15 @@ const BLUE_RED: [[u8; 3]; 11] = [
     [103, 0, 31],
 ];
 
-/// Drawn for a NaN; no palette holds this colour.
+/// For NaN; not in any palette.
 pub const NAN_COLOR: [u8; 3] = [0, 255, 0];
 
-/// Drawn off the mask, where there is no error to show.
+/// Off the mask.
 pub const OFF_MASK_COLOR: [u8; 3] = [236, 236, 236];
 
 impl Palette {
-    /// The sRGB-encoded colour at `t`, which is clamped to [0, 1].
+    /// The sRGB-encoded colour at `t`, clamped to [0, 1].
     pub fn color(self, t: f64) -> [u8; 3] {
-        // The table has 256 colours.
         static MAGMA: LazyLock<[[u8; 3]; 256]> =
             LazyLock::new(|| std::array::from_fn(|i| colorous::MAGMA.eval_rational(i, 256).as_array()));
         if t.is_nan() {
@@ -57,14 +56,13 @@ impl Palette {
     }
 }
 
-/// How values map to a palette.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Range {
     Linear {
         lo: f64,
         hi: f64,
     },
-    /// Logarithmic, 0 < lo < hi; what lies below `lo`, 0 included, has the first colour.
+    /// 0 < lo < hi; smaller values, 0 included, have the first colour.
     Log {
         lo: f64,
         hi: f64,
@@ -78,23 +76,22 @@ pub struct ColorScale {
     pub range: Range,
 }
 
-/// For relative error: three decades.
 pub const RELATIVE_ERROR: ColorScale = ColorScale { palette: Palette::Magma, range: Range::Log { lo: 1e-3, hi: 1.0 } };
-/// For signed relative error: blue where the test is too dark, red where it is too bright.
+/// Blue is too dark, red too bright.
 pub const SIGNED_ERROR: ColorScale =
     ColorScale { palette: Palette::BlueRed, range: Range::Linear { lo: -0.5, hi: 0.5 } };
 pub const FLIP_ERROR: ColorScale = ColorScale { palette: Palette::Magma, range: Range::Linear { lo: 0.0, hi: 1.0 } };
 
-/// Parts that the ticks cut a linear range into.
+/// Parts of a linear range between ticks.
 const LINEAR_TICK_COUNT: u32 = 4;
 
 impl ColorScale {
-    /// The colour of a value; the ends of the range hold for what lies outside.
+    /// The colour of a value, clamped to the range.
     pub fn color(&self, value: f64) -> [u8; 3] {
         self.palette.color(self.place(value))
     }
 
-    /// Where a value lies on the palette: 0 at `lo`, 1 at `hi`.
+    /// The place of a value on the palette: 0 at `lo`, 1 at `hi`.
     pub fn place(&self, value: f64) -> f64 {
         match self.range {
             Range::Linear { lo, hi } => (value - lo) / (hi - lo),
@@ -104,14 +101,14 @@ impl ColorScale {
         }
     }
 
-    /// Values to mark on a legend, ascending: powers of ten of a logarithmic range, the ends and quarters of a linear one.
+    /// Values on a legend, ascending: powers of ten of a logarithmic range, ends and quarters of a linear one.
     pub fn ticks(&self) -> Vec<f64> {
         match self.range {
             Range::Linear { lo, hi } => {
                 (0..=LINEAR_TICK_COUNT).map(|i| lo + (hi - lo) * f64::from(i) / f64::from(LINEAR_TICK_COUNT)).collect()
             }
             Range::Log { lo, hi } => {
-                // Parsed rather than raised: 10^-3 by powers is not the nearest f64.
+                // Parsed: a power is not the nearest f64.
                 let decade = |exponent: i32| format!("1e{exponent}").parse::<f64>().ok();
                 let [first, last] = [lo.log10().round() as i32, hi.log10().round() as i32];
                 (first..=last).filter_map(decade).filter(|tick| (lo..=hi).contains(tick)).collect()
@@ -119,7 +116,7 @@ impl ColorScale {
         }
     }
 
-    /// The picture of a map over a mask.
+    /// Colours a map; the mask must have its size.
     pub fn image(&self, map: &GrayImage, mask: &GrayImage) -> Rgb8Image {
         assert_eq!([map.width, map.height], [mask.width, mask.height], "size of the mask of an error map");
         Rgb8Image::from_fn(map.width, map.height, |x, y| {

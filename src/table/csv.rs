@@ -1,8 +1,7 @@
-//! Tidy tables on disk (CSV, RFC 4180, UTF-8, `\n`): one header, one row a case.
+//! Tidy CSV tables (RFC 4180, UTF-8, `\n`): one header, one row per case.
 //!
-//! Numbers are written with the fewest digits that read back to the same f64; infinities as `inf` and `-inf`, which pandas,
-//! R and DuckDB read. A missing value is an empty cell. Text that a spreadsheet would take for a formula is written with an apostrophe
-//! before it, and read back without; see [`guarded`].
+//! Numbers have the fewest digits that read back to the same f64; infinities are `inf` and `-inf`, which pandas, R and DuckDB read. A missing
+//! value is an empty cell. Text that a spreadsheet would run as a formula gets an apostrophe ([`guarded`]).
 
 use crate::files::open_regular;
 use std::borrow::Cow;
@@ -17,7 +16,6 @@ pub enum Cell {
     Text(String),
     Number(f64),
     Integer(u64),
-    /// No value: not computed, or not defined for this case.
     Missing,
 }
 
@@ -75,7 +73,7 @@ impl Cell {
     }
 }
 
-/// A number to so many significant digits, for tables whose numbers are known no better.
+/// Rounds to significant digits.
 pub fn rounded(number: f64, digits: usize) -> f64 {
     format!("{number:.*e}", digits - 1).parse().expect("a number reads back")
 }
@@ -95,25 +93,24 @@ fn shortest(number: f64) -> String {
     }
 }
 
-/// What a field may not begin with in a spreadsheet: it would be run as a formula.
+/// A spreadsheet runs fields with these beginnings as formulas.
 const FORMULA_STARTS: [char; 6] = ['=', '+', '-', '@', '\t', '\r'];
 
-/// Whether text begins like a formula, after any number of apostrophes. Numbers are none, whatever their sign.
+/// Whether text begins like a formula, after any number of apostrophes, and is not a number.
 fn is_like_formula(text: &str) -> bool {
     text.trim_start_matches('\'').starts_with(FORMULA_STARTS) && text.parse::<f64>().is_err()
 }
 
-/// Text as it stands in a table: names are the user's, and one such as `=1+1` must stay text in a spreadsheet.
+/// Protects user text such as `=1+1` from spreadsheets.
 pub fn guarded(text: &str) -> Cow<'_, str> {
     if is_like_formula(text) { Cow::Owned(format!("'{text}")) } else { Cow::Borrowed(text) }
 }
 
-/// The text that a table holds as this field; the inverse of [`guarded`].
+/// The inverse of [`guarded`].
 pub fn unguarded(field: &str) -> &str {
     field.strip_prefix('\'').filter(|text| is_like_formula(text)).unwrap_or(field)
 }
 
-/// Why a table could not be written or read.
 #[derive(Debug, thiserror::Error)]
 pub enum TableError {
     #[error("{}: {source}", path.display())]
@@ -128,7 +125,7 @@ pub enum TableError {
     NoColumn { path: PathBuf, column: String, columns: Vec<String> },
 }
 
-/// A whole table as text, for what is written in one piece.
+/// A whole table as text.
 pub fn to_text<'r>(columns: &[String], rows: impl IntoIterator<Item = &'r [Cell]>) -> Vec<u8> {
     let mut writer = ::csv::Writer::from_writer(Vec::new());
     writer.write_record(columns).expect("memory takes rows of equal length");
@@ -138,7 +135,7 @@ pub fn to_text<'r>(columns: &[String], rows: impl IntoIterator<Item = &'r [Cell]
     writer.into_inner().expect("memory can be flushed")
 }
 
-/// Writes a table row by row: whole, it may take many times the memory of what it is made of.
+/// Writes a table row by row, to save memory.
 pub fn write<E: From<TableError>>(
     path: &Path,
     columns: &[String],
@@ -153,7 +150,6 @@ pub fn write<E: From<TableError>>(
     Ok(writer.flush().map_err(|source| file_error(path, source))?)
 }
 
-/// A table read back.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Table {
     path: PathBuf,
@@ -173,7 +169,6 @@ impl Table {
         Ok(Self { path: table.path, columns: table.columns, rows })
     }
 
-    /// The file that the table was read from.
     pub fn path(&self) -> &Path {
         &self.path
     }
@@ -202,7 +197,7 @@ impl Table {
     }
 }
 
-/// A table that is read row by row: whole, it may take many times the memory of what is made of it.
+/// A table that is read row by row, to save memory.
 #[derive(Debug)]
 pub struct TableRows {
     path: PathBuf,
@@ -211,7 +206,6 @@ pub struct TableRows {
     reader: ::csv::Reader<File>,
 }
 
-/// One row of [`TableRows`].
 #[derive(Clone, Copy, Debug)]
 pub struct Row<'t> {
     table: &'t TableRows,
@@ -244,7 +238,7 @@ impl TableRows {
         &self.columns
     }
 
-    /// Refuses a table without this column.
+    /// Fails without this column.
     pub fn needs(&self, name: &str) -> Result<(), TableError> {
         let error =
             || TableError::NoColumn { path: self.path.clone(), column: name.to_owned(), columns: self.columns.clone() };
@@ -267,17 +261,16 @@ impl TableRows {
 }
 
 impl<'t> Row<'t> {
-    /// The field of a column; `None` where it is empty or the table has no such column.
+    /// The field of a column; `None` if it is empty or missing.
     pub fn text(&self, column: &str) -> Option<&'t str> {
         Some(unguarded(&self.record[*self.table.places.get(column)?])).filter(|text| !text.is_empty())
     }
 
-    /// A field as a number, where it is one.
     pub fn number(&self, column: &str) -> Option<f64> {
         self.text(column)?.parse().ok()
     }
 
-    /// As [`Row::number`]; a field that is neither empty nor a number is a fault.
+    /// As [`Row::number`]; fails if the field is neither empty nor a number.
     pub fn checked_number(&self, column: &str) -> Result<Option<f64>, TableError> {
         let number = |text: &str| {
             text.parse().map_err(|_| TableError::Number {
@@ -291,7 +284,7 @@ impl<'t> Row<'t> {
     }
 }
 
-/// Whether the last line ends, outside quotes.
+/// Whether the last line is complete.
 fn is_whole(file: &mut File) -> std::io::Result<bool> {
     let (mut buffer, mut is_quoted, mut last) = (vec![0; 1 << 16], false, b'\n');
     loop {

@@ -1,9 +1,8 @@
-//! Small tables for a terminal and for Markdown alike: the columns are aligned in the source text.
+//! Markdown tables, aligned in the source text for terminals; safe Markdown text; numbers.
 
 use crate::spelling::printable;
 use std::fmt::{self, Write};
 
-/// Side on which the cells of a column line up.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Align {
     Left,
@@ -22,27 +21,26 @@ impl MarkdownTable {
         Self { columns: columns.iter().map(|&(name, align)| (escape(name), align)).collect(), rows: Vec::new() }
     }
 
-    /// As [`MarkdownTable::row`], with a [`link`] before the cells.
+    /// Appends a row that begins with a [`link`].
     pub fn row_with_link<T: AsRef<str>>(&mut self, link: &str, cells: &[T]) {
         assert_eq!(cells.len() + 1, self.columns.len(), "cells of a Markdown row");
         let rest = cells.iter().map(|cell| escape(cell.as_ref()));
         self.rows.push(std::iter::once(link.replace('|', "\\|")).chain(rest).collect());
     }
 
-    /// Appends a row. Panics when the number of cells is not that of the columns.
+    /// Appends a row with one cell per column.
     pub fn row<T: AsRef<str>>(&mut self, cells: &[T]) {
         assert_eq!(cells.len(), self.columns.len(), "cells of a Markdown row");
         self.rows.push(cells.iter().map(|cell| escape(cell.as_ref())).collect());
     }
 }
 
-/// A cell is one line and holds no bare column separator.
 fn escape(cell: &str) -> String {
     inline(cell).replace('|', "\\|")
 }
 
-/// A text of anyone's making within a line of Markdown: one line, in which no tag, no link and no image begins, and nothing that a terminal
-/// obeys. What is only written strangely, such as a name with `_`, stays as it is: people read the source, too.
+/// Makes any text safe within a line of Markdown: one line without tags, links, images and terminal controls. Harmless characters such as `_`
+/// stay, for readers of the source.
 pub fn inline(text: &str) -> String {
     let line = text.replace("\r\n", " ").replace(['\n', '\r', '\t'], " ");
     let mut safe = String::with_capacity(line.len());
@@ -52,7 +50,7 @@ pub fn inline(text: &str) -> String {
         // A `<` before a blank or digit is a comparison.
         let is_tag = c == '<' && next.is_some_and(|next| next.is_ascii_alphabetic() || "/!?".contains(next));
         let is_link = c == ']' && next.is_some_and(|next| "([".contains(next));
-        // One that is there already would take the effect of the one that is put before what follows.
+        // An existing backslash would cancel the one before the next character.
         let is_escape = c == '\\' && next.is_some_and(|next| "\\<]".contains(next));
         if is_tag || is_link || is_escape {
             safe.push('\\');
@@ -62,11 +60,11 @@ pub fn inline(text: &str) -> String {
     printable(&safe)
 }
 
-/// As [`inline`], of a text that is a paragraph of its own: it begins no heading, list, quotation, table, rule or block of code.
+/// As [`inline`], for a paragraph: it begins no heading, list, quotation, table, rule or code block.
 pub fn paragraph(text: &str) -> String {
     let line = inline(text.trim());
     let digits = line.len() - line.trim_start_matches(|c: char| c.is_ascii_digit()).len();
-    // One backtick begins a name; three begin a block.
+    // One backtick begins a name, three a block.
     let is_name = line.starts_with('`') && !line.starts_with("``");
     match line[digits..].chars().next().filter(|_| !is_name) {
         Some('.' | ')') if digits > 0 => format!("{}\\{}", &line[..digits], &line[digits..]),
@@ -75,7 +73,7 @@ pub fn paragraph(text: &str) -> String {
     }
 }
 
-/// A link to a file beside the text, whatever its name holds.
+/// A link to a file with any name.
 pub fn link(label: &str, target: &str) -> String {
     let mut path = String::new();
     for byte in target.bytes() {
@@ -126,11 +124,11 @@ impl fmt::Display for MarkdownTable {
     }
 }
 
-/// Decimal exponents that are written out; outside, the number gets an exponent.
+/// Decimal exponents of numbers without an exponent.
 const FIXED_EXPONENTS: std::ops::Range<i32> = -4..6;
 
-/// A number for reading, rounded to `digits` significant digits (at least 1): `0.0123`, `1.50`, `1234`, `1.23e-7`, `inf`.
-/// Digits before the decimal point are never replaced by zeros.
+/// Rounds a number to `digits` significant digits (at least 1): `0.0123`, `1.50`, `1.23e-7`, `inf`. Digits before the decimal point stay:
+/// `1234`.
 pub fn significant(number: f64, digits: usize) -> String {
     if number == 0.0 {
         return "0".to_owned();
@@ -139,7 +137,7 @@ pub fn significant(number: f64, digits: usize) -> String {
         return number.to_string();
     }
     let decimals = digits.max(1) - 1;
-    // Rounded first: 0.9996 to three digits is 1.00, with the exponent of 1.
+    // Rounded first: 0.9996 to three digits is 1.00.
     let scientific = format!("{number:.decimals$e}");
     let exponent: i32 = scientific
         .split_once('e')

@@ -1,6 +1,4 @@
-//! Rows and image tables: what a run leaves for people and for programs.
-//!
-//! [`csv`] keeps the numbers, [`markdown`] shows a few of them, `colormap` colours error maps.
+//! Tables as CSV and Markdown, colours of error maps, text on images.
 
 #[cfg(feature = "cli")]
 pub mod colormap;

@@ -1,10 +1,10 @@
-//! Text on images: measured, broken into lines, drawn with antialiasing.
+//! Measures, wraps and draws text on images, antialiased.
 
 use crate::pixels::Rgb8Image;
 use ab_glyph::{Font, FontRef, Glyph, GlyphId, PxScale, ScaleFont, point};
 use std::sync::LazyLock;
 
-/// Ubuntu, and Hack for what it lacks.
+/// Ubuntu, then Hack for missing characters.
 static FONTS: LazyLock<[FontRef<'static>; 2]> = LazyLock::new(|| {
     [epaint_default_fonts::UBUNTU_LIGHT, epaint_default_fonts::HACK_REGULAR]
         .map(|bytes| FontRef::try_from_slice(bytes).expect("a font that is part of the program can be read"))
@@ -12,14 +12,14 @@ static FONTS: LazyLock<[FontRef<'static>; 2]> = LazyLock::new(|| {
 
 /// Distance of two baselines, in text sizes.
 const LINE_HEIGHT: f32 = 1.25;
-/// Height of the middle of lower-case letters above the baseline, in text sizes.
+/// Middle of lower-case letters above the baseline, in text sizes.
 const MIDDLE_HEIGHT: f32 = 0.27;
-/// Coverage is raised to this power: the light face would look grey at 14 pixels.
+/// Exponent of the coverage: the light face would look grey at 14 pixels.
 const REGULAR_WEIGHT: f32 = 0.62;
-/// Shift of the second stroke of a bold text, in text sizes.
+/// Shift of the second stroke of bold text, in text sizes.
 const BOLD_STROKE: f32 = 0.045;
 
-/// Size (pixels per em), colour and weight.
+/// `size` in pixels per em.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Style {
     pub size: f32,
@@ -32,13 +32,12 @@ impl Style {
         (self.size * LINE_HEIGHT).round()
     }
 
-    /// Baseline of a line whose letters are to be centred on `y`.
+    /// Baseline that centres letters on `y`.
     pub fn baseline_at(self, y: f32) -> f32 {
         (y + self.size * MIDDLE_HEIGHT).round()
     }
 }
 
-/// Where a line stands relative to its x.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Anchor {
     Left,
@@ -46,12 +45,12 @@ pub(crate) enum Anchor {
     Right,
 }
 
-/// Width of one line in pixels.
+/// Width of a line, pixels.
 pub(crate) fn width(text: &str, style: Style) -> f32 {
     layout(text, style).1
 }
 
-/// Glyphs from x = 0 on the baseline with the font of each, and the width.
+/// Font and glyph from x = 0 on the baseline, and the width.
 fn layout(text: &str, style: Style) -> (Vec<(usize, Glyph)>, f32) {
     let mut glyphs = Vec::new();
     let mut x = 0.0;
@@ -61,7 +60,7 @@ fn layout(text: &str, style: Style) -> (Vec<(usize, Glyph)>, f32) {
     for character in text.chars() {
         let face = FONTS.iter().position(|font| font.glyph_id(character).0 != 0).unwrap_or(0);
         let font = &FONTS[face];
-        // The library scales by the height of a line; a text size is that of the em.
+        // The library scales by the height of a line, not by the em.
         let scale = PxScale::from(style.size * font.height_unscaled() / font.units_per_em().unwrap_or(1000.0));
         let scaled = font.as_scaled(scale);
         let id = font.glyph_id(character);
@@ -75,7 +74,7 @@ fn layout(text: &str, style: Style) -> (Vec<(usize, Glyph)>, f32) {
     (glyphs, x)
 }
 
-/// Draws one line with its baseline at `baseline`; what lies outside the image is cut off.
+/// Draws a line, clipped to the image.
 pub(crate) fn draw(canvas: &mut Rgb8Image, text: &str, anchor: Anchor, x: f32, baseline: f32, style: Style) {
     let (glyphs, width) = layout(text, style);
     let start = match anchor {
@@ -108,8 +107,8 @@ fn blend(pixel: &mut [u8; 3], color: [u8; 3], coverage: f32) {
     }
 }
 
-/// Breaks a text into lines of at most `max_width`, at spaces, after `-`, `_`, `/` and at line breaks, but not within `1e-2`. A
-/// part that is too long for a line of its own stays whole.
+/// Breaks a text into lines of at most `max_width`, at spaces, after `-`, `_`, `/` and at line breaks, but not within `1e-2`. Longer parts stay
+/// whole.
 fn wrap(text: &str, style: Style, max_width: f32) -> Vec<String> {
     let mut lines = Vec::new();
     for paragraph in text.lines() {
@@ -128,7 +127,7 @@ fn wrap(text: &str, style: Style, max_width: f32) -> Vec<String> {
     lines
 }
 
-/// What a line break may part. A minus before a digit belongs to a number: `1e-` and `2` on two lines would read as two numbers.
+/// The parts between possible line breaks. A minus before a digit belongs to its number.
 fn parts(paragraph: &str) -> impl Iterator<Item = &str> {
     let mut rest = paragraph;
     std::iter::from_fn(move || {
@@ -141,7 +140,7 @@ fn parts(paragraph: &str) -> impl Iterator<Item = &str> {
     })
 }
 
-/// Lines of at most `max_width`, at most `max_lines`: cut at any letter and ended by `…` where breaking is not enough.
+/// At most `max_lines` lines of at most `max_width`, broken at any letter and truncated with `…` if necessary.
 pub(crate) fn wrap_hard(text: &str, style: Style, max_width: f32, max_lines: usize) -> Vec<String> {
     let mut lines = Vec::new();
     for mut line in wrap(text, style, max_width) {

@@ -301,7 +301,8 @@ fn key<'c>(cell: &'c Cell, axes: &[usize]) -> Vec<&'c Value> {
 }
 
 fn in_rows<'c>(cells: &[&'c Cell], axes: &[usize]) -> Vec<Vec<&'c Cell>> {
-    rows::rows(cells, axes, |cell| &cell.point).into_iter().map(|row| row.into_iter().copied().collect()).collect()
+    let key = |cell: &Cell| axes.iter().map(|&axis| cell.point[axis].clone()).collect();
+    rows::rows(cells, key).into_iter().map(|(_, row)| row).collect()
 }
 
 /// Groups cells that agree on `axes`, in the order of their first member.

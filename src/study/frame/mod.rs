@@ -7,6 +7,7 @@ pub mod estimate;
 pub mod line;
 mod shape;
 
+pub use crate::run::rows::Key;
 use crate::spelling::Listed;
 pub use shape::Shape;
 
@@ -27,9 +28,6 @@ use std::collections::{HashMap, HashSet};
 
 /// Mean FLIP of a visible difference: a convention of this project, since FLIP's authors give none.
 pub const VISIBLE_FROM: f64 = 0.05;
-
-/// Values on some axes; an axis that does not reach the pixels is unset.
-pub type Key = Vec<Value>;
 
 #[derive(Clone, Debug)]
 pub struct Row<'f> {
@@ -249,38 +247,9 @@ pub fn fits(a: &[Value], b: &[Value]) -> bool {
     a.iter().zip(b).all(|(a, b)| a == b || *a == Value::Unset || *b == Value::Unset)
 }
 
-/// Groups rows that agree on some axes, in the order of the rows. A row that does not use an axis is in every group that it does not
-/// contradict.
+/// Groups rows that agree on some axes ([`rows`](crate::run::rows::rows)).
 pub fn by<'r, 'f>(rows: &[&'r Row<'f>], axes: &[usize]) -> Vec<(Key, Vec<&'r Row<'f>>)> {
-    let mut groups: Vec<(Key, Vec<usize>)> = grouped(0..rows.len(), |&row| rows[row].key(axes));
-    // Keys by their set axes and values, to look up the keys within a key: a run may have a key per row.
-    let mut partial: HashMap<Vec<bool>, HashMap<Vec<&Value>, usize>> = HashMap::new();
-    for (place, (key, _)) in groups.iter().enumerate() {
-        let is_set: Vec<bool> = key.iter().map(|value| *value != Value::Unset).collect();
-        let values = key.iter().filter(|value| **value != Value::Unset).collect();
-        partial.entry(is_set).or_default().insert(values, place);
-    }
-    partial.retain(|is_set, _| is_set.contains(&false));
-    let within = |(of, (key, _)): (usize, &(Key, Vec<usize>))| {
-        let own = partial.iter().filter_map(|(is_set, places)| {
-            let values: Vec<&Value> = key.iter().zip(is_set).filter(|(_, is)| **is).map(|(value, _)| value).collect();
-            places.get(&values).copied()
-        });
-        own.filter(|&place| place != of).collect()
-    };
-    let within: Vec<Vec<usize>> = groups.iter().enumerate().map(within).collect();
-    let is_part: HashSet<usize> = within.iter().flatten().copied().collect();
-    for (of, parts) in within.iter().enumerate().filter(|(_, parts)| !parts.is_empty()) {
-        let more: Vec<usize> = parts.iter().flat_map(|&part| groups[part].1.clone()).collect();
-        groups[of].1.extend(more);
-    }
-    let whole = groups.into_iter().enumerate().filter(|(place, _)| !is_part.contains(place));
-    let group = |(_, (key, mut own)): (usize, (Key, Vec<usize>))| {
-        own.sort_unstable();
-        own.dedup();
-        (key, own.into_iter().map(|row| rows[row]).collect())
-    };
-    whole.map(group).collect()
+    crate::run::rows::rows(rows, |row| row.key(axes))
 }
 
 /// Pairs each row with the row that has the base value on an axis and agrees on all others. If only one of two rows uses an axis, it must

@@ -144,7 +144,7 @@ pub fn tiles(
     let (lo, hi) = (values().reduce(f64::min)?, values().reduce(f64::max)?);
     let mark = |tile: Tile| {
         let [x, y] = tile.at;
-        let shape = Form::Tile { x, y, value: Some(tile.value), text: tile.text };
+        let shape = Form::Tile { x, y, value: tile.value, text: tile.text };
         Mark { cell: tile.cell, ..Mark::neutral(shape).tip(tile.tip) }
     };
     let panels = crate::study::frame::grouped(tiles, |tile| tile.panel.clone());
@@ -159,6 +159,6 @@ pub fn tiles(
         note,
         panels: panels.into_iter().map(panel).collect(),
         series: Vec::new(),
-        ramp: Some(Ramp { label: label.to_owned(), lo, hi, is_log: true, middle }),
+        ramp: Some(Ramp { label: label.to_owned(), lo, hi, middle }),
     })
 }

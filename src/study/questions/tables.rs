@@ -166,8 +166,9 @@ fn told_share(enough: f64, share: f64) -> String {
 
 /// "qwantani, alpha 0.1, n·v 0.8 to 1".
 fn place(frame: &Frame, one: &Tried, axes: &[usize]) -> String {
-    let seen = if one.seen == ALL_VIEWS { String::new() } else { view(one.seen) };
-    commas([&frame.names.label(axes, &one.row.key(axes)), &seen])
+    let label = frame.names.label(axes, &one.row.key(axes));
+    let seen = (one.seen != ALL_VIEWS).then(|| view(one.seen));
+    [label].into_iter().filter(|label| !label.is_empty()).chain(seen).collect::<Vec<_>>().join(", ")
 }
 
 /// "64x64, 6 levels".

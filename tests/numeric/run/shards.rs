@@ -135,7 +135,7 @@ fn shards_that_were_killed_are_repeated_and_anything_may_end_the_run() {
         bench.done("2/3");
         bench.done("3/3");
         let missing = bench.merge().unwrap().missing;
-        assert_eq!(missing.shards, [(Shard { index: 1, count: 3 }, "never begun".to_owned())]);
+        assert_eq!(missing.shards, [(Shard { index: 1, count: 3 }, "never started".to_owned())]);
         assert_eq!(missing.timings, 0);
         match renders {
             0 => assert!(bench.done("1/3") > 0),
@@ -313,6 +313,6 @@ fn shards_go_on_from_a_smaller_plan_and_refuse_to_lose_cells() {
     assert!(error.contains("contains 16 finished cells that tiny.toml lacks"), "{error}");
     assert!(contents(&smaller.dir()) == before);
     let nothing = Bench::new(EXPERIMENT);
-    assert!(nothing.merge().unwrap_err().to_string().contains("holds no run"));
+    assert!(nothing.merge().unwrap_err().to_string().contains("contains no run"));
     assert!(!nothing.dir().exists());
 }

@@ -83,7 +83,7 @@ fn lines_whiskers_bars_and_tiles_end_where_their_numbers_say() {
     let ([left, top, right, bottom], found) = first_path(bar, &y, &steps);
     let (wide, step) = (right - left, (bottom - top) / 5.0);
     close(&[found[0], found[1] + found[3] / 2.0, found[2]], &[left + wide / 4.0, top + 1.5 * step, wide / 2.0]);
-    let tile = Shape::Tile { x: 4, y: 2, value: Some(0.5), text: String::new() };
+    let tile = Shape::Tile { x: 4, y: 2, value: 0.5, text: String::new() };
     let ([left, top, right, bottom], found) = first_path(tile, &steps, &steps);
     let (step, row) = ((right - left) / 5.0, (bottom - top) / 5.0);
     close(&[found[0] + found[2] / 2.0, found[1] + found[3] / 2.0], &[left + 4.5 * step, top + 2.5 * row]);

@@ -94,7 +94,8 @@ fn tiles(is_signed: bool) -> Figure {
         let tile = |i: usize| {
             let value = (i % 17 != 3).then(|| 10f64.powf(-3.0 + 4.0 * noise(i + p * 50)));
             let text = value.map_or("–".to_owned(), |value| format!("{value:.3}"));
-            Mark::neutral(Shape::Tile { x: i % 10, y: i / 10, value, text }).tip(format!("tile {i}"))
+            Mark::neutral(Shape::Tile { x: i % 10, y: i / 10, value: value.unwrap_or(f64::NAN), text })
+                .tip(format!("tile {i}"))
         };
         let y = Scale::steps("alpha", owned(&["0.0016", "0.01", "0.04", "0.16", "0.64"]));
         let x = Scale::steps("n·v: grazing to facing the viewer", bins.clone());
@@ -102,7 +103,7 @@ fn tiles(is_signed: bool) -> Figure {
     };
     let label =
         "error of split-sum over error of dominant direction, median over everything else that is swept".to_owned();
-    let ramp = Ramp { label, lo: 1e-3, hi: 10.0, is_log: true, middle: is_signed.then_some(1.0) };
+    let ramp = Ramp { label, lo: 1e-3, hi: 10.0, middle: is_signed.then_some(1.0) };
     Figure { panels: (0..4).map(panel).collect(), ramp: Some(ramp), ..dots_of_nothing("Tiles") }
 }
 
@@ -162,12 +163,12 @@ pub fn hostile() -> Figure {
         Shape::Whisker([0.0, 0.0], [0.0, 1.0]),
         Shape::HorizontalRule(1.0),
         Shape::VerticalRule(1.0),
-        Shape::Tile { x: 1, y: 0, value: Some(0.5), text: name("<") },
+        Shape::Tile { x: 1, y: 0, value: 0.5, text: name("<") },
     ];
     let mark = |(i, shape): (usize, Shape)| Mark::new(shape, 0).tip(name(&format!("tip {i}"))).cell(name("cell"));
     let marks = shapes.into_iter().enumerate().map(mark).collect();
     let panel = Panel { title: name("panel"), x: steps("x"), y: steps("y"), marks };
-    let ramp = Some(Ramp { label: name("ramp"), lo: 0.0, hi: 1.0, is_log: false, middle: None });
+    let ramp = Some(Ramp { label: name("ramp"), lo: 1e-3, hi: 1.0, middle: None });
     let series = vec![Series { name: name("series"), is_dashed: false }];
     Figure { title: name("title"), note: name("note"), panels: vec![panel.clone(), panel], series, ramp }
 }
