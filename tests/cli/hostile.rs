@@ -49,7 +49,7 @@ fn a_damaged_frozen_experiment_is_told() {
     std::fs::write(dir.join("experiment.toml"), "name = ").unwrap();
     for command in ["answers", "report"] {
         let message = stderr(&splitsum(root.path(), &[command, "run"]));
-        assert!(message.contains("warning: run/experiment.toml: is not the experiment that was run"), "{message}");
+        assert!(message.contains("warning: run/experiment.toml: was edited or damaged after the run"), "{message}");
     }
 }
 
@@ -74,7 +74,7 @@ fn nothing_is_published_where_nothing_can_be_made() {
     assert_ends(
         &splitsum(root.path(), &["answers", "run", "--publish", "/proc/splitsum"]),
         2,
-        &["/proc/splitsum", "choose a folder in which you may write"],
+        &["/proc/splitsum", "choose another one"],
     );
 }
 

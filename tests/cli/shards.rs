@@ -30,7 +30,7 @@ fn shards_side_by_side_killed_and_repeated_make_the_run_of_one_process() {
     killed.wait().unwrap();
     let merge = splitsum(dir, &["merge", "shared"]);
     let again = "splitsum run shared/experiment.toml --out shared --shard 2/3";
-    assert_ends(&merge, 4, &["are missing:", &format!("shard 2/3, never begun: {again}")]);
+    assert_ends(&merge, 4, &["are missing:", &format!("shard 2/3, never started: {again}")]);
 
     // Twice the same shard and another beside it; the third from another folder.
     for child in [spawn(dir, "1/3"), spawn(dir, "2/3"), spawn(dir, "1/3")] {
