@@ -1,7 +1,8 @@
-//! Compiles every shader to SPIR-V and writes what Rust and GLSL share as GLSL text. `src/glsl/source.rs` says what a shader's text may name.
+//! Compiles every shader to SPIR-V and writes the definitions shared with Rust as GLSL. `src/glsl/source.rs` documents
+//! includes.
 //!
-//! The entry points in `page/` are for the report's page: they include the same libraries. The program writes those that a page needs as
-//! GLSL ES 3.00 texts, which the page's own compiler takes.
+//! The entry points in `page/` belong to the report's page and include the same libraries. The program writes the ones
+//! that a page needs as GLSL ES 3.00.
 
 use source::{Choice, Language, PAGE_FOLDER, Sources, compile};
 use std::collections::BTreeMap;
@@ -18,8 +19,8 @@ mod layout;
 #[allow(dead_code, reason = "methods in files need it, in the crate")]
 mod source;
 
-/// Files and folders of `src` whose code makes no number that the device returns: what is done with its results, and the f64
-/// twins. Kept tables and references outlive a change of these, and of nothing else.
+/// Files and folders of `src` that no device result depends on: processing of results, and the f64 twins. Tables and
+/// references on disk stay valid only if nothing else changes.
 const HOST_EXCLUDED: [&str; 21] = [
     "bakes/check/image.rs",
     "bakes/check/judge.rs",
@@ -87,7 +88,7 @@ fn build() -> Result<(), String> {
     fs::write(out.join("shaders.rs"), table).map_err(|e| format!("shaders.rs: {e}"))
 }
 
-/// The host's code around the shaders: names of its files, and one hash of them and of the versions of all crates.
+/// Writes the names of the host's files around the shaders, and one hash of them and of the versions of all crates.
 fn host_text() -> Result<String, String> {
     let (mut found, mut open) = (Vec::new(), vec![PathBuf::from("src")]);
     while let Some(folder) = open.pop() {
@@ -105,8 +106,9 @@ fn host_text() -> Result<String, String> {
     }
     found.sort();
     let names: Vec<&str> = found.iter().map(|(name, _)| name.as_str()).collect();
-    let mut text =
-        format!("/// Files of src that results of the device hang on.\npub static HOST_FILES: &[&str] = &{names:?};\n");
+    let mut text = format!(
+        "/// Files of src that results of the device depend on.\npub static HOST_FILES: &[&str] = &{names:?};\n"
+    );
     let lock = fs::read("Cargo.lock").unwrap_or_default();
     found.push(("Cargo.lock".into(), lock));
     let mut hasher = blake3::Hasher::new();
@@ -136,17 +138,17 @@ fn constants_text() -> String {
 
 fn layout_text() -> String {
     let mut text = String::from("// Written by shaders/compile.rs from src/glsl/layout.rs.\n");
-    for shared in layout::ALL {
-        writeln!(text, "struct {} {{", shared.name).expect("a String takes all");
-        for member in shared.members {
-            writeln!(text, "    {} {};", member.ty, member.name).expect("a String takes all");
+    for (name, members) in layout::ALL {
+        writeln!(text, "struct {name} {{").expect("a String takes all");
+        for (ty, member) in *members {
+            writeln!(text, "    {ty} {member};").expect("a String takes all");
         }
         text.push_str("};\n");
     }
     text
 }
 
-/// The text of every file below `root`, by its path relative to it.
+/// Reads every file below `root`, by relative path.
 fn shader_texts(root: &Path) -> Result<BTreeMap<String, String>, String> {
     let (mut found, mut open) = (BTreeMap::new(), vec![root.to_path_buf()]);
     while let Some(folder) = open.pop() {
@@ -162,7 +164,7 @@ fn shader_texts(root: &Path) -> Result<BTreeMap<String, String>, String> {
     Ok(found)
 }
 
-/// The methods that a file's `#pragma methods` line names, as files of `shade/method/`: each defines its name in capitals.
+/// Makes a file of `shade/method/` for each method in a file's `#pragma methods` line: it defines the name in capitals.
 fn methods_of(path: &str, text: &str) -> Vec<(String, String)> {
     let names = text.lines().filter_map(|line| line.strip_prefix("#pragma methods ")).flat_map(str::split_whitespace);
     let stems = names.map(|name| name.replace('-', "_"));

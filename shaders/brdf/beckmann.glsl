@@ -1,7 +1,5 @@
 // Beckmann distribution with Walter's rational Smith masking. Every file in brdf/ defines the same functions.
 // Vectors are local (n is +z); alpha is the microfacet width in [ALPHA_MIN, 1].
-#ifndef BRDF_BECKMANN_GLSL
-#define BRDF_BECKMANN_GLSL
 
 #include "lib/gaussian.glsl"
 #include "lib/sampling.glsl"
@@ -24,7 +22,8 @@ float g1_brdf(float n_dot_w, float alpha) {
     return g1_smith_rational(n_dot_w, alpha);
 }
 
-// The exact Smith masking of this distribution: n_dot_w over the visible area. Relative error below 5e-7. [Walter07 eq. 26]
+// The exact Smith masking of this distribution: n_dot_w over the visible area. Relative error below 5e-7. [Walter07 eq.
+// 26]
 float g1_exact_brdf(float n_dot_w, float alpha) {
     if (n_dot_w <= 0.0) {
         return 0.0;
@@ -76,8 +75,8 @@ VisibleNormals visible_normals_brdf(vec3 v_local, float alpha) {
     return VisibleNormals(along, v_local.z, sin_theta, end, area, 1.0 - erfc_precise(end), exponent, alpha);
 }
 
-// Slopes along and across v: the first has density (cos - t sin) exp(-t^2) up to `end`, the other is Gaussian [HeitzDeon14]. The first is
-// inverted by Halley's method from the fit of [Jakob14]; three steps leave rounding.
+// Slopes along and across v: the first has density (cos - t sin) exp(-t^2) up to `end`, the other is Gaussian
+// [HeitzDeon14]. The first is inverted by Halley's method from the fit of [Jakob14]; three steps leave rounding.
 VisibleSample sample_visible_normal(VisibleNormals normals, vec4 point) {
     float cos_theta = normals.cos_theta;
     float sin_theta = normals.sin_theta;
@@ -92,12 +91,10 @@ VisibleSample sample_visible_normal(VisibleNormals normals, vec4 point) {
         float bend = seen > 0.0 ? clamp(newton * (2.0 * t + sin_theta / seen), -1.5, 1.5) : 0.0;
         t = clamp(t - newton / (1.0 + 0.5 * bend), -SLOPE_END, normals.end);
     }
-    // No net of points has one at 2/3 of a turn, where this is infinite; at 0 most have.
+    // Infinite at 2/3 of a turn, which no net of points contains; most contain 0.
     float turns = fract(atan2_precise(point.z, point.y) * (0.5 / PI) + 1.0 / 3.0);
     float y = erf_inverse(2.0 * turns - 1.0, max(4.0 * turns * (1.0 - turns), 1e-13));
     vec2 slope = normals.alpha * (t * normals.along + y * vec2(-normals.along.y, normals.along.x));
     vec3 h_local = normalize(vec3(-slope, 1.0));
     return VisibleSample(h_local, 0.25 * d_brdf(h_local, normals.alpha) / normals.area, normals.area / normals.cos_theta);
 }
-
-#endif

@@ -1,7 +1,5 @@
 // GGX (Trowbridge-Reitz) distribution with its exact Smith masking. Every file in brdf/ defines the same functions.
 // Vectors are local (n is +z); alpha is the microfacet width in [ALPHA_MIN, 1].
-#ifndef BRDF_GGX_GLSL
-#define BRDF_GGX_GLSL
 
 #include "lib/bounded_cap.glsl"
 #include "lib/sampling.glsl"
@@ -41,5 +39,3 @@ VisibleSample sample_visible_normal(VisibleNormals normals, vec4 point) {
     vec3 h_local = sample_bounded_ggx(normals.cap, point, normals.alpha);
     return VisibleSample(h_local, d_brdf(h_local, normals.alpha) * normals.cap.pdf_over_d, normals.d_over_pdf);
 }
-
-#endif

@@ -1,7 +1,5 @@
 // Phong distribution, exponent = 2 / alpha^2 - 2, with Walter's rational Smith masking. Every file in brdf/ defines the
 // same functions. Vectors are local (n is +z); alpha is the microfacet width in [ALPHA_MIN, 1].
-#ifndef BRDF_PHONG_GLSL
-#define BRDF_PHONG_GLSL
 
 #include "lib/bounded_cap.glsl"
 #include "lib/incomplete_beta.glsl"
@@ -16,7 +14,7 @@ float d_brdf(vec3 h_local, float alpha) {
     }
     float inv_alpha2 = 1.0 / (alpha * alpha);
     float sin2 = dot(h_local.xy, h_local.xy);
-    // cos^2 directly where sin^2 has rounded to 1.
+    // cos^2 directly if sin^2 has rounded to 1.
     float log_cos2 = sin2 < 0.75 ? log_one_minus(sin2) : log(h_local.z * h_local.z);
     return inv_alpha2 / PI * exp((inv_alpha2 - 1.0) * log_cos2);
 }
@@ -34,7 +32,7 @@ float g1_exact_brdf(float n_dot_w, float alpha) {
         return 0.0;
     }
     float alpha2 = alpha * alpha;
-    // Below 1, where the logarithm of sin^2 is -infinity.
+    // Below 1: there the logarithm of sin^2 is -infinity.
     float log_sin2 = log_one_minus(min(n_dot_w * n_dot_w, 1.0 - 6e-8));
     float grazing = gamma_ratio_half(alpha2) * alpha * INV_SQRT_PI * exp(log_sin2 / alpha2) / (2.0 - alpha2);
     return n_dot_w / (n_dot_w * (1.0 - 0.5 * incomplete_beta_half(alpha2, log_sin2)) + grazing);
@@ -61,5 +59,3 @@ VisibleSample sample_visible_normal(VisibleNormals normals, vec4 point) {
     float d = d_ggx(h_local, normals.alpha);
     return VisibleSample(h_local, d * normals.cap.pdf_over_d, normals.d_over_pdf * d_brdf(h_local, normals.alpha) / d);
 }
-
-#endif

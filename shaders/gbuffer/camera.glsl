@@ -1,9 +1,9 @@
-#ifndef GBUFFER_CAMERA_GLSL
-#define GBUFFER_CAMERA_GLSL
-// The camera of src/scene/camera.rs from the push constants. Camera space: x right, y up, z along the viewing direction, origin at the eye.
+// The camera of src/scene/camera.rs from the push constants. Camera space: x right, y up, z along the viewing
+// direction, origin at the eye.
 #include "generated/layout.glsl"
 
-// World to camera space. The eye is subtracted first: far from the origin a 4x4 matrix would lose the digits that this keeps.
+// World to camera space. The eye is subtracted first: far from the origin a 4x4 matrix would lose the digits that this
+// keeps.
 vec3 camera_from_world(GbufferParams camera, vec3 position_world) {
     vec3 p = position_world - camera.eye.xyz;
     return vec3(dot(camera.right.xyz, p), dot(camera.up.xyz, p), dot(camera.forward.xyz, p));
@@ -29,5 +29,3 @@ void camera_ray(GbufferParams camera, vec2 pixel, out vec3 origin, out vec3 dire
     origin = perspective ? vec3(0.0) : vec3(plane, 0.0);
     direction = perspective ? vec3(plane, 1.0) : vec3(0.0, 0.0, 1.0);
 }
-
-#endif

@@ -1,12 +1,11 @@
-#ifndef GBUFFER_INTERSECT_GLSL
-#define GBUFFER_INTERSECT_GLSL
 // Ray and sphere, and the sphere's bounds in the image.
 
-// The nearer intersection of the ray `direction` (any length) from the origin with the sphere about `center`, relative to `center`.
-// Returns false on a miss.
+// The nearer intersection of the ray `direction` (any length) from the origin with the sphere about `center`, relative
+// to `center`. Returns false on a miss.
 //
-// With x = d x c the discriminant is r^2 |d|^2 - |x|^2 and the hit is (d x x - sqrt(discriminant) d) / |d|^2. The usual form subtracts
-// two numbers of the size of |c|^2; here nothing larger than r^2 cancels, so the rim and the normal keep f32 precision at any distance.
+// With x = d x c the discriminant is r^2 |d|^2 - |x|^2 and the hit is (d x x - sqrt(discriminant) d) / |d|^2. The usual
+// form subtracts two numbers of the size of |c|^2; here nothing larger than r^2 cancels, so the rim and the normal keep
+// f32 precision at any distance.
 bool intersect_sphere(vec3 direction, vec3 center, float radius, out vec3 hit_from_center) {
     float length_squared = dot(direction, direction);
     vec3 x = cross(direction, center);
@@ -25,5 +24,3 @@ vec2 tangent_slopes(float x, float z, float r) {
     float half_width = r * sqrt(x * x + denominator);
     return (vec2(x * z) + vec2(-half_width, half_width)) / denominator;
 }
-
-#endif

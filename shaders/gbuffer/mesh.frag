@@ -1,8 +1,6 @@
-#version 460
-// The g-buffer texels of one mesh, shaded on both sides.
-// Set 0: binding 1 materials, 2 albedo map, 3 metallic map (blue), 4 roughness map (green), 5 normal map (1x1 that changes nothing without
-// one; trilinear). Push constants: GbufferParams. Front faces are counter-clockwise.
-#extension GL_GOOGLE_include_directive : require
+// The g-buffer texels of one mesh, shaded on both sides. Set 0: binding 1 materials, 2 albedo map, 3 metallic map
+// (blue), 4 roughness map (green), 5 normal map (1x1 that changes nothing without one; trilinear). Push constants:
+// GbufferParams. Front faces are counter-clockwise.
 #include "generated/constants.glsl"
 #include "gbuffer/surface.glsl"
 
@@ -23,7 +21,8 @@ layout(location = 1) out vec4 normal_alpha;
 layout(location = 2) out vec4 albedo_metallic;
 layout(location = 3) out vec4 f0_material;
 
-// A map where its texels are as wide as the longer step to a neighbouring pixel. Drivers may round their own levels; the twin cannot.
+// Looks up a map at the level whose texels are as wide as the longer step to a neighbouring pixel. Drivers may round
+// their own levels; the twin cannot.
 vec4 looked_up(sampler2D map, vec2 uv, vec2 across, vec2 down) {
     vec2 size = vec2(textureSize(map, 0));
     across *= size;
@@ -39,11 +38,12 @@ void main() {
     material.albedo_metallic *= vec4(looked_up(albedo_map, uv, across, down).rgb, looked_up(metallic_map, uv, across, down).b);
     float perceptual_roughness = looked_up(roughness_map, uv, across, down).g;
     material.f0_alpha.a = max(material.f0_alpha.a * (perceptual_roughness * perceptual_roughness), ALPHA_MIN);
-    // Vectors between vertices are not unit vectors, and maps are baked for those [Mikkelsen08].
+    // Interpolated vectors are not unit vectors, and maps are baked for them [Mikkelsen08].
     vec3 mapped = looked_up(normal_map, uv, across, down).xyz;
     vec3 bitangent = sign(tangent_world.w) * cross(normal_world, tangent_world.xyz);
     vec3 n = normalize(mapped.x * tangent_world.xyz + mapped.y * bitangent + mapped.z * normal_world);
-    // Winding and normals agree (scene::Mesh), so a back face is one whose normal points to the far side of the surface.
+    // Winding and normals agree (scene::Mesh), so a back face is one whose normal points to the far side of the
+    // surface.
     GbufferTexels texels = gbuffer_texels(position_world, gl_FrontFacing ? n : -n, material, camera.material);
     position_mask = texels.position_mask;
     normal_alpha = texels.normal_alpha;

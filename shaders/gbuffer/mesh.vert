@@ -1,6 +1,4 @@
-#version 460
 // One vertex of a mesh. Push constants: GbufferParams. Draw: an indexed triangle list.
-#extension GL_GOOGLE_include_directive : require
 #include "gbuffer/camera.glsl"
 
 layout(push_constant) uniform Params { GbufferParams camera; };

@@ -1,7 +1,5 @@
-#version 460
-// The g-buffer texels of one sphere where the ray through the pixel's centre hits it; misses are discarded.
+// The g-buffer texels of one sphere if the ray through the pixel's centre hits it; misses are discarded.
 // Set 0: binding 0 spheres, binding 1 materials. Push constants: GbufferParams.
-#extension GL_GOOGLE_include_directive : require
 #include "gbuffer/camera.glsl"
 #include "gbuffer/intersect.glsl"
 #include "gbuffer/surface.glsl"

@@ -1,8 +1,6 @@
-#version 460
 // One corner of the rectangle that encloses one sphere in the image.
 // Set 0: binding 0 spheres. Push constants: GbufferParams.
 // Draw: 4 vertices as a triangle strip, one instance a sphere.
-#extension GL_GOOGLE_include_directive : require
 #include "gbuffer/camera.glsl"
 #include "gbuffer/intersect.glsl"
 

@@ -1,6 +1,4 @@
-#ifndef GBUFFER_SURFACE_GLSL
-#define GBUFFER_SURFACE_GLSL
-// The four texels of the g-buffer; the layout is that of src/gbuffer/mod.rs.
+// The four texels of the g-buffer, laid out as in src/gbuffer/mod.rs.
 #include "generated/layout.glsl"
 
 struct GbufferTexels {
@@ -17,5 +15,3 @@ GbufferTexels gbuffer_texels(vec3 position, vec3 n, MaterialData material, uint 
     vec3 f0 = mix(material.f0_alpha.rgb, albedo, metallic);
     return GbufferTexels(vec4(position, 1.0), vec4(n, material.f0_alpha.a), vec4(albedo, metallic), vec4(f0, float(material_index)));
 }
-
-#endif

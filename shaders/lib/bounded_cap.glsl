@@ -1,18 +1,18 @@
-// Visible normals of GGX within the cap that reflects above the horizon, as the method sampled-vndf draws them. [EtoTokuyoshi23]
-#ifndef BOUNDED_CAP_GLSL
-#define BOUNDED_CAP_GLSL
+// Visible normals of GGX within the cap that reflects above the horizon, as the method sampled-vndf draws them.
+// [EtoTokuyoshi23]
 
 // The cap of the stretched sphere that holds every direction which leaves above the horizon. [EtoTokuyoshi23]
 struct BoundedCap {
     vec3 v_standard;
     float height;
-    // v_standard.z less that of the cap's end.
+    // v_standard.z minus z at the cap's end.
     float above;
     // Density of l over D.
     float pdf_over_d;
 };
 
-// It ends at z = -k v_standard.z, and the density is D / (2 (k n_dot_v + length of the stretched v)). [EtoTokuyoshi23 eq. 5, 8]
+// It ends at z = -k v_standard.z, and the density is D / (2 (k n_dot_v + length of the stretched v)). [EtoTokuyoshi23
+// eq. 5, 8]
 BoundedCap bounded_cap(vec3 v_local, float alpha) {
     vec3 stretched = vec3(alpha * v_local.xy, v_local.z);
     float length_v = length(stretched);
@@ -34,7 +34,7 @@ vec3 sample_bounded_ggx(BoundedCap cap, vec4 point, float alpha) {
     return normalize(vec3(alpha * across, (1.0 - point.x) * cap.height + cap.above));
 }
 
-// The normals visible from v; a model that includes this file weighs what they sample.
+// The normals visible from v; a model that includes this file weighs the samples.
 struct VisibleNormals {
     BoundedCap cap;
     float alpha;
@@ -45,5 +45,3 @@ VisibleNormals visible_normals_brdf(vec3 v_local, float alpha) {
     BoundedCap cap = bounded_cap(v_local, alpha);
     return VisibleNormals(cap, alpha, 0.25 / (v_local.z * cap.pdf_over_d));
 }
-
-#endif

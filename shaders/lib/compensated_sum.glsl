@@ -1,7 +1,5 @@
 // Sums of many floats with the error of one: the low part that each addition drops is carried along. [Knuth97 section
 // 4.2.2]
-#ifndef COMPENSATED_SUM_GLSL
-#define COMPENSATED_SUM_GLSL
 
 struct CompensatedSum {
     vec3 high;
@@ -16,5 +14,3 @@ CompensatedSum compensated_add(CompensatedSum sum, vec3 x) {
     precise vec3 low = sum.low + error;
     return CompensatedSum(high, low);
 }
-
-#endif

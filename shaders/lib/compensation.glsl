@@ -1,6 +1,4 @@
-// What facets reflect to each other and a single scattering loses, given back: see src/brdf/compensation.rs for the equations.
-#ifndef COMPENSATION_GLSL
-#define COMPENSATION_GLSL
+// Compensation of the light that single scattering loses between facets; src/brdf/compensation.rs has the equations.
 
 #include "generated/constants.glsl"
 #include "lib/prefilter_mapping.glsl"
@@ -31,7 +29,7 @@ float mean_albedo(sampler2D dfg, float alpha) {
     return sum / float(MEAN_ALBEDO_NODES);
 }
 
-// What scales the single scattering.
+// The factor of single scattering.
 vec3 compensation_factor(vec3 f0, vec2 a_b) {
     float albedo = a_b.x + a_b.y;
     return COMPENSATION == COMPENSATION_TURQUIN ? 1.0 + f0 * ((1.0 - albedo) / albedo) : vec3(1.0);
@@ -51,9 +49,7 @@ vec3 multiple_scattering(vec3 f0, vec2 a_b, sampler2D dfg, float alpha) {
     return vec3(0.0);
 }
 
-// The lobe of kulla-conty over that of Lambert.
+// The lobe of kulla-conty over Lambert's.
 float multiple_lobe(sampler2D dfg, float n_dot_l, float alpha, float mean) {
     return (1.0 - albedo_of(dfg, n_dot_l, alpha)) / max(1.0 - mean, 1e-6);
 }
-
-#endif

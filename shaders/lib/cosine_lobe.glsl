@@ -1,11 +1,10 @@
-// What the diffuse lobes of the reference share: they sample the cosine. A file includes this one below its struct `Lobe`.
-#ifndef COSINE_LOBE_GLSL
-#define COSINE_LOBE_GLSL
+// Shared by the diffuse lobes of the reference, which sample the cosine. A file includes this one below its struct
+// `Lobe`.
 
 #include "generated/constants.glsl"
 #include "lib/elementary.glsl"
 
-// Separates the points of these lobes from those of the specular lobe: their errors are independent.
+// Gives these lobes other points than the specular lobe, so that their errors are independent.
 const uint LOBE_STREAM = 1u;
 
 float lobe_guide(Lobe lobe, vec3 l_local) {
@@ -21,5 +20,3 @@ vec3 lobe_sample(Lobe lobe, vec2 xi) {
 float lobe_mirror(Lobe lobe) {
     return 0.0;
 }
-
-#endif

@@ -1,13 +1,12 @@
 // The diffuse term next to the specular one.
-#ifndef DIFFUSE_GLSL
-#define DIFFUSE_GLSL
 
 #include "lib/compensation.glsl"
 #include "lib/prefilter_mapping.glsl"
 #include "lib/surface.glsl"
 
-// What weighs irradiance over pi: the diffuse term, which gets what the specular one does not reflect, and what a compensation adds of several
-// scatterings. The table's value at n_dot_v stands for the whole lobe; Schlick at n_dot_v would darken rough rims. [Kim22 "IBL", Kd]
+// Weights of irradiance over pi: the diffuse term, which gets the light that the specular one does not reflect, and the
+// multiple scattering of a compensation. The table's value at n_dot_v represents the whole lobe; Schlick at n_dot_v
+// would darken rough rims. [Kim22 "IBL", Kd]
 struct DiffuseWeights {
     vec3 transmitted;
     vec3 multiple;
@@ -28,5 +27,3 @@ vec3 diffuse_albedo(Surface s, sampler2D dfg, uint flags) {
     DiffuseWeights weights = diffuse_weights(s, dfg, flags);
     return weights.transmitted + weights.multiple;
 }
-
-#endif

@@ -3,13 +3,11 @@
 //
 // A = integral of D G / (4 n.v) (1 - Fc) dl, B the same with Fc = (1 - v.h)^5. With dl = 4 (v.h) dh and h written by
 //     r = alpha cos / sqrt(sin^2 + alpha^2 cos^2), for which D_ggx (n.h) dh = 2 r dr dphi / 2 pi,
-// the weight of a node is G (v.h) / ((n.v) (n.h)) D / D_ggx: bounded for all three models, whose tails are no longer
-// than that of GGX. l is above the horizon for every azimuth up to the polar angle pi/4 - theta_v/2 of h, for none from
+// the weight of a node is G (v.h) / ((n.v) (n.h)) D / D_ggx: bounded for all three models, whose tails are at most as
+// long as GGX's. l is above the horizon for every azimuth up to the polar angle pi/4 - theta_v/2 of h, for none from
 // pi/4 + theta_v/2 on, and in between up to cos phi = c0. Each range is integrated on its own by midpoints of x - sin(2
 // pi x) / 2 pi, which makes every integrand periodic and the midpoint rule converge fast; sampled points would have to
 // resolve the horizon (1e-3 at 1024 points).
-#ifndef DIRECTIONAL_ALBEDO_GLSL
-#define DIRECTIONAL_ALBEDO_GLSL
 
 #include "lib/elementary.glsl"
 #include "lib/microfacet.glsl"
@@ -19,7 +17,7 @@
 // at 1.6 is a kink.
 const uint ALBEDO_PHI_COUNT = 16;
 
-// Nodes of the rungs of the ladder, whose factors stand for exact ones: twice as many as leave 3e-5.
+// Nodes for the rungs of the ladder, whose factors must be practically exact: twice as many as leave 3e-5.
 const uint LADDER_NODES = 2048;
 
 // Node i of count of the periodising rule on [0, 1], and its weight. [Sidi93, the sin^2 transformation]
@@ -34,10 +32,9 @@ float ggx_r(float sin2, float cos2, float alpha2) {
     return sqrt(alpha2 * cos2 / (sin2 + alpha2 * cos2));
 }
 
-// (A, B), and in zw the means of the weight w(l) and of Fc w(l) over h of density D (n.h): what normalises the kernels D (n.h) w / (4 v.h)
-// and Fc times that.
-// 768 nodes leave at most 4e-5, for correlated masking below n_dot_v 0.004 1e-4; 1024 nodes 4e-5. For n_dot_v >= COSINE_MIN and
-// alpha >= ALPHA_MIN.
+// (A, B), and in zw the means of the weight w(l) and of Fc w(l) over h of density D (n.h): the normalisation of the
+// kernels D (n.h) w / (4 v.h) and Fc times it. 768 nodes leave at most 4e-5, for correlated masking below n_dot_v 0.004
+// 1e-4; 1024 nodes 4e-5. For n_dot_v >= COSINE_MIN and alpha >= ALPHA_MIN.
 vec4 directional_albedo(float n_dot_v, float alpha, uint node_count, uint masking) {
     float alpha2 = alpha * alpha;
     float sin_v = sqrt(max(1.0 - n_dot_v * n_dot_v, 0.0));
@@ -84,7 +81,7 @@ vec4 directional_albedo(float n_dot_v, float alpha, uint node_count, uint maskin
     return sum;
 }
 
-// The same mean for v = n, where nothing depends on the azimuth: what normalises D/4 w(l).
+// The same mean for v = n, independent of the azimuth: the normalisation of D/4 w(l).
 float mirror_weight(float alpha) {
     const uint NODE_COUNT = 64u;
     float alpha2 = alpha * alpha;
@@ -103,5 +100,3 @@ float mirror_weight(float alpha) {
     }
     return sum;
 }
-
-#endif

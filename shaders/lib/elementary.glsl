@@ -1,8 +1,5 @@
-// Elementary functions in f32 where the built-in ones are too coarse: drivers were seen with errors of 1e-4 in acos and
-// sin, and exp and log lose all relative precision next to 1. Polynomials: minimax fits by this project; errors are
-// given.
-#ifndef ELEMENTARY_GLSL
-#define ELEMENTARY_GLSL
+// Elementary functions in f32. Built-in ones are too coarse: some drivers have errors of 1e-4 in acos and sin, and exp
+// and log lose all relative precision next to 1. Polynomials: minimax fits by this project; errors are given.
 
 #include "generated/constants.glsl"
 
@@ -35,7 +32,7 @@ float atan_octant(float x) {
 float atan2_precise(float y, float x) {
     float ax = abs(x);
     float ay = abs(y);
-    // The floor only matters at the origin, where 0/0 would be NaN.
+    // The floor only matters at the origin: 0/0 would be NaN.
     float angle = atan_octant(min(ax, ay) / max(max(ax, ay), 1e-30));
     angle = ay > ax ? 0.5 * PI - angle : angle;
     angle = x < 0.0 ? PI - angle : angle;
@@ -55,7 +52,7 @@ vec2 sin_cos_turns(float turns) {
     return quadrant >= 2 ? -sin_cos : sin_cos;
 }
 
-// ln(1 - x) for 0 <= x < 1; relative error below 1e-6. Used where alpha = 1e-3 puts all of a lobe at x < 1e-5.
+// ln(1 - x) for 0 <= x < 1; relative error below 1e-6. Needed since alpha = 1e-3 puts all of a lobe at x < 1e-5.
 float log_one_minus(float x) {
     int exponent = 0;
     float m_minus_1 = -x;
@@ -87,5 +84,3 @@ float one_minus_exp(float x) {
     series = x * (1.0 - x * series);
     return x < 0.25 ? series : 1.0 - exp(-x);
 }
-
-#endif

@@ -1,13 +1,13 @@
-// The environment as a light: exact bilinear radiance, and importance sampling proportional to its luminance above a threshold,
-// guided to the cells where a lobe is, with the density of just that. Where the density is 0 the lobe must sample. The tables, their
-// layout and the derivation: src/environment/distribution.rs.
+// The environment as a light: exact bilinear radiance, and importance sampling proportional to its luminance above a
+// threshold, guided to the cells of a lobe, with its exact density. If the density is 0, only the lobe samples the
+// direction. The tables, their layout and the derivation: src/environment/distribution.rs.
 //
-// A texel of the environment holds its radiance (rgb) and its sampling weight (a). Directions are in the environment's frame.
+// A texel of the environment holds its radiance (rgb) and its sampling weight (a). Directions are in the environment's
+// frame.
 //
-// The filtering units of GPUs interpolate with weights of about 8 bits, which shows as steps on magnified suns: there the four texels
-// are fetched and weighted in f32. A driver that filters in full f32 (EXACT_FILTER) does the same in one lookup.
-#ifndef ENVIRONMENT_SAMPLING_GLSL
-#define ENVIRONMENT_SAMPLING_GLSL
+// The filtering units of GPUs interpolate with weights of about 8 bits, which shows as steps on magnified suns: there
+// the four texels are fetched and weighted in f32. A driver that filters in full f32 (EXACT_FILTER) does the same in
+// one lookup.
 
 #include "lib/equirect.glsl"
 
@@ -19,7 +19,7 @@ layout(constant_id = 1) const uint EXACT_FILTER = 0u;
 
 const uint CELL_COUNT = CELL_COLUMNS * CELL_ROWS;
 
-// Where the tables lie.
+// Sizes and positions of the tables.
 struct EnvironmentTables {
     uint width;
     uint height;
@@ -30,8 +30,8 @@ struct EnvironmentTables {
     uint blocks_base;
 };
 
-// The guide of this invocation: of each slot its weight, and the sum of mass times weight up to it and with it. `environment_guide`
-// must have been called for every slot, in order.
+// The guide of this invocation: of each slot its weight, and the sum of mass times weight up to it and with it.
+// `environment_guide` must have been called for every slot, in order.
 float environment_guide_weights[CELL_COUNT];
 float environment_guide_ends[CELL_COUNT];
 uint environment_guide_count = 0u;
@@ -69,7 +69,8 @@ uint environment_search_step(uint count) {
     return count > 1u ? 1u << findMSB(count - 1u) : 0u;
 }
 
-// Interval of the distribution over `count` intervals at `base` that holds `xi`; `fraction` is the place inside it, in (0, 1).
+// Interval of the distribution over `count` intervals at `base` that holds `xi`; `fraction` is the place inside it, in
+// (0, 1).
 uint environment_invert(uint base, uint count, uint xi, out float fraction) {
     // The largest value is the end of the last interval, which belongs to none.
     xi = min(xi, 0xfffffffeu);
@@ -93,10 +94,10 @@ uint environment_invert_guide(uint xi, out uint fraction) {
         low = environment_guide_ends[next - 1u] <= place ? next : low;
     }
     float start = low > 0u ? environment_guide_ends[low - 1u] : 0.0;
-    // The bits that `place` has no digits for count inside a slot of little light.
+    // The bits that `place` cannot hold matter in slots with little light.
     float inside = (place - start) + (float(xi & 0xffu) + 0.5) * exp2(-32.0) * environment_guide_sum;
     float size = max(environment_guide_ends[low] - start, 1e-30);
-    // Below 1, where the product would not fit.
+    // Below 1, so that the product fits.
     fraction = uint(clamp(inside / size, 0.0, 1.0 - 6e-8) * 4294967296.0);
     return low;
 }
@@ -113,7 +114,7 @@ void environment_texels(sampler2D environment, EnvironmentTables tables, uint ba
     texels[3] = texelFetch(environment, ivec2(x1, y1), 0);
 }
 
-// Density per solid angle where the interpolated weight is `weight`.
+// Density per solid angle for the interpolated weight `weight`.
 float environment_pdf(float weight, uint band, float sin_theta) {
     return weight * uintBitsToFloat(environment_word(band)) / max(sin_theta, ENVIRONMENT_SIN_THETA_MIN);
 }
@@ -122,8 +123,8 @@ vec4 environment_bilinear(vec4 texels[4], vec2 t) {
     return mix(mix(texels[0], texels[1], t.x), mix(texels[2], texels[3], t.x), t.y);
 }
 
-// Inverse of the distribution of x in [0, 1] whose density is linear from `p0` at 0 to `p1` at 1 (each >= 0, any scale),
-// for xi in (0, 1].
+// Inverse of the distribution of x in [0, 1] whose density is linear from `p0` at 0 to `p1` at 1 (each >= 0, any
+// scale), for xi in (0, 1].
 float environment_invert_linear(float p0, float p1, float xi) {
     float total = p0 + p1;
     // Both ends 0: the cell holds no light, any point will do.
@@ -158,8 +159,8 @@ EnvironmentSample environment_eval(sampler2D environment, sampler2D environment_
     return EnvironmentSample(l, light.rgb, factor * environment_pdf(light.a, band, uv_sin_theta.z));
 }
 
-// A direction from a fixed-point pair: y selects slot and band, x the column. Density 0 means that no light is above the threshold
-// anywhere: the sample must not be used.
+// A direction from a fixed-point pair: y selects slot and band, x the column. Density 0 means that no light is above
+// the threshold anywhere: the sample must not be used.
 EnvironmentSample environment_sample(sampler2D environment, EnvironmentTables tables, uvec2 xi) {
     uint fraction_in_slot;
     uint slot = environment_invert_guide(xi.y, fraction_in_slot);
@@ -188,5 +189,3 @@ EnvironmentSample environment_sample(sampler2D environment, EnvironmentTables ta
     float pdf_l = environment_guide_factor(slot) * environment_pdf(light.a, band, length(l.xz));
     return EnvironmentSample(l, light.rgb, pdf_l);
 }
-
-#endif

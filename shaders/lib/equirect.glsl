@@ -1,7 +1,5 @@
 // The equirectangular mapping of the project: y up, the image's centre is +z, u = 0.25 is +x, row 0 is +y.
 // u = 0.5 - atan2(x, z) / 2 pi, v = acos(y) / pi; u wraps, v clamps. [Kim22 "Equirectangular", inverse corrected]
-#ifndef EQUIRECT_GLSL
-#define EQUIRECT_GLSL
 
 #include "lib/elementary.glsl"
 
@@ -34,9 +32,7 @@ vec2 uv_from_texel(uvec2 texel, uvec2 size) {
 }
 
 // Solid angle (sr) that a texel of a map of that size has at a direction with that sin(theta). The sine is floored at
-// its value half a texel from the pole: no texel is smaller than those of the first row.
+// its value half a texel from the pole: no texel is smaller than in the first row.
 float texel_solid_angle(float sin_theta, vec2 size) {
     return 2.0 * PI * PI * max(sin_theta, 0.5 * PI / size.y) / (size.x * size.y);
 }
-
-#endif

@@ -1,6 +1,4 @@
-// What a sample of a direction reads: the filtered levels of the environment, at the level of its own solid angle.
-#ifndef FILTERED_SAMPLE_GLSL
-#define FILTERED_SAMPLE_GLSL
+// A sample's lookup in the filtered levels of the environment, at the level of its solid angle.
 
 #include "lib/filtering.glsl"
 
@@ -14,5 +12,3 @@ vec3 sampled_radiance(vec3 l, float omega_s) {
     float lod = lod_from_solid_angles(max(omega_s, 0.0), omega_p) + params.lod_bias;
     return map_radiance(filtered_environment, place, clamp(lod, 0.0, LOD_MAX));
 }
-
-#endif

@@ -1,11 +1,7 @@
 // Which level of a filtered map a sample reads.
-#ifndef FILTERING_GLSL
-#define FILTERING_GLSL
 
 // Level at which a texel covers the solid angle of a sample; not clamped. [Colbert07 section 20.4, with the texel's
 // true solid angle]
 float lod_from_solid_angles(float omega_s, float omega_p) {
     return 0.5 * log2(omega_s / omega_p);
 }
-
-#endif

@@ -1,6 +1,4 @@
 // Orthonormal frames. Local coordinates have the normal along +z.
-#ifndef FRAME_GLSL
-#define FRAME_GLSL
 
 // Columns tangent, bitangent, n: `frame * local` is world, `world * frame` is local. No branch and no singular
 // direction. [Duff17 listing 3]
@@ -10,5 +8,3 @@ mat3 frame_from_normal(vec3 n) {
     float b = n.x * n.y * a;
     return mat3(vec3(1.0 + s * n.x * n.x * a, s * b, -s * n.x), vec3(b, s + n.y * n.y * a, -n.y), n);
 }
-
-#endif

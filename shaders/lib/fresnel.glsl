@@ -1,6 +1,4 @@
 // Fresnel reflectance by Schlick's approximation, with f90 = 1.
-#ifndef FRESNEL_GLSL
-#define FRESNEL_GLSL
 
 // (1 - v_dot_h)^5, the weight of f90 = 1. [Schlick94 eq. 15]
 float schlick_weight(float v_dot_h) {
@@ -13,5 +11,3 @@ float schlick_weight(float v_dot_h) {
 vec3 f_schlick(float v_dot_h, vec3 f0) {
     return f0 + (1.0 - f0) * schlick_weight(v_dot_h);
 }
-
-#endif

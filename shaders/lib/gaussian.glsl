@@ -1,7 +1,4 @@
-// The error function, and what it says about a Gaussian surface. Polynomials: minimax fits by this
-// project.
-#ifndef GAUSSIAN_GLSL
-#define GAUSSIAN_GLSL
+// The error function, and areas of Gaussian surfaces. Polynomials: minimax fits by this project.
 
 // exp(x^2) erfc(x) for 0 <= x <= 6.6; relative error below 5e-7.
 float erfc_scaled(float x) {
@@ -27,7 +24,8 @@ float erfc_precise(float x) {
     return x < 0.0 ? 2.0 - tail : tail;
 }
 
-// The x with erf(x) = y; `complement` is (1 - y) (1 + y), which keeps the digits of a tail. Relative error below 4e-7. [Giles12, table 5]
+// The x with erf(x) = y; `complement` is (1 - y) (1 + y), which keeps the digits of a tail. Relative error below 4e-7.
+// [Giles12, table 5]
 float erf_inverse(float y, float complement) {
     float w = -log(complement);
     if (w < 5.0) {
@@ -59,13 +57,12 @@ float visible_area_up_to(float slope, float cos_theta, float sin_theta) {
     return 0.5 * cos_theta * erfc_precise(-slope) + sin_theta * HALF_INV_SQRT_PI * exp(-slope * slope);
 }
 
-// The facet area of a Gaussian surface of alpha = 1 that a view sees, over surface area; `cos_theta` and `sin_theta` up to a common
-// factor, which the area has too. It is the integral of (cos - t sin) exp(-t^2) / sqrt(pi) over t up to cos / sin. [HeitzDeon14]
+// The facet area of a Gaussian surface of alpha = 1 that a view sees, over surface area; `cos_theta` and `sin_theta` up
+// to a common factor, which the area has too. It is the integral of (cos - t sin) exp(-t^2) / sqrt(pi) over t up to cos
+// / sin. [HeitzDeon14]
 float visible_area(float cos_theta, float sin_theta) {
     float end = cos_theta < SLOPE_END * sin_theta ? cos_theta / sin_theta : SLOPE_END;
     float gauss = exp(-end * end);
     float share = 1.0 - 0.5 * gauss * erfc_scaled(end);
     return cos_theta * share + sin_theta * HALF_INV_SQRT_PI * gauss;
 }
-
-#endif

@@ -3,8 +3,6 @@
 // m has density D(m) (n.m), l = reflect(-v, m), so p_l = D (n.m) / (4 v.m) and the weight is
 //     f (n.l) / p_l = F G (v.m) / ((n.v) (n.m)).
 // Directions below the horizon carry nothing but count in N. [Walter07 eq. 38, 41; Kim22 "IBL", corrected]
-#ifndef IMPORTANCE_SAMPLING_GLSL
-#define IMPORTANCE_SAMPLING_GLSL
 
 #include "lib/frame.glsl"
 #include "lib/masking.glsl"
@@ -15,7 +13,8 @@
 // Radiance from l for a sample of solid angle omega_s = 1 / (N p_l) (sr); each method defines it.
 vec3 sampled_radiance(vec3 l, float omega_s);
 
-// What the point_count points of this dispatch, of sample_count in all, add to the outgoing specular radiance.
+// The contribution of the point_count points of this dispatch, of sample_count in all, to the outgoing specular
+// radiance.
 vec3 importance_sampled_radiance(Surface s, uint sample_count, uint point_count) {
     mat3 frame = frame_from_normal(s.n);
     vec3 v_local = s.v * frame;
@@ -34,5 +33,3 @@ vec3 importance_sampled_radiance(Surface s, uint sample_count, uint point_count)
     }
     return sum / (float(sample_count) * s.n_dot_v);
 }
-
-#endif

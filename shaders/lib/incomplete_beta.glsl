@@ -1,7 +1,5 @@
 // The regularised incomplete beta function I_x(n, 1/2) for n = 1 / t, t in (0, 1]. Polynomials: minimax fits by this
 // project.
-#ifndef INCOMPLETE_BETA_GLSL
-#define INCOMPLETE_BETA_GLSL
 
 #include "lib/gaussian.glsl"
 
@@ -20,8 +18,8 @@ float gamma_ratio_half(float t) {
 
 // I_x(n, 1/2) at the x in [6e-8, 1) with this logarithm; absolute error below 5e-7.
 //
-// With x = exp(-w^2) it is in proportion to the integral from w of exp(-(n - 1/4) u^2) S(u^2), S(y) = sqrt((y/2) / sinh(y/2)).
-// S(y) exp(0.475 y) is fitted by a polynomial, whose integrals follow from erfc by parts.
+// With x = exp(-w^2) it is in proportion to the integral from w of exp(-(n - 1/4) u^2) S(u^2), S(y) = sqrt((y/2) /
+// sinh(y/2)). S(y) exp(0.475 y) is fitted by a polynomial, whose integrals follow from erfc by parts.
 float incomplete_beta_half(float t, float log_x) {
     // In units of the width of the Gaussian: z^2 = k w^2, k = n + 0.225.
     float inv_k = t / (1.0 + 0.225 * t);
@@ -42,5 +40,3 @@ float incomplete_beta_half(float t, float log_x) {
     // 2 Gamma(n + 1/2) / (sqrt(pi) Gamma(n) sqrt(k)), with sqrt(n / k).
     return 2.0 * INV_SQRT_PI * gamma_ratio_half(t) * sqrt(inv_k / t) * sum;
 }
-
-#endif

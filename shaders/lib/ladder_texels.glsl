@@ -1,7 +1,5 @@
 // The split sum with exact A and B in place of the DFG table; the methods differ in the map.
 #pragma methods ladder-texels ladder-samples ladder-storage
-#ifndef LADDER_TEXELS_GLSL
-#define LADDER_TEXELS_GLSL
 
 #include "lib/directional_albedo.glsl"
 #include "lib/split_sum.glsl"
@@ -11,5 +9,3 @@ vec3 specular_radiance(Surface s) {
     vec4 albedo = directional_albedo(s.n_dot_v, s.alpha, LADDER_NODES, MASKING);
     return mean_radiance * (s.f0 * albedo.x + albedo.y);
 }
-
-#endif

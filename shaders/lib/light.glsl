@@ -1,11 +1,9 @@
 // Analytic lights.
-#ifndef LIGHT_GLSL
-#define LIGHT_GLSL
 
 #include "generated/constants.glsl"
 #include "generated/layout.glsl"
 
-// What one light sends to one point: the unit direction to it and its irradiance on a surface that faces it.
+// The unit direction from a point to a light, and the light's irradiance on a surface facing it.
 struct LightSample {
     vec3 l;
     vec3 irradiance;
@@ -21,5 +19,3 @@ LightSample light_at(LightData light, vec3 position) {
     float distance2 = max(dot(to_light, to_light), 1e-12);
     return LightSample(to_light * inversesqrt(distance2), light.color_kind.rgb / distance2);
 }
-
-#endif

@@ -1,6 +1,4 @@
 // A lobe's one lookup of a prefiltered map; docs/paste.md prints this file.
-#ifndef LOBE_LOOKUP_GLSL
-#define LOBE_LOOKUP_GLSL
 
 // The direction, and in w its perceptual roughness. lobes: the table, square parts below each other with nodes at both ends of both axes,
 // the moments first; widths: the part with the widths; share: B / (f0 A + B), the share of the lobe that every f0 reflects.
@@ -14,5 +12,3 @@ vec4 lobe_lookup(sampler2D lobes, float widths, vec3 n, vec3 v, float n_dot_v, f
     float ratio = dot(ratios, vec3((1.0 - share) * (1.0 - 2.0 * share), 4.0 * share * (1.0 - share), share * (2.0 * share - 1.0)));
     return vec4(normalize(moment.x * reflect(-v, n) + moment.y * n), min(ratio * roughness, 1.0));
 }
-
-#endif

@@ -1,14 +1,12 @@
-// What every microfacet model shares: Fresnel, masking-shadowing, evaluation. `masking` is one of MASKING_*.
+// Shared by all microfacet models: Fresnel, masking-shadowing, evaluation. `masking` is one of MASKING_*.
 // Vectors are local (n is +z) and point away from the surface; eval never includes the cosine.
-#ifndef MICROFACET_GLSL
-#define MICROFACET_GLSL
 
 #include "generated/constants.glsl"
 #include "lib/fresnel.glsl"
 #include "selected/brdf.glsl"
 
-// Masking of one direction: the model's own G1, Karis' fit with k = alpha / 2 [Karis13 eq. 4], or the exact Smith masking
-// of the model's distribution.
+// Masking of one direction: the model's own G1, Karis' fit with k = alpha / 2 [Karis13 eq. 4], or the exact Smith
+// masking of the model's distribution.
 float g1(float n_dot_w, float alpha, uint masking) {
     if (masking == MASKING_SCHLICK) {
         float k = 0.5 * alpha;
@@ -25,7 +23,7 @@ float g1(float n_dot_w, float alpha, uint masking) {
 float g2_from_g1(float g1_v, float g1_l, uint masking) {
     float product = g1_v * g1_l;
     if (masking == MASKING_CORRELATED) {
-        // Both at once 0 only where the product is: the floor keeps 0 / 0 away.
+        // The floor avoids 0 / 0 if both are 0.
         return product / max(g1_v + g1_l - product, 1e-30);
     }
     return product;
@@ -45,5 +43,3 @@ vec3 eval_brdf(vec3 v_local, vec3 l_local, vec3 h_local, float alpha, vec3 f0, u
     float dg = d_brdf(h_local, alpha) * g2(v_local.z, l_local.z, alpha, masking);
     return dg / (4.0 * v_local.z * l_local.z) * f_schlick(dot(v_local, h_local), f0);
 }
-
-#endif

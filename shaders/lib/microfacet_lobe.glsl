@@ -1,6 +1,4 @@
 // A lobe of the selected microfacet model at one width, sampled by its visible normals.
-#ifndef MICROFACET_LOBE_GLSL
-#define MICROFACET_LOBE_GLSL
 
 #include "lib/frame.glsl"
 #include "lib/lobe.glsl"
@@ -9,7 +7,7 @@
 #include "lib/prefilter_weight.glsl"
 #include "lib/surface.glsl"
 
-// Separates the points of this lobe from those of the diffuse lobe: their errors are independent.
+// Gives this lobe other points than the diffuse lobe, so that their errors are independent.
 const uint LOBE_STREAM = 0u;
 
 struct Lobe {
@@ -49,7 +47,8 @@ LobeValue specular_kernel(Lobe lobe, vec3 l_local) {
         pdf_visible_l_brdf(lobe.v_local, h_local, lobe.alpha));
 }
 
-// The kernel D (n.h) / (4 v.h) w(l): the lobe without masking, by the weight of prefiltered maps. At v = n it is theirs, D/4 w(l).
+// The kernel D (n.h) / (4 v.h) w(l): the lobe without masking, by the weight of prefiltered maps. At v = n it is
+// theirs, D/4 w(l).
 LobeValue weighted_kernel(Lobe lobe, vec3 l_local) {
     vec3 h_local = normalize(lobe.v_local + l_local);
     float v_dot_h = dot(lobe.v_local, h_local);
@@ -57,5 +56,3 @@ LobeValue weighted_kernel(Lobe lobe, vec3 l_local) {
     float value = d > 0.0 ? d * h_local.z / (4.0 * v_dot_h) * prefilter_weight(l_local.z, lobe.alpha) : 0.0;
     return LobeValue(vec3(value), pdf_visible_l_brdf(lobe.v_local, h_local, lobe.alpha));
 }
-
-#endif

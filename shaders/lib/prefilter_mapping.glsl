@@ -1,6 +1,5 @@
-// How alpha maps to the levels of a prefiltered map, and n_dot_v and alpha to the DFG table: a pair of inverse functions each.
-#ifndef PREFILTER_MAPPING_GLSL
-#define PREFILTER_MAPPING_GLSL
+// How alpha maps to the levels of a prefiltered map, and n_dot_v and alpha to the DFG table: a pair of inverse
+// functions each.
 
 #include "generated/constants.glsl"
 
@@ -9,13 +8,13 @@ float alpha_from_perceptual_roughness(float perceptual_roughness) {
     return perceptual_roughness * perceptual_roughness;
 }
 
-// The inverse; the floor of alpha stands for the mirror, 0.
+// The inverse; the floor of alpha means the mirror, 0.
 float perceptual_roughness_from_alpha(float alpha) {
     return alpha <= ALPHA_MIN ? 0.0 : sqrt(alpha);
 }
 
-// How the levels of the prefiltered map are spread, b in [0, 1] (precompute/prefilter/level_mapping.rs): set when the pipeline is made, in
-// GLSL ES a uniform.
+// How the levels of the prefiltered map are spread, b in [0, 1] (precompute/prefilter/level_mapping.rs): set when the
+// pipeline is made, in GLSL ES a uniform.
 #ifdef GL_ES
 uniform float LEVEL_BEND;
 #else
@@ -34,7 +33,8 @@ float lod_from_perceptual_roughness(float perceptual_roughness, uint level_count
     return perceptual_roughness * (1.0 + LEVEL_BEND * (1.0 - perceptual_roughness)) * float(level_count - 1u);
 }
 
-// How the texels of the DFG table lie, one of DFG_AXES_* (precompute/dfg): set when the pipeline is made, in GLSL ES a uniform.
+// Texel positions of the DFG table, one of DFG_AXES_* (precompute/dfg): set when the pipeline is made, in GLSL ES a
+// uniform.
 #ifdef GL_ES
 uniform uint DFG_AXES;
 #else
@@ -71,5 +71,3 @@ vec2 dfg_uv(float n_dot_v, float alpha, vec2 size) {
 vec2 albedo_pair(sampler2D dfg, float n_dot_v, float alpha) {
     return textureLod(dfg, dfg_uv(n_dot_v, alpha, vec2(textureSize(dfg, 0))), 0.0).rg;
 }
-
-#endif

@@ -1,6 +1,4 @@
-// What a direction counts in the mean that a prefiltered texel is.
-#ifndef PREFILTER_WEIGHT_GLSL
-#define PREFILTER_WEIGHT_GLSL
+// The weight of a direction in a prefiltered texel.
 
 #include "lib/masking.glsl"
 #include "lib/microfacet.glsl"
@@ -18,5 +16,3 @@ float prefilter_weight(float n_dot_l, float alpha) {
     }
     return PREFILTER_WEIGHT == PREFILTER_WEIGHT_MASKING ? g1(n_dot_l, alpha, MASKING) : 1.0;
 }
-
-#endif

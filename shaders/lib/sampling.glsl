@@ -1,9 +1,7 @@
-// Sample points and what the BRDF samplers make of them.
+// Sample points, and the samples that BRDF samplers make of them.
 //
 // A sample point is vec4(u, cos phi, sin phi, w): u in [0, 1) drives the polar angle and is 0 at the lobe's centre, phi
 // is the azimuth, and w = -ln(1 - u) spares the shader a logarithm (and its error) for each sample.
-#ifndef SAMPLING_GLSL
-#define SAMPLING_GLSL
 
 #include "lib/elementary.glsl"
 
@@ -13,8 +11,8 @@ struct LobeSample {
     float pdf_h;
 };
 
-// A half vector among those that a view sees, the density of the direction that it mirrors the view to, 1/sr, and D / (4 n_dot_v) over
-// that density.
+// A half vector among those that a view sees, the density of the direction that it mirrors the view to, 1/sr, and D /
+// (4 n_dot_v) over that density.
 struct VisibleSample {
     vec3 h_local;
     float pdf_l;
@@ -33,5 +31,3 @@ vec4 sample_point_from_polar(float u, vec2 cos_sin_phi) {
 vec4 sample_point_from_xi(vec2 xi) {
     return sample_point_from_polar(xi.x, sin_cos_turns(xi.y).yx);
 }
-
-#endif

@@ -1,14 +1,8 @@
-// What the shading passes begin with: the g-buffer in bindings 0 to 3 of set 0 (position.xyz, mask; normal.xyz, alpha; albedo.rgb, metallic;
-// f0.rgb, material index), the parameters, and the pixel of an invocation.
-// Dispatch: ceil(width / GROUP_SIDE) x ceil(rows / GROUP_SIDE) groups, from row first_row on.
-#ifndef SHADED_PIXEL_GLSL
-#define SHADED_PIXEL_GLSL
+// Shared by the shading passes: the g-buffer in bindings 0 to 3 of set 0 (position.xyz, mask; normal.xyz, alpha;
+// albedo.rgb, metallic; f0.rgb, material index), the parameters, and the pixel of an invocation.
 
-#include "generated/constants.glsl"
-#include "generated/layout.glsl"
+#include "lib/image_groups.glsl"
 #include "lib/surface.glsl"
-
-layout(local_size_x = GROUP_SIDE, local_size_y = GROUP_SIDE) in;
 
 layout(push_constant) uniform Push {
     ShadeParams params;
@@ -25,7 +19,7 @@ bool shaded_pixel(out uvec2 pixel) {
     return pixel.x < params.width && pixel.y < params.height;
 }
 
-// The surface of a pixel in world axes. False where nothing is hit; `s` is then not set.
+// The surface of a pixel in world axes. False if nothing is hit; `s` is then not set.
 bool surface_of_pixel(uvec2 pixel, out Surface s) {
     ivec2 texel = ivec2(pixel);
     return surface_from_gbuffer(texelFetch(gbuffer_position, texel, 0), texelFetch(gbuffer_normal, texel, 0),
@@ -36,5 +30,3 @@ bool surface_of_pixel(uvec2 pixel, out Surface s) {
 uint index_of_pixel(uvec2 pixel) {
     return pixel.y * params.width + pixel.x;
 }
-
-#endif

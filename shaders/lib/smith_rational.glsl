@@ -1,6 +1,4 @@
 // Walter's rational fit of the Smith masking of a Beckmann surface; Phong shares it through alpha.
-#ifndef SMITH_RATIONAL_GLSL
-#define SMITH_RATIONAL_GLSL
 
 // G1 of a direction with cosine n_dot_w, for a = 1 / (alpha tan theta); 1 from a = 1.6 on. [Walter07 eq. 27]
 float g1_smith_rational(float n_dot_w, float alpha) {
@@ -13,5 +11,3 @@ float g1_smith_rational(float n_dot_w, float alpha) {
     float g1 = c * (3.535 * s + 2.181 * c) / (s * s + c * (2.276 * s + 2.577 * c));
     return c >= 1.6 * s ? 1.0 : g1;
 }
-
-#endif

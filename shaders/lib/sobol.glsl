@@ -1,11 +1,11 @@
-// Owen-scrambled Sobol points in the unit square, by arithmetic alone: no tables, so nothing to bind and nothing to load.
+// Owen-scrambled Sobol points in the unit square, by arithmetic alone: no tables, so nothing to bind and nothing to
+// load.
 //
-// A pair of dimensions is one (0, 2)-sequence [Sobol67]; each pair of each pixel and scramble has its own nested uniform
-// scramble [Owen97] by hash [Burley20, sections 3 and 4] with the permutation of [Vegdahl21]. Estimators that are *added*
-// (one over pair 0, one over pair 1) need no index shuffle between the pairs: only a joint integrand would see the pairing.
-// Estimators under test take the points of a table, as they are or scrambled for each pixel in a stream of their own.
-#ifndef SOBOL_GLSL
-#define SOBOL_GLSL
+// A pair of dimensions is one (0, 2)-sequence [Sobol67]; each pair of each pixel and scramble has its own nested
+// uniform scramble [Owen97] by hash [Burley20, sections 3 and 4] with the permutation of [Vegdahl21]. Estimators that
+// are *added* (one over pair 0, one over pair 1) need no index shuffle between the pairs: only a joint integrand would
+// see the pairing. Estimators under test take the points of a table, as they are or scrambled for each pixel in a
+// stream of their own.
 
 // A 32-bit finaliser: a bijection whose output bits each depend on every input bit [Wellons18].
 uint sobol_hash(uint x) {
@@ -17,7 +17,8 @@ uint sobol_hash(uint x) {
     return x;
 }
 
-// A key that differs in every bit between pixels, scrambles, user seeds and streams (specular and diffuse are two streams).
+// A key that differs in every bit between pixels, scrambles, user seeds and streams (specular and diffuse are two
+// streams).
 uint sobol_key(uvec2 pixel, uint scramble, uint seed, uint stream) {
     return sobol_hash(pixel.x + sobol_hash(pixel.y + sobol_hash(scramble + sobol_hash(seed + sobol_hash(stream + 1u)))));
 }
@@ -43,15 +44,16 @@ uint sobol_scramble_reversed(uint x, uint key) {
     return x;
 }
 
-// Point `index` of the pair with that key as 32-bit fixed point in [0, 1). `second_reversed` is `sobol_second_reversed(index)`,
-// which all pairs share.
+// Point `index` of the pair with that key as 32-bit fixed point in [0, 1). `second_reversed` is
+// `sobol_second_reversed(index)`, which all pairs share.
 uvec2 sobol_point(uint index, uint second_reversed, uvec2 key) {
     return bitfieldReverse(
         uvec2(sobol_scramble_reversed(index, key.x), sobol_scramble_reversed(second_reversed, key.y)));
 }
 
-// The keys of the next pair of dimensions; `key` moves on. A chain, each hash of the last one's result: hashes of two consecutive
-// numbers are not independent, and the point they make together would not be uniform over scrambles, which biases the estimate.
+// The keys of the next pair of dimensions; `key` moves on. A chain, each hash of the last one's result: hashes of two
+// consecutive numbers are not independent, and the point they make together would not be uniform over scrambles, which
+// biases the estimate.
 uvec2 sobol_next_pair_key(inout uint key) {
     uint first = sobol_hash(key + 1u);
     key = sobol_hash(first + 1u);
@@ -71,5 +73,3 @@ uvec2 owen_scrambled(vec2 xi, uvec2 keys) {
 vec2 sobol_to_unit(uvec2 fixed_point) {
     return (vec2(fixed_point >> 9) + 0.5) * exp2(-23.0);
 }
-
-#endif

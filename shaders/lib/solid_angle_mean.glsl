@@ -1,6 +1,4 @@
 // Means over the sphere of the texels that a coarser texel covers.
-#ifndef SOLID_ANGLE_MEAN_GLSL
-#define SOLID_ANGLE_MEAN_GLSL
 
 #include "lib/elementary.glsl"
 
@@ -36,5 +34,3 @@ vec4 solid_angle_mean(sampler2D source, uvec2 source_size, uvec2 texel, uvec2 si
     }
     return sum / weight_sum;
 }
-
-#endif

@@ -1,6 +1,4 @@
 // The two factors of a split sum, looked up in the tables that shade/specular.comp binds.
-#ifndef SPLIT_SUM_GLSL
-#define SPLIT_SUM_GLSL
 
 #include "lib/prefilter_mapping.glsl"
 #include "lib/surface.glsl"
@@ -20,5 +18,3 @@ vec3 reflectance(Surface s) {
     vec2 a_b = albedo_pair(s);
     return s.f0 * a_b.x + a_b.y;
 }
-
-#endif

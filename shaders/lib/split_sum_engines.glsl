@@ -1,7 +1,6 @@
-// The split sum as engines and a denoiser look it up, between n and r; src/shade/method/split_sum_engines.rs has the sources.
+// The split sum as engines and a denoiser look it up, between n and r; src/shade/method/split_sum_engines.rs has the
+// sources.
 #pragma methods split-sum-filament split-sum-frostbite split-sum-godot split-sum-nrd split-sum-unity
-#ifndef SPLIT_SUM_ENGINES_GLSL
-#define SPLIT_SUM_ENGINES_GLSL
 
 #include "lib/split_sum.glsl"
 
@@ -27,5 +26,3 @@ vec3 specular_radiance(Surface s) {
     vec3 direction = normalize(mix(s.n, reflect(-s.v, s.n), share_of_r(s)));
     return prefiltered_radiance(direction, perceptual_roughness_from_alpha(s.alpha)) * reflectance(s);
 }
-
-#endif

@@ -1,6 +1,4 @@
 // A shaded point as the g-buffer holds it.
-#ifndef SURFACE_GLSL
-#define SURFACE_GLSL
 
 #include "generated/constants.glsl"
 #include "generated/layout.glsl"
@@ -11,7 +9,7 @@ struct Surface {
     vec3 v;
     vec3 albedo;
     vec3 f0;
-    // Microfacet width in [ALPHA_MIN, 1]; the floor stands for a mirror.
+    // Microfacet width in [ALPHA_MIN, 1]; the floor means a mirror.
     float alpha;
     float metallic;
     // Cosine between n and v, at least COSINE_MIN.
@@ -19,7 +17,7 @@ struct Surface {
 };
 
 // The surface of four g-buffer texels: position and mask, normal and alpha, albedo and metallic, f0 and material index;
-// in world axes. False where nothing is hit; `s` is then not set.
+// in world axes. False if nothing is hit; `s` is then not set.
 bool surface_from_gbuffer(vec4 position, vec4 normal, vec4 albedo, vec4 f0, vec4 eye, out Surface s) {
     if (position.w == 0.0) {
         return false;
@@ -46,5 +44,3 @@ Surface surface_in_environment(Surface s, ShadeParams params) {
     s.v = environment_from_world(s.v, params);
     return s;
 }
-
-#endif

@@ -1,6 +1,4 @@
 // The tone curve and its 8-bit form.
-#ifndef TONE_CURVE_GLSL
-#define TONE_CURVE_GLSL
 
 // c = (e L / (e L + 1))^(contrast / 2.2) for L >= 0, in [0, 1]. [Kim22 "Tone mapping and color space conversion"]
 vec3 tone_curve(vec3 radiance, float exposure, float contrast) {
@@ -15,5 +13,3 @@ uint pack_rgba8(vec3 c) {
     uvec3 b = uvec3(255.0 * c + 0.5);
     return b.r | b.g << 8 | b.b << 16 | 255u << 24;
 }
-
-#endif

@@ -1,8 +1,5 @@
-// Visible normals of the GGX distribution, the sampler of the reference for each model that includes this file; src/brdf says how well they
-// serve it.
-// Vectors are local (n is +z); alpha is the microfacet width in [ALPHA_MIN, 1].
-#ifndef VISIBLE_GGX_GLSL
-#define VISIBLE_GGX_GLSL
+// Visible normals of the GGX distribution, the sampler of the reference for each model that includes this file;
+// src/brdf says how well they serve it. Vectors are local (n is +z); alpha is the microfacet width in [ALPHA_MIN, 1].
 
 #include "lib/elementary.glsl"
 
@@ -13,17 +10,18 @@ float d_ggx(vec3 h_local, float alpha) {
     return h_local.z > 0.0 ? alpha2 / (PI * k * k) : 0.0;
 }
 
-// G1(w) over n_dot_w: finite where the cosine is 0. [Walter07 eq. 34]
+// G1(w) over n_dot_w: finite if the cosine is 0. [Walter07 eq. 34]
 float g1_over_cosine_ggx(float n_dot_w, float alpha) {
     float alpha2 = alpha * alpha;
     return 2.0 / (n_dot_w + sqrt(alpha2 + (1.0 - alpha2) * n_dot_w * n_dot_w));
 }
 
-// Half vector among the normals that GGX of that alpha shows to v: the half vectors of the spherical cap that the stretched v reflects into;
-// xi.x = 0 is the cap's centre. [Dupuy23 listing 3]
+// Half vector among the normals that GGX of that alpha shows to v: the half vectors of the spherical cap that the
+// stretched v reflects into; xi.x = 0 is the cap's centre. [Dupuy23 listing 3]
 vec3 sample_visible_brdf(vec2 xi, vec3 v_local, float alpha) {
     vec3 v_standard = normalize(vec3(alpha * v_local.xy, v_local.z));
-    // The cap's point is (sin phi-part, 1 - d); both its sine and z + v.z are written with d and 1 - xi.x, which cancel no digits.
+    // The cap's point is (sin phi-part, 1 - d); both its sine and z + v.z are written with d and 1 - xi.x, which cancel
+    // no digits.
     float d = xi.x * (1.0 + v_standard.z);
     vec2 cap = sqrt(max(d * (2.0 - d), 0.0)) * sin_cos_turns(xi.y).yx;
     return normalize(vec3(alpha * (cap + v_standard.xy), (1.0 - xi.x) * (1.0 + v_standard.z)));
@@ -34,5 +32,3 @@ float pdf_visible_l_brdf(vec3 v_local, vec3 h_local, float alpha) {
     bool visible = v_local.z > 0.0 && dot(v_local, h_local) > 0.0;
     return visible ? 0.25 * d_ggx(h_local, alpha) * g1_over_cosine_ggx(v_local.z, alpha) : 0.0;
 }
-
-#endif

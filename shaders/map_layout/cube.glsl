@@ -1,12 +1,11 @@
-// Map layout `cube`: six faces in the order of Vulkan (+x, -x, +y, -y, +z, -z), filtered by the hardware across their edges.
-#ifndef MAP_LAYOUT_CUBE_GLSL
-#define MAP_LAYOUT_CUBE_GLSL
+// Map layout `cube`: six faces in the order of Vulkan (+x, -x, +y, -y, +z, -z), filtered by the hardware across their
+// edges.
 
 #include "generated/constants.glsl"
 
 #define FILTERED_MAP samplerCube
 
-// Where a direction lies in a map.
+// The position of a direction in a map.
 struct MapPlace {
     vec3 d;
 };
@@ -15,8 +14,9 @@ MapPlace map_place(vec3 d) {
     return MapPlace(d);
 }
 
-// Solid angle (sr) of a texel there: du dv / (1 + u^2 + v^2)^(3/2) on a face at distance 1, whose sides are 2. For unit d the
-// denominator is 1 / max(|x|, |y|, |z|)^3, whose mean over a sample of omega_s (sr) counts: at edges and corners it is larger.
+// Solid angle (sr) of a texel there: du dv / (1 + u^2 + v^2)^(3/2) on a face at distance 1, whose sides are 2. For unit
+// d the denominator is 1 / max(|x|, |y|, |z|)^3, whose mean over a sample of omega_s (sr) counts: at edges and corners
+// it is larger.
 float texel_solid_angle(MapPlace place, vec2 size, float omega_s) {
     vec3 a = abs(place.d);
     float softness = EDGE_SOFTNESS * omega_s;
@@ -39,5 +39,3 @@ vec3 direction_from_texel(uvec3 texel, vec2 inside, vec2 size) {
                           : vec3(sign * st.x, -st.y, sign);
     return normalize(p);
 }
-
-#endif

@@ -1,13 +1,11 @@
-// Map layout `equirect`: one image, filtered by the hardware (lib/equirect.glsl). Its texels shrink to slivers at the poles, which no
-// isotropic filter covers: a light at a pole loses a fifth of its energy.
-#ifndef MAP_LAYOUT_EQUIRECT_GLSL
-#define MAP_LAYOUT_EQUIRECT_GLSL
+// Map layout `equirect`: one image, filtered by the hardware (lib/equirect.glsl). Its texels shrink to slivers at the
+// poles, which no isotropic filter covers: a light at a pole loses a fifth of its energy.
 
 #include "lib/equirect.glsl"
 
 #define FILTERED_MAP sampler2D
 
-// Where a direction lies in a map.
+// The position of a direction in a map.
 struct MapPlace {
     vec2 uv;
     float sin_theta;
@@ -32,5 +30,3 @@ vec3 map_radiance(FILTERED_MAP map, MapPlace place, float lod) {
 vec3 direction_from_texel(uvec3 texel, vec2 inside, vec2 size) {
     return direction_from_uv((vec2(texel.xy) + inside) / size);
 }
-
-#endif

@@ -1,13 +1,11 @@
-// Map layout `octahedral`: one square, every texel of the same solid angle. Its centre is +y, its corners are -y. [ClarbergSquare08]
-// No hardware filter knows which texels touch across its edges: a lookup fetches eight texels.
-#ifndef MAP_LAYOUT_OCTAHEDRAL_GLSL
-#define MAP_LAYOUT_OCTAHEDRAL_GLSL
+// Map layout `octahedral`: one square, every texel of the same solid angle. Its centre is +y, its corners are -y.
+// [ClarbergSquare08] No hardware filter knows which texels touch across its edges: a lookup fetches eight texels.
 
 #include "lib/elementary.glsl"
 
 #define FILTERED_MAP sampler2D
 
-// Where a direction lies in a map.
+// The position of a direction in a map.
 struct MapPlace {
     vec2 uv;
 };
@@ -40,7 +38,7 @@ ivec2 folded(ivec2 texel, int side) {
 }
 
 vec3 level_radiance(FILTERED_MAP map, vec2 uv, int level) {
-    // Some drivers answer for one level only where neighbours ask for several.
+    // Some drivers return the size of one level if neighbours ask for several.
     int side = textureSize(map, 0).x >> level;
     vec2 at = uv * float(side) - 0.5;
     ivec2 low = ivec2(floor(at));
@@ -78,5 +76,3 @@ vec3 direction_from_texel(uvec3 texel, vec2 inside, vec2 size) {
     return vec3(signed_uv.x < 0.0 ? -horizontal * sin_cos.y : horizontal * sin_cos.y, from_fold < 0.0 ? -y : y,
                 signed_uv.y < 0.0 ? -horizontal * sin_cos.x : horizontal * sin_cos.x);
 }
-
-#endif

@@ -1,6 +1,4 @@
-// Linear radiance as a display colour, and errors in the project's colours: what every picture of the page shares.
-#ifndef PAGE_DISPLAY_GLSL
-#define PAGE_DISPLAY_GLSL
+// Linear radiance as a display colour, and errors in the project's colours: shared by all pictures of the page.
 
 #include "lib/tone_curve.glsl"
 
@@ -14,7 +12,8 @@ uniform int tone;
 uniform float exposure;
 uniform float contrast;
 
-// Mean luminance of the light, of which epsilon is a share (metrics::Epsilon). Divided by first: its square may leave the range of floats.
+// Mean luminance of the light, of which epsilon is a share (metrics::Epsilon). Divided by first: its square may leave
+// the range of floats.
 uniform float light_mean;
 const float EPSILON_SHARE = 1e-2;
 
@@ -34,7 +33,8 @@ vec3 palette_color(float place, int row) {
                x - float(lower));
 }
 
-// The formulas of the columns err_p95 ... and relmse. Alpha is 0 where the error lies above the range of the colours, or is none.
+// The formulas of the columns err_p95 ... and relmse. Alpha is 0 if the error is above the range of the colours or not
+// a number.
 vec4 error_color(vec3 t, vec3 r, bool is_signed) {
     vec3 share = r / light_mean;
     vec3 relative = (t - r) / light_mean / sqrt(share * share + EPSILON_SHARE);
@@ -48,5 +48,3 @@ vec4 error_color(vec3 t, vec3 r, bool is_signed) {
     bool is_beyond = mean < signed_range.x || mean > signed_range.y;
     return vec4(palette_color((mean - signed_range.x) / (signed_range.y - signed_range.x), 1), is_beyond ? 0.0 : 1.0);
 }
-
-#endif

@@ -1,12 +1,10 @@
-// What the libraries use and GLSL ES 3.00 lacks. Every shader of the page includes it first.
-#ifndef PAGE_ES_GLSL
-#define PAGE_ES_GLSL
+// Functions of the libraries that GLSL ES 3.00 lacks. Every shader of the page includes it first.
 
 precision highp float;
 precision highp int;
 precision highp sampler2D;
 
-// Levels of a whole chain, down to one texel: the only kind whose levels a library counts (that of an environment).
+// Levels of a whole chain, down to one texel: the libraries count levels only of an environment.
 int textureQueryLevels(sampler2D chain) {
     ivec2 size = textureSize(chain, 0);
     int level_count = 1;
@@ -15,5 +13,3 @@ int textureQueryLevels(sampler2D chain) {
     }
     return level_count;
 }
-
-#endif

@@ -1,7 +1,5 @@
-// What every surface of the live view writes: the g-buffer of the renderer.
-// Row 0 of every target of the live view is the image's top row, as in the renderer.
-#ifndef PAGE_GBUFFER_GLSL
-#define PAGE_GBUFFER_GLSL
+// The g-buffer, as every surface of the live view writes it. Row 0 of every target of the live view is the image's top
+// row, as in the renderer.
 
 #include "gbuffer/camera.glsl"
 #include "gbuffer/surface.glsl"
@@ -26,5 +24,3 @@ void write_surface(vec3 position, vec3 n) {
     albedo_metallic = texels.albedo_metallic;
     f0_material = texels.f0_material;
 }
-
-#endif

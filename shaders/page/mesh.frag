@@ -1,4 +1,5 @@
-// The g-buffer of a mesh, shaded on both sides. Front faces as the page draws them have the normal on the viewer's side.
+// The g-buffer of a mesh, shaded on both sides. Front faces as the page draws them have the normal on the viewer's
+// side.
 #include "page/gbuffer.glsl"
 
 in vec3 position_world;

@@ -1,5 +1,5 @@
-// One pixel of the comparison: the texel under it, as viewer.frag shaded it. One read a pixel, so that flipping is quick where the
-// processor draws, too.
+// One pixel of the comparison: the texel under it, as viewer.frag shaded it. One read a pixel, so that flipping is
+// quick on software renderers too.
 uniform sampler2D left_image;
 uniform sampler2D right_image;
 uniform vec2 canvas_size;

@@ -1,5 +1,5 @@
-// Adds the params.point_count samples from first_sample on of a method to the specular term of one pixel of the live view; a method
-// without samples is one. The table may hold the points in any order: their sum is the same.
+// Adds the params.point_count samples from first_sample on of a method to the specular term of one pixel of the live
+// view; a method without samples is one. The table may hold the points in any order: their sum is the same.
 #include "page/surface.glsl"
 #include "selected/map_layout.glsl"
 

@@ -1,4 +1,5 @@
-// What both methods of the live view share: the diffuse term on the surface (`sh9`, or none), the environment where nothing is hit.
+// The part of the live view that both methods share: the diffuse term on the surface (`sh9`, or none), and the
+// environment if nothing is hit.
 #include "lib/camera.glsl"
 #include "lib/diffuse.glsl"
 #include "selected/map_layout.glsl"

@@ -1,17 +1,10 @@
-// One invocation computes one texel (A, B, 0, 1) of the DFG table: the albedo of the specular lobe is f0 A + B, n_dot_v along x, alpha along y.
-// [Karis13 eq. 8]
-// Set 0: 0 the table to write (rgba32f).
-// Dispatch: ceil(width / GROUP_SIDE) x ceil(rows / GROUP_SIDE) groups, from row first_row on.
-#version 460
-#extension GL_GOOGLE_include_directive : require
+// One invocation computes one texel (A, B, 0, 1) of the DFG table: the albedo of the specular lobe is f0 A + B, n_dot_v
+// along x, alpha along y. [Karis13 eq. 8] Set 0: 0 the table to write (rgba32f).
 
-#include "generated/constants.glsl"
-#include "generated/layout.glsl"
 #include "lib/directional_albedo.glsl"
 #include "lib/masking.glsl"
 #include "lib/prefilter_mapping.glsl"
-
-layout(local_size_x = GROUP_SIDE, local_size_y = GROUP_SIDE) in;
+#include "lib/image_groups.glsl"
 
 layout(push_constant) uniform Push {
     DfgParams params;

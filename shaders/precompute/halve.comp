@@ -1,14 +1,8 @@
-// One invocation computes one texel of a level of a filtered map from the four below it, each weighted by its solid angle in a: the
-// integral of radiance over solid angle is the same on every level.
-// Set 0: 0 the finer level, as a view of one level; 1 the level to write (rgba32f). A layer a face.
-// Dispatch: ceil(width / GROUP_SIDE) x ceil(height / GROUP_SIDE) x faces groups.
-#version 460
-#extension GL_GOOGLE_include_directive : require
+// One invocation computes one texel of a level of a filtered map from the four below it, each weighted by its solid
+// angle in a: the integral of radiance over solid angle is the same on every level. Set 0: 0 the finer level, as a view
+// of one level; 1 the level to write (rgba32f). A layer a face.
 
-#include "generated/constants.glsl"
-#include "generated/layout.glsl"
-
-layout(local_size_x = GROUP_SIDE, local_size_y = GROUP_SIDE) in;
+#include "lib/image_groups.glsl"
 
 layout(push_constant) uniform Push {
     MipsParams params;

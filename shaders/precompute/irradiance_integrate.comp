@@ -3,18 +3,12 @@
 // [source documents 1 and 4, bounds and normalisation corrected]
 // each lookup from the level at which a texel covers the sample's cell. Radiance 1 gives 1.
 // Set 0: 0 the environment's filtered levels; 1 the map to write (rgba32f), a layer a face.
-// Dispatch: ceil(width / GROUP_SIDE) x ceil(rows / GROUP_SIDE) x faces groups, from row first_row on.
-#version 460
-#extension GL_GOOGLE_include_directive : require
 
-#include "generated/constants.glsl"
-#include "generated/layout.glsl"
+#include "lib/image_groups.glsl"
 #include "lib/elementary.glsl"
 #include "lib/filtering.glsl"
 #include "lib/frame.glsl"
 #include "selected/map_layout.glsl"
-
-layout(local_size_x = GROUP_SIDE, local_size_y = GROUP_SIDE) in;
 
 layout(push_constant) uniform Push {
     IrradianceParams params;

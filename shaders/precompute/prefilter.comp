@@ -1,18 +1,12 @@
 // One invocation computes one texel of one level of the prefiltered map: the mean radiance of the lobe for n = v = r,
 //     sum L w / sum w, h with density D(h) (n.h), w = n.l by default [Karis13 eq. 7 and listing 2],
 // each lookup from the level at which a texel covers the sample's solid angle. Below ALPHA_MIN: the mirror, filtered to
-// the texel's size.
-// A dispatch adds the samples of its points: until the last of them the texel holds sum L w and, in a, sum w.
-// Set 0: 0 the environment's filtered levels; 1 the level (rgba32f), a layer a face; 2 sample points of this dispatch (lib/sampling.glsl).
-// Dispatch: ceil(width / GROUP_SIDE) x ceil(rows / GROUP_SIDE) x faces groups, from row first_row on.
-#version 460
-#extension GL_GOOGLE_include_directive : require
+// the texel's size. A dispatch adds the samples of its points: until the last of them the texel holds sum L w and, in
+// a, sum w. Set 0: 0 the environment's filtered levels; 1 the level (rgba32f), a layer a face; 2 sample points of this
+// dispatch (lib/sampling.glsl).
 
-#include "generated/constants.glsl"
-#include "generated/layout.glsl"
 #include "lib/prefilter.glsl"
-
-layout(local_size_x = GROUP_SIDE, local_size_y = GROUP_SIDE) in;
+#include "lib/image_groups.glsl"
 
 layout(push_constant) uniform Push {
     PrefilterParams params;

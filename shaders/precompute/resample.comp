@@ -1,17 +1,11 @@
-// One invocation computes one texel of the finest level of a filtered map: the mean of the environment over the texel's solid angle, by
-// RESAMPLE_SIDE^2 cells, each weighted by its solid angle. Near a pole, where a cell spans many texels of the source's row, it takes
-// their mean. a holds the texel's solid angle (sr).
-// Set 0: 0 environment (level 0 is read); 1 the level to write (rgba32f), a layer a face.
-// Dispatch: ceil(width / GROUP_SIDE) x ceil(rows / GROUP_SIDE) x faces groups, from row first_row on.
-#version 460
-#extension GL_GOOGLE_include_directive : require
+// One invocation computes one texel of the finest level of a filtered map: the mean of the environment over the texel's
+// solid angle, by RESAMPLE_SIDE^2 cells, each weighted by its solid angle. Near a pole, where a cell spans many texels
+// of the source's row, it takes their mean. a holds the texel's solid angle (sr). Set 0: 0 environment (level 0 is
+// read); 1 the level to write (rgba32f), a layer a face.
 
-#include "generated/constants.glsl"
-#include "generated/layout.glsl"
+#include "lib/image_groups.glsl"
 #include "lib/equirect.glsl"
 #include "selected/map_layout.glsl"
-
-layout(local_size_x = GROUP_SIDE, local_size_y = GROUP_SIDE) in;
 
 layout(push_constant) uniform Push {
     ResampleParams params;

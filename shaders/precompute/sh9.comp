@@ -4,8 +4,6 @@
 // in every run.
 // Set 0: 0 environment (level 0 is read); 1 partial sums, SH9_COUNT vec4 a group.
 // Dispatch: group_count groups.
-#version 460
-#extension GL_GOOGLE_include_directive : require
 
 #include "generated/constants.glsl"
 #include "generated/layout.glsl"

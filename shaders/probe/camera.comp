@@ -1,26 +1,9 @@
 // One invocation evaluates lib/camera.glsl for one item.
 // In: (column, row, width, height), (right, 0), (up, 0), (forward, 0). Out: (unit direction, 0).
 // Set 0: 0 inputs, 4 vec4 an item; 1 outputs, 1 vec4 an item.
-// Dispatch: ceil(count / GROUP_LINEAR) groups.
-#version 460
-#extension GL_GOOGLE_include_directive : require
 
-#include "generated/constants.glsl"
-#include "generated/layout.glsl"
 #include "lib/camera.glsl"
-
-layout(local_size_x = GROUP_LINEAR) in;
-
-layout(push_constant) uniform Push {
-    ProbeParams params;
-};
-
-layout(std430, set = 0, binding = 0) readonly buffer Inputs {
-    vec4 inputs[];
-};
-layout(std430, set = 0, binding = 1) writeonly buffer Outputs {
-    vec4 outputs[];
-};
+#include "probe/item.glsl"
 
 void main() {
     uint item = gl_GlobalInvocationID.x;

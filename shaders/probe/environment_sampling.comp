@@ -1,28 +1,13 @@
-// One invocation evaluates the functions of lib/environment_sampling.glsl for one item, on a map of the bound environment's size.
-// In: (unit direction, count of slots), (xi.x high, low, xi.y high, low) with 16 bits a channel.
-// Out: (radiance from the direction, its density), (sampled direction, its density), (radiance from the sampled direction, 0).
-// Set 0: 0 inputs, 2 vec4 an item; 1 outputs, 3 vec4 an item; 2 environment (sampler2D, level 0); 3 words of its distribution;
-// 4 the environment through a bilinear sampler; 5 the slots of its distribution. Specialization constant 1: EXACT_FILTER.
-// Dispatch: ceil(count / GROUP_LINEAR) groups.
-#version 460
-#extension GL_GOOGLE_include_directive : require
+// One invocation evaluates the functions of lib/environment_sampling.glsl for one item, on a map of the bound
+// environment's size. In: (unit direction, count of slots), (xi.x high, low, xi.y high, low) with 16 bits a channel.
+// Out: (radiance from the direction, its density), (sampled direction, its density), (radiance from the sampled
+// direction, 0). Set 0: 0 inputs, 2 vec4 an item; 1 outputs, 3 vec4 an item; 2 environment (sampler2D, level 0); 3
+// words of its distribution; 4 the environment through a bilinear sampler; 5 the slots of its distribution.
+// Specialization constant 1: EXACT_FILTER.
 
-#include "generated/constants.glsl"
-#include "generated/layout.glsl"
 #include "lib/environment_sampling.glsl"
+#include "probe/item.glsl"
 
-layout(local_size_x = GROUP_LINEAR) in;
-
-layout(push_constant) uniform Push {
-    ProbeParams params;
-};
-
-layout(std430, set = 0, binding = 0) readonly buffer Inputs {
-    vec4 inputs[];
-};
-layout(std430, set = 0, binding = 1) writeonly buffer Outputs {
-    vec4 outputs[];
-};
 layout(set = 0, binding = 2) uniform sampler2D environment;
 layout(set = 0, binding = 4) uniform sampler2D environment_linear;
 layout(std430, set = 0, binding = 3) readonly buffer EnvironmentWords {

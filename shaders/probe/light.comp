@@ -2,26 +2,9 @@
 // In: position_or_direction and color_kind of a light, (world position, 0). Out: (l, 0), (irradiance on a surface that
 // faces it, 0).
 // Set 0: 0 inputs, 3 vec4 an item; 1 outputs, 2 vec4 an item.
-// Dispatch: ceil(count / GROUP_LINEAR) groups.
-#version 460
-#extension GL_GOOGLE_include_directive : require
 
-#include "generated/constants.glsl"
-#include "generated/layout.glsl"
 #include "lib/light.glsl"
-
-layout(local_size_x = GROUP_LINEAR) in;
-
-layout(push_constant) uniform Push {
-    ProbeParams params;
-};
-
-layout(std430, set = 0, binding = 0) readonly buffer Inputs {
-    vec4 inputs[];
-};
-layout(std430, set = 0, binding = 1) writeonly buffer Outputs {
-    vec4 outputs[];
-};
+#include "probe/item.glsl"
 
 void main() {
     uint item = gl_GlobalInvocationID.x;

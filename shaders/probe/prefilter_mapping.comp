@@ -3,26 +3,9 @@
 // Out: (alpha of the roughness, roughness of alpha, roughness of lod, lod of the roughness), (n_dot_v and alpha of the
 // texel, DFG uv of n_dot_v and alpha).
 // Set 0: 0 inputs, 3 vec4 an item; 1 outputs, 2 vec4 an item.
-// Dispatch: ceil(count / GROUP_LINEAR) groups.
-#version 460
-#extension GL_GOOGLE_include_directive : require
 
-#include "generated/constants.glsl"
-#include "generated/layout.glsl"
 #include "lib/prefilter_mapping.glsl"
-
-layout(local_size_x = GROUP_LINEAR) in;
-
-layout(push_constant) uniform Push {
-    ProbeParams params;
-};
-
-layout(std430, set = 0, binding = 0) readonly buffer Inputs {
-    vec4 inputs[];
-};
-layout(std430, set = 0, binding = 1) writeonly buffer Outputs {
-    vec4 outputs[];
-};
+#include "probe/item.glsl"
 
 void main() {
     uint item = gl_GlobalInvocationID.x;

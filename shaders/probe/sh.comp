@@ -2,26 +2,10 @@
 // In: (unit direction, 0). Out: basis functions 0 to 3, 4 to 7, (basis function 8, irradiance over pi of the
 // coefficients, not floored).
 // Set 0: 0 inputs, 1 vec4 an item; 1 outputs, 3 vec4 an item; 2 SH9_COUNT coefficients.
-// Dispatch: ceil(count / GROUP_LINEAR) groups.
-#version 460
-#extension GL_GOOGLE_include_directive : require
 
-#include "generated/constants.glsl"
-#include "generated/layout.glsl"
 #include "lib/sh.glsl"
+#include "probe/item.glsl"
 
-layout(local_size_x = GROUP_LINEAR) in;
-
-layout(push_constant) uniform Push {
-    ProbeParams params;
-};
-
-layout(std430, set = 0, binding = 0) readonly buffer Inputs {
-    vec4 inputs[];
-};
-layout(std430, set = 0, binding = 1) writeonly buffer Outputs {
-    vec4 outputs[];
-};
 layout(std430, set = 0, binding = 2) readonly buffer Coefficients {
     vec4 coefficients[SH9_COUNT];
 };

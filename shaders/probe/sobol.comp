@@ -1,27 +1,10 @@
-// One invocation evaluates the functions of lib/sobol.glsl for one item.
-// In: (pixel x, pixel y, scramble, seed), (stream, index, 0, 0), as whole numbers below 2^24.
-// Out: the bits of both pairs' points, 16 a channel: (lobe x high, low, y high, low), (environment x high, low, y high, low).
-// Set 0: 0 inputs, 2 vec4 an item; 1 outputs, 2 vec4 an item.
-// Dispatch: ceil(count / GROUP_LINEAR) groups.
-#version 460
-#extension GL_GOOGLE_include_directive : require
+// One invocation evaluates the functions of lib/sobol.glsl for one item. In: (pixel x, pixel y, scramble, seed),
+// (stream, index, 0, 0), as whole numbers below 2^24. Out: the bits of both pairs' points, 16 a channel: (lobe x high,
+// low, y high, low), (environment x high, low, y high, low). Set 0: 0 inputs, 2 vec4 an item; 1 outputs, 2 vec4 an
+// item.
 
-#include "generated/constants.glsl"
-#include "generated/layout.glsl"
 #include "lib/sobol.glsl"
-
-layout(local_size_x = GROUP_LINEAR) in;
-
-layout(push_constant) uniform Push {
-    ProbeParams params;
-};
-
-layout(std430, set = 0, binding = 0) readonly buffer Inputs {
-    vec4 inputs[];
-};
-layout(std430, set = 0, binding = 1) writeonly buffer Outputs {
-    vec4 outputs[];
-};
+#include "probe/item.glsl"
 
 void main() {
     uint item = gl_GlobalInvocationID.x;

@@ -1,17 +1,10 @@
-// One invocation sets the radiance of one pixel where nothing is hit to the environment behind it; pixels with mask 1
-// are left alone.
-// Set 0: 0 position.xyz, mask; 1 normal.xyz, alpha; 2 albedo.rgb, metallic; 3 f0.rgb, material index; 4 environment
-// (level 0 is read); 5 radiance, a vec4 a pixel, row-major.
-// Dispatch: ceil(width / GROUP_SIDE) x ceil(rows / GROUP_SIDE) groups, from row first_row on.
-#version 460
-#extension GL_GOOGLE_include_directive : require
+// One invocation sets the radiance of one pixel with mask 0 to the environment behind it; pixels with mask 1 are left
+// alone. Set 0: 0 position.xyz, mask; 1 normal.xyz, alpha; 2 albedo.rgb, metallic; 3 f0.rgb, material index; 4
+// environment (level 0 is read); 5 radiance, a vec4 a pixel, row-major.
 
-#include "generated/constants.glsl"
-#include "generated/layout.glsl"
+#include "lib/image_groups.glsl"
 #include "lib/camera.glsl"
 #include "lib/equirect.glsl"
-
-layout(local_size_x = GROUP_SIDE, local_size_y = GROUP_SIDE) in;
 
 layout(push_constant) uniform Push {
     BackgroundParams params;

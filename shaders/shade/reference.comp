@@ -1,19 +1,20 @@
-// The reference: an unbiased estimate of the integral of a lobe (BRDF times cosine, or a rung of the ladder) and environment radiance by
-// multiple importance sampling. One dispatch takes `pair_count` further points of every scramble's net and adds them to its sum.
+// The reference: an unbiased estimate of the integral of a lobe (BRDF times cosine, or a rung of the ladder) and
+// environment radiance by multiple importance sampling. One dispatch takes `pair_count` further points of every
+// scramble's net and adds them to its sum.
 //
-// One invocation computes one pixel. A pair is one sample from the lobe and one from the environment. With m pairs in all, the balance
-// heuristic [VeachGuibas95, eq. 10 with equal counts] makes every sample of either kind contribute
+// One invocation computes one pixel. A pair is one sample from the lobe and one from the environment. With m pairs in
+// all, the balance heuristic [VeachGuibas95, eq. 10 with equal counts] makes every sample of either kind contribute
 //
 //     f(v, l) n.l L(l) / (m (p_lobe(l) + p_environment(l)))
 //
-// to its scramble's estimate X_k. X_1 .. X_K, K = SCRAMBLE_COUNT, are independent and each is unbiased. shade/reference_resolve.comp makes
-// mean and variance of them. A sum is kept with its low part, so that a net drawn in parts has the bits of one drawn at once.
+// to its scramble's estimate X_k. X_1 .. X_K, K = SCRAMBLE_COUNT, are independent and each is unbiased.
+// shade/reference_resolve.comp makes mean and variance of them. A sum is kept with its low part, so that a net drawn in
+// parts has the bits of one drawn at once.
 //
-// Set 0 after lib/shaded_pixel.glsl: 4 environment (level 0 in f32); 5 tables of the environment (lib/environment_sampling.glsl);
-// 6 m X_k of each pixel and scramble, high part (rgb) and low part (rgb), which the dispatch from pair 0 on overwrites;
-// 7 as 4, through a bilinear sampler; 8 mean direction and mass of each slot of 5; 9 DFG table.
-#version 460
-#extension GL_GOOGLE_include_directive : require
+// Set 0 after lib/shaded_pixel.glsl: 4 environment (level 0 in f32); 5 tables of the environment
+// (lib/environment_sampling.glsl); 6 m X_k of each pixel and scramble, high part (rgb) and low part (rgb), which the
+// dispatch from pair 0 on overwrites; 7 as 4, through a bilinear sampler; 8 mean direction and mass of each slot of 5;
+// 9 DFG table.
 
 #include "lib/compensated_sum.glsl"
 #include "lib/environment_sampling.glsl"
@@ -41,7 +42,7 @@ uint environment_word(uint index) {
     return environment_words[index];
 }
 
-// What one sample adds. A density of 0 is that of a value of 0: it must not become 0 / 0.
+// The contribution of one sample. Density 0 implies value 0: it must not become 0 / 0.
 vec3 contribution(LobeValue kernel, EnvironmentSample light) {
     float density = kernel.pdf_l + light.pdf_l;
     return density > 0.0 ? kernel.value_cos * light.li / density : vec3(0.0);

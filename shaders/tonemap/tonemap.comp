@@ -1,14 +1,8 @@
 // One invocation tone-maps one pixel to 8 bits a channel.
 // Set 0: 0 radiance, a vec4 a pixel, row-major; 1 packed pixels, R in the lowest byte, A = 255.
-// Dispatch: ceil(width / GROUP_SIDE) x ceil(height / GROUP_SIDE) groups.
-#version 460
-#extension GL_GOOGLE_include_directive : require
 
-#include "generated/constants.glsl"
-#include "generated/layout.glsl"
+#include "lib/image_groups.glsl"
 #include "lib/tone_curve.glsl"
-
-layout(local_size_x = GROUP_SIDE, local_size_y = GROUP_SIDE) in;
 
 layout(push_constant) uniform Push {
     TonemapParams params;

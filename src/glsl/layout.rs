@@ -1,24 +1,16 @@
-//! Every struct that Rust and GLSL both read. The build script writes `generated/layout.glsl` from [`ALL`].
+//! Structs shared by Rust and GLSL. The build script writes `generated/layout.glsl` from [`ALL`].
 //!
-//! Members: 16-byte vectors first, then 4-byte scalars; no vec3, arrays or bool, so that std430, scalar and Rust order agree.
+//! Members: 16-byte vectors first, then 4-byte scalars; no vec3, arrays or bool, so that std430, scalar and Rust
+//! layouts agree.
 
-/// A member as GLSL text needs it.
-pub struct Member {
-    pub ty: &'static str,
-    pub name: &'static str,
-}
+/// Name of a struct, and type and name of each member.
+pub type Struct = (&'static str, &'static [(&'static str, &'static str)]);
 
-/// A shared struct as GLSL text needs it.
-pub struct Struct {
-    pub name: &'static str,
-    pub members: &'static [Member],
-}
-
-/// A shared struct that can be handed to a shader.
+/// A shared struct that can be passed to a shader.
 pub trait SharedStruct {
-    /// Size in bytes, with no padding in or after it.
+    /// Size in bytes, without padding.
     const SIZE: usize;
-    /// The bytes as the shader reads them.
+    /// Returns the bytes as the shader reads them.
     fn to_bytes(&self) -> Vec<u8>;
 }
 
@@ -37,11 +29,8 @@ macro_rules! shared_structs {
                 }
             }
         )*
-        /// Every shared struct, in the order of this file.
-        pub const ALL: &[Struct] = &[$(Struct {
-            name: stringify!($name),
-            members: &[$(Member { ty: stringify!($ty), name: stringify!($member) }),*],
-        }),*];
+        /// All shared structs, in the order of this file.
+        pub const ALL: &[Struct] = &[$((stringify!($name), &[$((stringify!($ty), stringify!($member))),*])),*];
     };
     (@rust vec4) => { [f32; 4] };
     (@rust uvec4) => { [u32; 4] };
@@ -58,7 +47,7 @@ macro_rules! shared_structs {
 }
 
 shared_structs! {
-    /// Push constants of the mip downsample: one level from the level above it.
+    /// Push constants of the mip downsample: one level from the level above.
     MipsParams {
         source_width: uint,
         source_height: uint,
@@ -71,7 +60,6 @@ shared_structs! {
         source_height: uint,
         width: uint,
         height: uint,
-        /// First row of this dispatch.
         first_row: uint,
     }
     /// Push constants of the SH9 projection.
@@ -103,9 +91,10 @@ shared_structs! {
         sample_count: uint,
         alpha: float,
         lod_bias: float,
-        /// First row of this dispatch, so that long levels split over several submissions.
+    /// First row of this dispatch: long levels are split over several submissions.
         first_row: uint,
-        /// First of the `point_count` sample points of this dispatch. Point 0 starts the sums, the last of all closes them.
+    /// First of the `point_count` sample points of this dispatch. Point 0 starts the sums, the last point finishes
+    /// them.
         first_point: uint,
         point_count: uint,
     }
@@ -137,12 +126,12 @@ shared_structs! {
         albedo_metallic: vec4,
         f0_alpha: vec4,
     }
-    /// A sphere as the g-buffer pass reads it: centre and radius, then the index of its material in x.
+    /// A sphere as the g-buffer pass reads it: centre and radius; index of its material in x.
     SphereData {
         center_radius: vec4,
         material: uvec4,
     }
-    /// Push constants of every shading pass. The rows of the rotation turn a world direction into the environment's frame.
+    /// Push constants of all shading passes. The rows rotate a world direction into the environment's frame.
     ShadeParams {
         environment_from_world_0: vec4,
         environment_from_world_1: vec4,
@@ -153,33 +142,34 @@ shared_structs! {
         height: uint,
         environment_width: uint,
         environment_height: uint,
-        /// Samples a pixel (all but the reference).
+    /// Samples a pixel (except for the reference).
         sample_count: uint,
-        /// First pair of samples of this dispatch in each scramble's net (reference only). Pair 0 starts the sums.
+    /// First pair of samples of this dispatch in each scramble's net (reference only). Pair 0 resets the sums.
         first_pair: uint,
         first_row: uint,
         prefilter_level_count: uint,
         environment_scale: float,
         lod_bias: float,
         light_count: uint,
-        /// Bit flags: `constants::SHADE_FLAG_*`.
+    /// Bits: `constants::SHADE_FLAG_*`.
         flags: uint,
-        /// Chooses the points of the reference, or is the set of a sampled method's.
+    /// Chooses the points of the reference; the set of a sampled method.
         seed: uint,
-        /// Pairs of samples of this dispatch in each scramble's net; all of them when the sums are resolved (reference only).
+    /// Pairs of samples of this dispatch in each scramble's net; all pairs when the sums are resolved (reference only).
         pair_count: uint,
-        /// Sample points of this dispatch (all but the reference), whose radiance is that of its part of `sample_count`.
+    /// Sample points of this dispatch (except for the reference): its share of `sample_count`.
         point_count: uint,
-        /// Slots of the environment's distribution (reference only).
+    /// Slots of the environment's distribution (reference only).
         slot_count: uint,
     }
-    /// An analytic light: position (point) or direction to the light (directional), then its colour (W/sr or irradiance) and kind in w.
+    /// An analytic light: position (point) or direction to the light (directional); colour (W/sr or irradiance), and
+    /// kind in w.
     LightData {
         position_or_direction: vec4,
         color_kind: vec4,
     }
-    /// Push constants of the background pass. `right` and `up` reach from the image's centre to its edges at distance 1 along
-    /// `forward` (0 for an orthographic camera); all three are in the environment's frame.
+    /// Push constants of the background pass. `right` and `up` reach from the image's centre to its edges at distance 1
+    /// along `forward` (0 for an orthographic camera); all three are in the environment's frame.
     BackgroundParams {
         right: vec4,
         up: vec4,

@@ -1,4 +1,6 @@
-//! What Rust and GLSL agree on. No dependencies: the build script includes these files and writes the GLSL text from them.
+//! Definitions shared by Rust and GLSL. No dependencies: the build script includes these files and writes GLSL from
+//! them.
+
 pub mod constants;
 #[cfg(feature = "gpu")]
 pub mod layout;

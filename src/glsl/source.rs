@@ -1,8 +1,9 @@
-//! The texts of the shaders, and how one becomes SPIR-V. The build script compiles with this file all that stands in `shaders/`; the
-//! program compiles with it a method in a file of its user's.
+//! The texts of the shaders, and their compilation to SPIR-V. The build script compiles all of `shaders/` with this
+//! file; the program compiles methods in files of the user.
 //!
-//! An entry point is a `.comp`, `.vert` or `.frag` file. `#include "path"` is relative to `shaders/`. Two folders are virtual:
-//! `generated/` holds the text of `src/glsl`, and `selected/` stands for a choice that makes one permutation per candidate:
+//! An entry point is a `.comp`, `.vert` or `.frag` file. `#include "path"` is relative to `shaders/`; each file is
+//! included once. Two folders are virtual: `generated/` holds the text of `src/glsl`; `selected/` is a choice,
+//! with one permutation per candidate:
 //!
 //! | include | candidates: every file of |
 //! |---|---|
@@ -12,14 +13,15 @@
 //! | `selected/lobe.glsl` | `shade/lobe/` |
 //! | `selected/map_layout.glsl` | `map_layout/` |
 //!
-//! A permutation is named `<entry>[:<candidate>]...`, candidates in the order in which their includes are met, stems with `-` for `_`.
+//! A permutation is named `<entry>[:<candidate>]...`, candidates in the order of their includes, stems with `-` for
+//! `_`.
 
 use super::constants::FILE_PREFIX;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
 use std::path::Path;
 
-/// Where the candidates of each `selected/` include live.
+/// Folders of the candidates of each `selected/` include.
 const SELECTIONS: [(&str, &str); 5] = [
     ("selected/brdf.glsl", "brdf"),
     ("selected/method.glsl", "shade/method"),
@@ -28,16 +30,15 @@ const SELECTIONS: [(&str, &str); 5] = [
     ("selected/map_layout.glsl", "map_layout"),
 ];
 
-/// The include that stands for the specular method.
+/// The include of the specular method.
 pub const METHOD_INCLUDE: &str = "selected/method.glsl";
 
-/// The folder of the entry points of the report's page.
+/// Entry points of the report's page.
 pub const PAGE_FOLDER: &str = "page/";
 
-/// What comes first in a text for it.
+/// Included first in texts for GLSL ES.
 const ES_PRELUDE: &str = "page/es.glsl";
 
-/// What a text is written for.
 #[derive(Clone, Copy, PartialEq)]
 pub enum Language {
     Vulkan,
@@ -45,14 +46,14 @@ pub enum Language {
     Es,
 }
 
-/// The file that stands behind each `selected/` include in one permutation.
+/// The file behind each `selected/` include in one permutation.
 pub type Choice = BTreeMap<String, String>;
 
 /// Shader texts by path.
 pub struct Sources(pub BTreeMap<String, String>);
 
 impl Sources {
-    /// Paths of all entry points, sorted.
+    /// Lists the paths of all entry points, sorted.
     pub fn entries(&self) -> impl Iterator<Item = &str> {
         self.0.keys().map(String::as_str).filter(|path| stage(path).is_some())
     }
@@ -61,7 +62,7 @@ impl Sources {
         self.0.get(path).map(String::as_str).ok_or_else(|| format!("there is no {path} to include"))
     }
 
-    /// Every permutation of an entry point with what is chosen already: its name, and the whole choice.
+    /// Lists the permutations of an entry point that extend a choice: name and whole choice.
     pub fn permutations(&self, entry: &str, chosen: &Choice) -> Result<Vec<(String, Choice)>, String> {
         let (mut done, mut open) = (Vec::new(), vec![(entry.to_string(), chosen.clone())]);
         while let Some((name, choice)) = open.pop() {
@@ -83,12 +84,12 @@ impl Sources {
         Ok(done)
     }
 
-    /// Sorted stems of the `.glsl` files of a folder.
+    /// Lists the stems of a folder's `.glsl` files, sorted.
     fn stems(&self, folder: &str) -> impl Iterator<Item = &str> {
         self.0.keys().filter_map(move |path| path.strip_prefix(folder)?.strip_prefix('/')?.strip_suffix(".glsl"))
     }
 
-    /// The first `selected/` include that is reached from `entry` and that `choice` leaves open.
+    /// Finds the first `selected/` include reached from `entry` that `choice` leaves open.
     fn first_unresolved(&self, entry: &str, choice: &Choice) -> Result<Option<String>, String> {
         let (mut seen, mut open) = (BTreeSet::new(), vec![entry.to_string()]);
         while let Some(path) = open.pop() {
@@ -109,56 +110,54 @@ impl Sources {
         Ok(None)
     }
 
-    /// One text with every include in place, line numbers kept by `#line` where the language has it with file names.
+    /// Expands all includes into one text. `#line` keeps line numbers if the language supports file names in it.
     pub fn expand(&self, entry: &str, choice: &Choice, language: Language) -> Result<String, String> {
         let (version, first) = match language {
             Language::Vulkan => ("#version 460\n#extension GL_GOOGLE_cpp_style_line_directive : require\n", None),
             Language::Es => ("#version 300 es\n", Some(ES_PRELUDE)),
         };
-        let mut text = Expanded { text: version.to_string(), has_lines: language == Language::Vulkan };
-        let mut done = BTreeSet::new();
+        let has_lines = language == Language::Vulkan;
+        let mut expansion =
+            Expansion { sources: self, choice, has_lines, done: BTreeSet::new(), text: version.to_string() };
         for path in first.into_iter().chain([entry]) {
-            self.append(path, choice, &mut done, &mut text)?;
+            expansion.append(path)?;
         }
-        Ok(text.text)
+        Ok(expansion.text)
     }
+}
 
-    fn append(
-        &self,
-        path: &str,
-        choice: &Choice,
-        done: &mut BTreeSet<String>,
-        expanded: &mut Expanded,
-    ) -> Result<(), String> {
-        let path = choice.get(path).map_or(path, String::as_str);
-        if !done.insert(path.to_string()) {
-            return Ok(()); // each file once, as its include guard says
+struct Expansion<'a> {
+    sources: &'a Sources,
+    choice: &'a Choice,
+    /// Whether the language supports `#line` with a file name.
+    has_lines: bool,
+    /// Files that are in the text.
+    done: BTreeSet<String>,
+    text: String,
+}
+
+impl Expansion<'_> {
+    fn append(&mut self, path: &str) -> Result<(), String> {
+        let path = self.choice.get(path).map_or(path, String::as_str);
+        if !self.done.insert(path.to_string()) {
+            return Ok(());
         }
-        expanded.line(1, path);
-        for (index, line) in self.text(path)?.lines().enumerate() {
+        self.line(1, path);
+        for (index, line) in self.sources.text(path)?.lines().enumerate() {
             if let Some(include) = included(line) {
-                self.append(include, choice, done, expanded)?;
-                expanded.line(index + 2, path);
+                self.append(include)?;
+                self.line(index + 2, path);
             } else if line.starts_with("#version") || line.starts_with("#extension GL_GOOGLE_include") {
-                expanded.text.push('\n'); // every text gets its version above
+                self.text.push('\n'); // `expand` writes both
             } else {
-                expanded.text.push_str(line);
-                expanded.text.push('\n');
+                self.text.push_str(line);
+                self.text.push('\n');
             }
         }
         Ok(())
     }
-}
 
-/// A text that grows.
-struct Expanded {
-    text: String,
-    /// Whether the language takes `#line` with a file's name.
-    has_lines: bool,
-}
-
-impl Expanded {
-    /// Says which line of which file follows.
+    /// Marks the line and file that follow.
     fn line(&mut self, number: usize, path: &str) {
         if self.has_lines {
             writeln!(self.text, "#line {number} \"{}\"", shown(path)).expect("a String takes all");
@@ -166,12 +165,12 @@ impl Expanded {
     }
 }
 
-/// A path as messages have it.
+/// Formats a path for messages.
 fn shown(path: &str) -> String {
     path.strip_prefix(FILE_PREFIX).map_or_else(|| format!("shaders/{path}"), str::to_owned)
 }
 
-/// The path of an `#include "path"` line.
+/// Parses an `#include "path"` line.
 fn included(line: &str) -> Option<&str> {
     line.trim_start().strip_prefix("#include")?.trim().strip_prefix('"')?.strip_suffix('"')
 }
@@ -185,12 +184,12 @@ fn stage(entry: &str) -> Option<glslang::ShaderStage> {
     }
 }
 
-/// The compiler, which a process starts once.
+/// Returns the compiler, which is started once per process.
 pub fn compiler() -> Result<&'static glslang::Compiler, String> {
     glslang::Compiler::acquire().ok_or_else(|| "glslang does not initialise".into())
 }
 
-/// SPIR-V of an expanded text; its error names file and line.
+/// Compiles an expanded text to SPIR-V; the error names file and line.
 pub fn compile(entry: &str, text: &str) -> Result<Vec<u32>, String> {
     let (shader, stage) = parse(entry, text, Language::Vulkan)?;
     let mut program = compiler()?.create_program();
@@ -198,7 +197,7 @@ pub fn compile(entry: &str, text: &str) -> Result<Vec<u32>, String> {
     program.compile(stage).map_err(|e| e.to_string())
 }
 
-/// Reads and checks a text.
+/// Parses and checks a text.
 pub fn parse(
     entry: &str,
     text: &str,

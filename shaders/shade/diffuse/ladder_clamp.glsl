@@ -1,7 +1,3 @@
-// Diffuse method `ladder-clamp`: that of `sh9`; the coefficients are others.
-#ifndef DIFFUSE_LADDER_CLAMP_GLSL
-#define DIFFUSE_LADDER_CLAMP_GLSL
+// Diffuse method `ladder-clamp`: as `sh9`, with other coefficients.
 
 #include "shade/diffuse/sh9.glsl"
-
-#endif

@@ -1,7 +1,5 @@
 // Diffuse method `sh9`: nine spherical-harmonic coefficients evaluated per pixel.
 // Degree 2 can fall below 0 opposite to a strong light (to -4 % of its peak): floored at 0.
-#ifndef DIFFUSE_SH9_GLSL
-#define DIFFUSE_SH9_GLSL
 
 #include "lib/sh.glsl"
 
@@ -9,5 +7,3 @@
 vec3 irradiance_over_pi(vec3 n, FILTERED_MAP irradiance_map, vec4 radiance_coefficients[SH9_COUNT]) {
     return max(sh9_irradiance_over_pi(radiance_coefficients, n), 0.0);
 }
-
-#endif

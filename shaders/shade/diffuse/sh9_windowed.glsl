@@ -1,6 +1,5 @@
-// Diffuse method `sh9-windowed`: nine spherical-harmonic coefficients under a Hann window, which rings less and blurs more.
-#ifndef DIFFUSE_SH9_WINDOWED_GLSL
-#define DIFFUSE_SH9_WINDOWED_GLSL
+// Diffuse method `sh9-windowed`: nine spherical-harmonic coefficients under a Hann window, which rings less and blurs
+// more.
 
 #include "lib/sh.glsl"
 
@@ -13,5 +12,3 @@ vec3 irradiance_over_pi(vec3 n, FILTERED_MAP irradiance_map, vec4 radiance_coeff
     }
     return max(sh9_irradiance_over_pi(windowed, n), 0.0);
 }
-
-#endif

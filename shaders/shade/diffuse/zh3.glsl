@@ -1,12 +1,12 @@
-// Diffuse method `zh3`: four spherical-harmonic coefficients, and a quadratic part guessed from them about the axis of luminance.
-#ifndef DIFFUSE_ZH3_GLSL
-#define DIFFUSE_ZH3_GLSL
+// Diffuse method `zh3`: four spherical-harmonic coefficients, and a quadratic part guessed from them about the axis of
+// luminance.
 
 #include "lib/sh.glsl"
 
 const vec3 LUMINANCE = vec3(LUMINANCE_RED, LUMINANCE_GREEN, LUMINANCE_BLUE);
 
-// Of the ratio r of the linear part along the axis to the constant one, the zonal coefficient is L00 (0.08 r + 0.6 r^2): a fit. [Roughton24]
+// Of the ratio r of the linear part along the axis to the constant one, the zonal coefficient is L00 (0.08 r + 0.6
+// r^2): a fit. [Roughton24]
 vec3 irradiance_over_pi(vec3 n, FILTERED_MAP irradiance_map, vec4 radiance_coefficients[SH9_COUNT]) {
     vec3 constant = radiance_coefficients[0].rgb;
     mat3 linear = mat3(radiance_coefficients[3].rgb, radiance_coefficients[1].rgb, radiance_coefficients[2].rgb);
@@ -20,5 +20,3 @@ vec3 irradiance_over_pi(vec3 n, FILTERED_MAP irradiance_map, vec4 radiance_coeff
     vec3 sum = 0.282094792 * constant + (2.0 / 3.0) * 0.488602512 * (linear * n);
     return max(sum + 0.25 * 0.315391565 * (3.0 * cosine * cosine - 1.0) * zonal, 0.0);
 }
-
-#endif

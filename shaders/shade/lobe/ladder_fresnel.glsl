@@ -1,6 +1,4 @@
 // Rung `ladder-fresnel`: Fresnel outside the integral, (f0 A + B) <D G2 / (4 n.v), L>.
-#ifndef LOBE_LADDER_FRESNEL_GLSL
-#define LOBE_LADDER_FRESNEL_GLSL
 
 #include "lib/directional_albedo.glsl"
 #include "lib/microfacet_lobe.glsl"
@@ -17,5 +15,3 @@ vec3 lobe_weight(Surface s, sampler2D dfg, uint flags) {
     vec4 albedo = directional_albedo(s.n_dot_v, s.alpha, LADDER_NODES, MASKING);
     return (s.f0 * albedo.x + albedo.y) / (albedo.x + albedo.y);
 }
-
-#endif

@@ -1,7 +1,5 @@
-// Rung `ladder-levels`: as `ladder-view`, but the width is one of the levels of a prefiltered map: the linear blend of the two around
-// alpha. Level 0 is the environment at r.
-#ifndef LOBE_LADDER_LEVELS_GLSL
-#define LOBE_LADDER_LEVELS_GLSL
+// Rung `ladder-levels`: as `ladder-view`, but the width is one of the levels of a prefiltered map: the linear blend of
+// the two around alpha. Level 0 is the environment at r.
 
 #include "lib/directional_albedo.glsl"
 #include "lib/frame.glsl"
@@ -20,7 +18,7 @@ struct Lobe {
     vec2 alpha;
     // Share of each; they sum to 1.
     vec2 share;
-    // Share of each over what normalises its kernel D/4 w(l); the smoother level has none where it is the mirror.
+    // Share of each over the normalisation of its kernel D/4 w(l); 0 for the smoother level if it is the mirror.
     vec2 scale;
 };
 
@@ -80,5 +78,3 @@ vec3 lobe_weight(Surface s, sampler2D dfg, uint flags) {
     vec4 albedo = directional_albedo(s.n_dot_v, s.alpha, LADDER_NODES, MASKING);
     return s.f0 * albedo.x + albedo.y;
 }
-
-#endif

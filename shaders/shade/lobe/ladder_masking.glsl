@@ -1,7 +1,6 @@
-// Rung `ladder-masking`: as `ladder-fresnel`, with the weight w(l) of prefiltered maps, by default n.l, for the masking:
+// Rung `ladder-masking`: as `ladder-fresnel`, with the weight w(l) of prefiltered maps, by default n.l, for the
+// masking:
 //     (f0 A + B) <D (n.h) / (4 v.h) w(l), L> at the true v.
-#ifndef LOBE_LADDER_MASKING_GLSL
-#define LOBE_LADDER_MASKING_GLSL
 
 #include "lib/directional_albedo.glsl"
 #include "lib/microfacet_lobe.glsl"
@@ -18,5 +17,3 @@ vec3 lobe_weight(Surface s, sampler2D dfg, uint flags) {
     vec4 albedo = directional_albedo(s.n_dot_v, s.alpha, LADDER_NODES, MASKING);
     return (s.f0 * albedo.x + albedo.y) / albedo.z;
 }
-
-#endif

@@ -1,7 +1,5 @@
 // `ladder-masking-alone`: the weight w(l) of prefiltered maps for the masking with Fresnel left inside,
 //     (f0 A + B) <K F, L>, K = D (n.h) / (4 v.h) w(l).
-#ifndef LOBE_LADDER_MASKING_ALONE_GLSL
-#define LOBE_LADDER_MASKING_ALONE_GLSL
 
 #include "lib/directional_albedo.glsl"
 #include "lib/microfacet_lobe.glsl"
@@ -21,5 +19,3 @@ vec3 lobe_weight(Surface s, sampler2D dfg, uint flags) {
     vec4 albedo = directional_albedo(s.n_dot_v, s.alpha, LADDER_NODES, MASKING);
     return (s.f0 * albedo.x + albedo.y) / (s.f0 * (albedo.z - albedo.w) + albedo.w);
 }
-
-#endif

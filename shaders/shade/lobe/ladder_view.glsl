@@ -1,6 +1,4 @@
 // Rung `ladder-view`: as `ladder-masking` for n = v = r: the split sum with exact factors, P(r, alpha) (f0 A + B).
-#ifndef LOBE_LADDER_VIEW_GLSL
-#define LOBE_LADDER_VIEW_GLSL
 
 #include "lib/directional_albedo.glsl"
 #include "lib/microfacet_lobe.glsl"
@@ -18,5 +16,3 @@ vec3 lobe_weight(Surface s, sampler2D dfg, uint flags) {
     vec4 albedo = directional_albedo(s.n_dot_v, s.alpha, LADDER_NODES, MASKING);
     return (s.f0 * albedo.x + albedo.y) / mirror_weight(s.alpha);
 }
-
-#endif

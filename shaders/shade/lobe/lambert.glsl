@@ -1,9 +1,7 @@
-// The diffuse lobe of the reference: a Lambert surface of albedo 1, so that its radiance is irradiance / pi. What scales
-// it (albedo, metallic, the Fresnel weight) does not depend on l and is applied when the estimate is resolved.
+// The diffuse lobe of the reference: a Lambert surface of albedo 1, so that its radiance is irradiance / pi. Factors
+// that do not depend on l (albedo, metallic, the Fresnel weight) are applied when the estimate is resolved.
 //
 // Every file in shade/lobe/ defines the same functions.
-#ifndef LOBE_LAMBERT_GLSL
-#define LOBE_LAMBERT_GLSL
 
 #include "lib/diffuse.glsl"
 #include "lib/frame.glsl"
@@ -13,7 +11,7 @@
 struct Lobe {
     // Columns are the axes of local vectors, n last.
     mat3 frame;
-    // Where several scatterings have a lobe of their own (kulla-conty), all that weighs both.
+    // With a lobe for multiple scattering (kulla-conty), the weights of both.
     DiffuseWeights weights;
     float alpha;
     float mean_albedo;
@@ -41,9 +39,6 @@ LobeValue lobe_eval(Lobe lobe, vec3 l_local) {
     return LobeValue(weight * cos_over_pi, cos_over_pi);
 }
 
-// What scales the estimate and does not depend on l.
 vec3 lobe_weight(Surface surface, sampler2D dfg, uint flags) {
     return COMPENSATION == COMPENSATION_KULLA_CONTY ? vec3(1.0) : diffuse_albedo(surface, dfg, flags);
 }
-
-#endif

@@ -1,6 +1,5 @@
-// The diffuse lobe with Fresnel inside the integral: what a facet along h does not reflect is scattered, (1 - F(v.h)) n.l / pi.
-#ifndef LOBE_LAMBERT_FRESNEL_GLSL
-#define LOBE_LAMBERT_FRESNEL_GLSL
+// The diffuse lobe with Fresnel inside the integral: light that a facet along h does not reflect is scattered, (1 -
+// F(v.h)) n.l / pi.
 
 #include "lib/frame.glsl"
 #include "lib/fresnel.glsl"
@@ -29,5 +28,3 @@ LobeValue lobe_eval(Lobe lobe, vec3 l_local) {
 vec3 lobe_weight(Surface s, sampler2D dfg, uint flags) {
     return (1.0 - s.metallic) * s.albedo;
 }
-
-#endif

@@ -1,6 +1,4 @@
 // The specular lobe of the reference.
-#ifndef LOBE_SPECULAR_GLSL
-#define LOBE_SPECULAR_GLSL
 
 #include "lib/microfacet_lobe.glsl"
 
@@ -15,5 +13,3 @@ LobeValue lobe_eval(Lobe lobe, vec3 l_local) {
 vec3 lobe_weight(Surface surface, sampler2D dfg, uint flags) {
     return vec3(1.0);
 }
-
-#endif

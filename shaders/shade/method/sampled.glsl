@@ -1,6 +1,4 @@
 // Method `sampled`: importance sampling of D with few points, each lookup filtered by its solid angle.
-#ifndef METHOD_SAMPLED_GLSL
-#define METHOD_SAMPLED_GLSL
 
 #include "lib/filtered_sample.glsl"
 #include "lib/importance_sampling.glsl"
@@ -8,5 +6,3 @@
 vec3 specular_radiance(Surface s) {
     return importance_sampled_radiance(s, params.sample_count, params.point_count);
 }
-
-#endif

@@ -1,6 +1,4 @@
 // Method `sampled-unfiltered`: importance sampling of D with fixed points, each lookup from the environment itself.
-#ifndef METHOD_SAMPLED_UNFILTERED_GLSL
-#define METHOD_SAMPLED_UNFILTERED_GLSL
 
 #include "lib/equirect.glsl"
 #include "lib/importance_sampling.glsl"
@@ -12,5 +10,3 @@ vec3 sampled_radiance(vec3 l, float omega_s) {
 vec3 specular_radiance(Surface s) {
     return importance_sampled_radiance(s, params.sample_count, params.point_count);
 }
-
-#endif

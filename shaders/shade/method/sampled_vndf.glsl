@@ -1,9 +1,7 @@
 // Method `sampled-vndf`: importance sampling of the normals that v sees, each lookup filtered by its solid angle.
 //
-// l = reflect(-v, m) has density p_l, and the weight is f (n.l) / p_l = F G2 D / (4 (n.v) p_l): F G2 / G1(v) where m has the density of
-// visible normals, less where a bounded cap leaves out what would be lost below the horizon.
-#ifndef METHOD_SAMPLED_VNDF_GLSL
-#define METHOD_SAMPLED_VNDF_GLSL
+// l = reflect(-v, m) has density p_l, and the weight is f (n.l) / p_l = F G2 D / (4 (n.v) p_l): F G2 / G1(v) if m has
+// the density of visible normals, less if a bounded cap excludes samples below the horizon.
 
 #include "lib/filtered_sample.glsl"
 #include "lib/frame.glsl"
@@ -31,5 +29,3 @@ vec3 specular_radiance(Surface s) {
     }
     return sum / float(params.sample_count);
 }
-
-#endif

@@ -1,6 +1,4 @@
 // Method `split-sum`: the mean radiance of the lobe for n = v = r, times the albedo of the lobe for constant radiance.
-#ifndef METHOD_SPLIT_SUM_GLSL
-#define METHOD_SPLIT_SUM_GLSL
 
 #include "lib/split_sum.glsl"
 
@@ -8,5 +6,3 @@
 vec3 specular_radiance(Surface s) {
     return prefiltered_radiance(reflect(-s.v, s.n), perceptual_roughness_from_alpha(s.alpha)) * reflectance(s);
 }
-
-#endif
