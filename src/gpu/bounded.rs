@@ -1,4 +1,4 @@
-//! Splitting long work over submissions, so that no single one holds the device for long.
+//! Splits long work over submissions, so that none holds the device for long.
 
 use super::device::lock;
 use super::{Gpu, GpuError, Recorder, Report};
@@ -6,23 +6,23 @@ use crate::glsl::constants::GROUP_SIDE;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
-/// Samples that one submission may take on a CPU driver: about a quarter of a second on two cores.
+/// Samples per submission on a CPU driver: about a quarter of a second on two cores.
 const SAMPLES_CPU: u64 = 1 << 23;
-/// The same for GPUs: well under a second on slow ones, long enough to hide the cost of submitting.
+/// Samples per submission on a GPU: well under a second on slow ones, long enough to hide the cost of submitting.
 const SAMPLES_GPU: u64 = 1 << 28;
 
-/// Square work groups over rows of an image.
+/// Counts the square work groups that cover rows of an image.
 pub fn image_groups(width: u32, row_count: u32) -> [u32; 3] {
     [width.div_ceil(GROUP_SIDE), row_count.div_ceil(GROUP_SIDE), 1]
 }
 
-/// Work groups over every face of a map.
+/// Counts the square work groups that cover rows of every face of a map.
 pub fn face_groups(width: u32, row_count: u32, face_count: u32) -> [u32; 3] {
     let [x, y, _] = image_groups(width, row_count);
     [x, y, face_count]
 }
 
-/// The work groups of a dispatch: all from the first on.
+/// Work groups of a dispatch: `count` of them, starting at `first`.
 #[derive(Clone, Copy, Debug)]
 pub struct Groups {
     pub first: [u32; 3],
@@ -35,29 +35,32 @@ impl From<[u32; 3]> for Groups {
     }
 }
 
-/// What one submission computes of an image or of the faces of a map: its shader is told of the row, columns and faces are its groups'.
+/// The part of an image or map that one submission computes. The shader gets `first_row` as a parameter; columns and
+/// faces follow from the groups.
 #[derive(Clone, Copy, Debug)]
 pub struct Part {
     pub first_row: u32,
     pub groups: Groups,
 }
 
-/// A program that a person waits for has submissions of a thirty-second of that: about a hundredth of a second.
+/// Interactive programs divide the samples per submission by this: about 10 ms each.
 const INTERACTIVE_SHARE: u64 = 32;
 
 impl Gpu {
-    /// Samples that one submission may take.
+    /// Returns how many samples one submission may take.
     pub fn submission_samples(&self) -> u64 {
         let whole = if self.info().device_type == "cpu" { SAMPLES_CPU } else { SAMPLES_GPU };
         if self.shared.is_interactive { whole / INTERACTIVE_SHARE } else { whole }
     }
 
-    /// While `flag` is set nothing new is recorded: what is under way ends with [`GpuError::Interrupted`], between two submissions. `None` ends that.
+    /// Refuses to record while `flag` is set: work in progress ends with [`GpuError::Interrupted`] between two
+    /// submissions.
     pub fn interrupt_by(&self, flag: Option<Arc<AtomicBool>>) {
         *lock(&self.shared.interrupt) = flag;
     }
 
-    /// Parts within one submission's budget, or of one group where that is above it: rows of all faces, else of some, else columns of one.
+    /// Splits an image or map into parts within the budget of one submission: rows of all faces, else of some faces,
+    /// else columns of one face. No part is smaller than a work group.
     pub fn parts(
         &self,
         [width, height]: [u32; 2],

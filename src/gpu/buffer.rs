@@ -29,38 +29,45 @@ impl Buffer {
     pub fn size(&self) -> u64 {
         self.inner.size
     }
+
+    /// Copies the contents of a host-visible buffer.
+    pub(super) fn host_copy<T: Pod>(&self) -> Vec<T> {
+        let mapped = self.inner.memory.as_ref().and_then(|memory| memory.allocation.mapped_slice());
+        let bytes = &mapped.expect("GpuToCpu memory is mapped")[..self.inner.size as usize];
+        bytemuck::pod_collect_to_vec(bytes)
+    }
+}
+
+fn storage() -> vk::BufferUsageFlags {
+    use vk::BufferUsageFlags as Usage;
+    Usage::STORAGE_BUFFER | Usage::VERTEX_BUFFER | Usage::INDEX_BUFFER | Usage::TRANSFER_SRC | Usage::TRANSFER_DST
 }
 
 impl Gpu {
-    /// A device-local storage buffer of `size` bytes with undefined contents.
+    /// Makes a device-local storage buffer of `size` bytes with undefined contents.
     pub fn buffer(&self, name: &str, size: u64) -> Result<Buffer, GpuError> {
-        let usage = vk::BufferUsageFlags::STORAGE_BUFFER
-            | vk::BufferUsageFlags::VERTEX_BUFFER
-            | vk::BufferUsageFlags::INDEX_BUFFER
-            | vk::BufferUsageFlags::TRANSFER_SRC
-            | vk::BufferUsageFlags::TRANSFER_DST;
-        Ok(Buffer { inner: Arc::new(self.create_buffer(name, size, usage, MemoryLocation::GpuOnly)?) })
+        self.create_buffer(name, size, storage(), MemoryLocation::GpuOnly)
     }
 
-    /// A storage buffer that holds `data`.
+    /// Makes a storage buffer that holds `data`.
     pub fn buffer_from<T: Pod>(&self, name: &str, data: &[T]) -> Result<Buffer, GpuError> {
-        let bytes: &[u8] = bytemuck::cast_slice(data);
-        let buffer = self.buffer(name, bytes.len() as u64)?;
-        self.write_buffer(&buffer, bytes)?;
-        Ok(buffer)
+        self.filled(name, bytemuck::cast_slice(data), storage())
     }
 
-    /// A buffer that holds `data`, to be bound in parts as uniform blocks. The limit of storage buffers does not bind it.
+    /// Makes a buffer that holds `data`, to be bound in parts as uniform blocks. The size limit of storage buffers does
+    /// not apply.
     pub fn uniform_from<T: Pod>(&self, name: &str, data: &[T]) -> Result<Buffer, GpuError> {
-        let bytes: &[u8] = bytemuck::cast_slice(data);
         let usage = vk::BufferUsageFlags::UNIFORM_BUFFER | vk::BufferUsageFlags::TRANSFER_DST;
-        let inner = self.create_buffer(name, bytes.len() as u64, usage, MemoryLocation::GpuOnly)?;
-        let buffer = Buffer { inner: Arc::new(inner) };
+        self.filled(name, bytemuck::cast_slice(data), usage)
+    }
+
+    fn filled(&self, name: &str, bytes: &[u8], usage: vk::BufferUsageFlags) -> Result<Buffer, GpuError> {
+        let buffer = self.create_buffer(name, bytes.len() as u64, usage, MemoryLocation::GpuOnly)?;
         self.write_buffer(&buffer, bytes)?;
         Ok(buffer)
     }
 
-    /// Fills `buffer`, whose size `bytes` must have.
+    /// Fills `buffer`, which must have the size of `bytes`.
     pub fn write_buffer(&self, buffer: &Buffer, bytes: &[u8]) -> Result<(), GpuError> {
         let name = &buffer.inner.name;
         let staging = self.staging_from(name, bytes)?;
@@ -69,7 +76,7 @@ impl Gpu {
         recorder.submit().map(|_| ())
     }
 
-    /// The contents of `buffer`, whose size must be a multiple of `T`'s.
+    /// Reads the contents of `buffer`, whose size must be a multiple of `T`'s.
     pub fn read_buffer<T: Pod>(&self, buffer: &Buffer) -> Result<Vec<T>, GpuError> {
         let staging = self.readback(&buffer.inner.name, buffer.size())?;
         let mut recorder = self.record(&buffer.inner.name)?;
@@ -78,19 +85,19 @@ impl Gpu {
         Ok(staging.host_copy())
     }
 
-    /// A host-visible buffer to copy from.
+    /// Makes a host-visible buffer to copy from.
     pub(super) fn staging_from(&self, name: &str, bytes: &[u8]) -> Result<Buffer, GpuError> {
-        let usage = vk::BufferUsageFlags::TRANSFER_SRC;
-        let mut inner = self.create_buffer(name, bytes.len() as u64, usage, MemoryLocation::CpuToGpu)?;
-        let mapped = inner.memory.as_mut().and_then(|memory| memory.allocation.mapped_slice_mut());
+        let (size, usage) = (bytes.len() as u64, vk::BufferUsageFlags::TRANSFER_SRC);
+        let mut buffer = self.create_buffer(name, size, usage, MemoryLocation::CpuToGpu)?;
+        let memory = Arc::get_mut(&mut buffer.inner).and_then(|inner| inner.memory.as_mut());
+        let mapped = memory.and_then(|memory| memory.allocation.mapped_slice_mut());
         mapped.expect("CpuToGpu memory is mapped")[..bytes.len()].copy_from_slice(bytes);
-        Ok(Buffer { inner: Arc::new(inner) })
+        Ok(buffer)
     }
 
-    /// A host-visible buffer to copy to.
+    /// Makes a host-visible buffer to copy to.
     pub(super) fn readback(&self, name: &str, size: u64) -> Result<Buffer, GpuError> {
-        let inner = self.create_buffer(name, size, vk::BufferUsageFlags::TRANSFER_DST, MemoryLocation::GpuToCpu)?;
-        Ok(Buffer { inner: Arc::new(inner) })
+        self.create_buffer(name, size, vk::BufferUsageFlags::TRANSFER_DST, MemoryLocation::GpuToCpu)
     }
 
     fn create_buffer(
@@ -99,7 +106,7 @@ impl Gpu {
         size: u64,
         usage: vk::BufferUsageFlags,
         location: MemoryLocation,
-    ) -> Result<Inner, GpuError> {
+    ) -> Result<Buffer, GpuError> {
         let device = &self.shared;
         // Vulkan has no empty buffers; four bytes keep callers free of a special case.
         let size = size.max(4);
@@ -122,16 +129,7 @@ impl Gpu {
         unsafe { inner.device.raw.bind_buffer_memory(raw, raw_memory, memory.allocation.offset()) }
             .map_err(GpuError::call("vkBindBufferMemory", &inner.name))?;
         inner.memory = Some(memory);
-        Ok(inner)
-    }
-}
-
-impl Buffer {
-    /// A copy of host-visible contents.
-    pub(super) fn host_copy<T: Pod>(&self) -> Vec<T> {
-        let mapped = self.inner.memory.as_ref().and_then(|memory| memory.allocation.mapped_slice());
-        let bytes = &mapped.expect("GpuToCpu memory is mapped")[..self.inner.size as usize];
-        bytemuck::pod_collect_to_vec(bytes)
+        Ok(Buffer { inner: Arc::new(inner) })
     }
 }
 

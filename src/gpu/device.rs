@@ -1,4 +1,4 @@
-//! The device with its one queue, and the memory allocator.
+//! The device with its one queue and the memory allocator.
 
 use super::inject::{Injector, Site};
 use super::instance::Instance;
@@ -13,7 +13,8 @@ use std::ffi::{CStr, CString};
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-/// The contents of a mutex. Another thread's panic cannot leave them half-way: no call into Vulkan or the allocator panics.
+/// Locks a mutex. A panic of another thread cannot leave its contents half-changed: no call into Vulkan or the
+/// allocator panics.
 pub(super) fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
@@ -30,7 +31,7 @@ pub(super) struct Shared {
     pub(super) queue_family: u32,
     /// One submission at a time: the queue is externally synchronised.
     pub(super) submission: Mutex<()>,
-    /// Host time from submission to completion, summed over all submissions, ns.
+    /// Host time spent waiting for submissions, ns.
     pub(super) waited_ns: AtomicU64,
     pub(super) limits: vk::PhysicalDeviceLimits,
     pub(super) timestamp_mask: u64,
@@ -40,18 +41,18 @@ pub(super) struct Shared {
     pub(super) interrupt: Mutex<Option<Arc<AtomicBool>>>,
     pub(super) pipelines: Pipelines,
     pub(super) samplers: Mutex<HashMap<Sampler, vk::Sampler>>,
-    /// Those that no recorder holds.
+    /// Free slots.
     pub(super) slots: Mutex<Vec<Arc<Slot>>>,
     allocator: Mutex<Option<Allocator>>,
-    debug: Option<ext::debug_utils::Device>,
-    /// What the driver's compiler made, where [`Options::executables`] asks for it.
+    pub(super) debug: Option<ext::debug_utils::Device>,
+    /// Present if [`Options::executables`] is set.
     pub(super) executables: Option<khr::pipeline_executable_properties::Device>,
     /// Dropped last.
     instance: Instance,
 }
 
 impl Gpu {
-    /// Opens a device; the error names what is missing.
+    /// Opens a device. The error names what is missing.
     pub fn new(options: Options) -> Result<Self, GpuError> {
         let injector = Injector::from_environment()?;
         let instance = Instance::new(options.validation)?;
@@ -64,7 +65,7 @@ impl Gpu {
         // SAFETY: the physical device belongs to the instance.
         let limits = unsafe { instance.raw.get_physical_device_properties(physical) }.limits;
 
-        // From here on the device is owned by `Shared`, whose drop frees it if a later step fails.
+        // From here on `Shared` owns the device, and its drop frees it if a later step fails.
         let executables =
             options.executables.then(|| khr::pipeline_executable_properties::Device::new(&instance.raw, &raw));
         let mut shared = Shared {
@@ -100,32 +101,31 @@ impl Gpu {
         Ok(Self { shared: Arc::new(shared) })
     }
 
-    /// What is known of the device.
     pub fn info(&self) -> &DeviceInfo {
         &self.shared.info
     }
 
-    /// Host time in which the device worked or was waited for since it was opened, ms.
+    /// Returns the host time spent waiting for the device since it was opened, ms.
     pub fn waited_ms(&self) -> f64 {
         self.shared.waited_ns.load(Ordering::Relaxed) as f64 * 1e-6
     }
 
-    /// Messages of the validation layer since the device was opened; empty without validation.
+    /// Returns the messages of the validation layer since the device was opened; empty without validation.
     pub fn validation_messages(&self) -> Vec<String> {
         self.shared.instance.messages.lock().map(|messages| messages.clone()).unwrap_or_default()
     }
 
-    /// Bits of a pixel's fraction to which the rasteriser rounds vertices: at least 4.
+    /// Returns how many bits of a pixel's fraction the rasteriser keeps of a vertex position: at least 4.
     pub fn sub_pixel_precision_bits(&self) -> u32 {
         self.shared.limits.sub_pixel_precision_bits
     }
 
-    /// Largest storage buffer, bytes.
+    /// Returns the largest size of a storage buffer, bytes.
     pub fn max_buffer_bytes(&self) -> u64 {
         self.shared.limits.max_storage_buffer_range.into()
     }
 
-    /// Largest width and height of an image.
+    /// Returns the largest width and height of an image.
     pub fn max_image_side(&self) -> u32 {
         self.shared.limits.max_image_dimension2_d
     }
@@ -140,11 +140,7 @@ impl Shared {
         }
     }
 
-    pub(super) fn debug(&self) -> Option<&ext::debug_utils::Device> {
-        self.debug.as_ref()
-    }
-
-    /// Memory for one resource.
+    /// Allocates memory for one resource.
     pub(super) fn allocate(
         self: &Arc<Self>,
         name: &str,
@@ -175,7 +171,7 @@ impl Shared {
     }
 }
 
-/// Memory of one resource, which must be gone before it.
+/// Memory of one resource. The resource must be destroyed first.
 pub(super) struct Memory {
     pub(super) allocation: Allocation,
     device: Arc<Shared>,
@@ -192,7 +188,7 @@ impl Drop for Memory {
 
 impl Drop for Shared {
     fn drop(&mut self) {
-        // SAFETY: every submission has been waited for; waiting again covers a submission that failed half-way.
+        // SAFETY: every submission has been waited for; waiting again covers one that failed midway.
         let _ = unsafe { self.raw.device_wait_idle() };
         lock(&self.pipelines).clear();
         for (_, sampler) in lock(&self.samplers).drain() {
@@ -206,7 +202,8 @@ impl Drop for Shared {
     }
 }
 
-/// The first family that can rasterise and compute and write timestamps, and the bits of a timestamp that count.
+/// Finds the first queue family with graphics, compute and timestamps. Returns its index and the mask of valid
+/// timestamp bits.
 fn queue_family(instance: &Instance, physical: vk::PhysicalDevice, info: &DeviceInfo) -> Result<(u32, u64), GpuError> {
     // SAFETY: the physical device belongs to the instance.
     let families = unsafe { instance.raw.get_physical_device_queue_family_properties(physical) };

@@ -1,26 +1,29 @@
 //! Keeps a full disk from killing the process inside the driver.
 //!
-//! Mesa maps the index of its shader cache as a file with holes. On a full disk the first write to a hole ends the process with SIGBUS,
-//! where a failed write would have been a message. So its cache is left off where its folder has no room for that index.
+//! Mesa maps the index of its shader cache as a sparse file. On a full disk the first write to a hole raises SIGBUS. So
+//! the cache is turned off if its folder has no room for the index.
 
 use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
 use std::sync::Once;
 
-/// Mesa's switch, and where it keeps the cache; without the second one in `$XDG_CACHE_HOME`, else in `~/.cache`.
+/// Mesa's switch, and its variable for the cache folder. The default folder is in `$XDG_CACHE_HOME`, else in
+/// `~/.cache`.
 const DISABLE: &str = "MESA_SHADER_CACHE_DISABLE";
 const FOLDER: &str = "MESA_SHADER_CACHE_DIR";
 /// The index holds 2^16 keys of 20 bytes; as much again for the first shaders.
 const ROOM_BYTES: usize = 1 << 22;
 
-/// Leaves Mesa's shader cache off where the disk cannot hold it. To be called before the Vulkan loader is opened; only the first call
-/// looks, and a second thread waits for it: later the loader and its drivers may be reading the environment.
+/// Turns Mesa's shader cache off if the disk has no room for it. Must be called before the Vulkan loader is opened.
+/// Only the first call checks; other threads wait for it, since later the loader and its drivers may read the
+/// environment.
 pub(super) fn disable_without_room() {
     static FIRST: Once = Once::new();
     FIRST.call_once(|| {
         if std::env::var_os(DISABLE).is_none() && folder().is_some_and(|folder| !has_room(&folder)) {
-            // SAFETY: nothing else in the program changes the environment, and those who read it through the C library are the loader and
-            // the drivers, which are not open yet; other threads of the program read it, if at all, under the standard library's lock.
+            // SAFETY: nothing else in the program changes the environment. Readers through the C library are the loader
+            // and the drivers, which are not open yet; other threads of the program read it under the standard
+            // library's lock.
             unsafe { std::env::set_var(DISABLE, "true") };
         }
     });
@@ -31,7 +34,7 @@ fn folder() -> Option<PathBuf> {
     set(FOLDER).or_else(|| set("XDG_CACHE_HOME")).or_else(|| set("HOME").map(|home| home.join(".cache")))
 }
 
-/// Whether so many bytes can be written to a folder. Any other obstacle than the room is one that Mesa handles.
+/// Tells whether the folder has room for [`ROOM_BYTES`]. Mesa handles all other failures.
 fn has_room(folder: &Path) -> bool {
     let written = tempfile::tempfile_in(folder).and_then(|mut file| file.write_all(&vec![0; ROOM_BYTES]));
     !written.is_err_and(|error| matches!(error.kind(), ErrorKind::StorageFull | ErrorKind::QuotaExceeded))

@@ -1,6 +1,6 @@
 use ash::vk;
 
-/// What can go wrong between this program and the device.
+/// Errors of the device and its driver.
 #[derive(Debug, thiserror::Error)]
 pub enum GpuError {
     #[error(
@@ -33,9 +33,9 @@ pub enum GpuError {
     OutOfMemory { name: String, bytes: Option<u64> },
     #[error("the device was lost during '{during}'; a retry may succeed")]
     DeviceLost { during: String },
-    #[error("broken off")]
+    #[error("interrupted")]
     Interrupted,
-    #[error("{variable}: '{word}' is no fault that can be asked for")]
+    #[error("{variable}: unknown fault '{word}'; expected SITE:COUNT:FAULT, such as submit:1:device-lost")]
     UnknownTestFault { variable: &'static str, word: String },
     #[error("no shader named '{0}' was built")]
     NoShader(String),
@@ -46,7 +46,7 @@ pub enum GpuError {
 }
 
 impl GpuError {
-    /// A failed call on an object named `name`.
+    /// Makes the error of a failed call on an object named `name`.
     pub(super) fn call(call: &'static str, name: &str) -> impl FnOnce(vk::Result) -> Self {
         let name = name.to_string();
         move |result| match result {
@@ -58,7 +58,7 @@ impl GpuError {
         }
     }
 
-    /// Whether the device has no room left.
+    /// Whether the device ran out of memory.
     pub fn is_out_of_memory(&self) -> bool {
         matches!(self, Self::OutOfMemory { .. })
     }

@@ -1,6 +1,7 @@
-//! What the driver's compiler made of a shader: its statistics and texts, through VK_KHR_pipeline_executable_properties.
+//! Statistics and texts that the driver's compiler reports of a shader, through VK_KHR_pipeline_executable_properties.
 //!
-//! Descriptors and push constants are read from the SPIR-V, so that no resource is needed: a device that executes nothing compiles as well.
+//! Descriptors and push constants are read from the SPIR-V, so no resource is needed: devices that execute nothing can
+//! compile too.
 
 use super::kept_pipeline::{Interface, Pipeline};
 use super::{Gpu, GpuError, GraphicsDescription, shader_code};
@@ -12,29 +13,21 @@ use std::ffi::{CStr, c_void};
 /// One compiled stage.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Executable {
-    /// The driver's word for it.
+    /// The driver's name for the stage.
     pub name: String,
-    /// Lanes that execute one instruction together.
+    /// Lanes that share an instruction.
     pub subgroup_size: u32,
-    pub statistics: Vec<Statistic>,
+    /// Name and value of each statistic.
+    pub statistics: Vec<(String, f64)>,
     /// Name and content of each text, such as the assembly.
     pub texts: Vec<(String, String)>,
 }
 
-/// One number that the driver tells of a stage.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Statistic {
-    pub name: String,
-    pub value: f64,
-}
-
 impl Executable {
-    /// The statistic of that name.
     pub fn statistic(&self, name: &str) -> Option<f64> {
-        self.statistics.iter().find(|statistic| statistic.name == name).map(|statistic| statistic.value)
+        self.statistics.iter().find(|(known, _)| known == name).map(|(_, value)| *value)
     }
 
-    /// The text of that name.
     pub fn text(&self, name: &str) -> Option<&str> {
         self.texts.iter().find(|(known, _)| known == name).map(|(_, text)| text.as_str())
     }
@@ -43,13 +36,13 @@ impl Executable {
 impl Gpu {
     /// Compiles the shader permutation `shader` with specialization constants 0, 1, ... set to `constants`.
     ///
-    /// Panics on a device without [`super::Options::executables`].
+    /// Panics if the device was opened without [`super::Options::executables`].
     pub fn executables(&self, shader: &str, constants: &[u32]) -> Result<Vec<Executable>, GpuError> {
         let interface = declared(&[shader])?;
-        self.tell(&self.shared.make_compute_pipeline(shader, constants, interface, CAPTURE)?, shader)
+        self.report(&self.shared.make_compute_pipeline(shader, constants, interface, CAPTURE)?, shader)
     }
 
-    /// The same for the two stages of a draw into `color_count` targets.
+    /// As [`Self::executables`], for the two stages of a draw into `color_count` targets.
     pub fn graphics_executables(
         &self,
         description: GraphicsDescription<'_>,
@@ -57,18 +50,18 @@ impl Gpu {
     ) -> Result<Vec<Executable>, GpuError> {
         let interface = declared(&description.shaders)?;
         let pipeline = self.shared.make_graphics_pipeline(description, color_count, interface, CAPTURE)?;
-        self.tell(&pipeline, description.shaders[1])
+        self.report(&pipeline, description.shaders[1])
     }
 
-    fn tell(&self, pipeline: &Pipeline, name: &str) -> Result<Vec<Executable>, GpuError> {
-        let device = self.shared.executables.as_ref().expect("the device was opened to tell of its pipelines");
+    fn report(&self, pipeline: &Pipeline, name: &str) -> Result<Vec<Executable>, GpuError> {
+        let device = self.shared.executables.as_ref().expect("the device was opened with `executables`");
         let info = vk::PipelineInfoKHR::default().pipeline(pipeline.raw);
         // SAFETY: the pipeline is alive.
         let stages = unsafe { device.get_pipeline_executable_properties(&info) }
             .map_err(GpuError::call("vkGetPipelineExecutablePropertiesKHR", name))?;
-        let tell = |(index, stage): (u32, &vk::PipelineExecutablePropertiesKHR<'_>)| {
+        let executable = |(index, stage): (u32, &vk::PipelineExecutablePropertiesKHR<'_>)| {
             let info = vk::PipelineExecutableInfoKHR::default().pipeline(pipeline.raw).executable_index(index);
-            // SAFETY: the pipeline is alive, was made to be told of, and has this stage.
+            // SAFETY: the pipeline is alive, was made with CAPTURE, and has this stage.
             let statistics = unsafe { device.get_pipeline_executable_statistics(&info) }
                 .map_err(GpuError::call("vkGetPipelineExecutableStatisticsKHR", name))?;
             Ok(Executable {
@@ -78,24 +71,24 @@ impl Gpu {
                 texts: self.texts(&info, name)?,
             })
         };
-        (0..).zip(&stages).map(tell).collect()
+        (0..).zip(&stages).map(executable).collect()
     }
 
-    /// Every text of a stage.
+    /// Reads every text of a stage.
     fn texts(&self, info: &vk::PipelineExecutableInfoKHR<'_>, name: &str) -> Result<Vec<(String, String)>, GpuError> {
-        let device = self.shared.executables.as_ref().expect("asked by `tell`");
+        let device = self.shared.executables.as_ref().expect("checked by `report`");
         let failed = || GpuError::call("vkGetPipelineExecutableInternalRepresentationsKHR", name);
         // SAFETY: the pipeline is alive and has this stage.
         let mut found = unsafe { device.get_pipeline_executable_internal_representations(info) }
             .map_err(|result| failed()(result))?;
-        // The first call told the sizes; the second one fills the room that is made for them.
+        // The first call returned the sizes; the second one fills buffers of these sizes.
         let mut room: Vec<Vec<u8>> = found.iter().map(|text| vec![0; text.data_size]).collect();
         for (text, bytes) in found.iter_mut().zip(&mut room) {
             text.p_data = bytes.as_mut_ptr().cast::<c_void>();
         }
         let mut count = found.len() as u32;
         let ask = device.fp().get_pipeline_executable_internal_representations_khr;
-        // SAFETY: `found` has `count` entries, each with the room that the first call asked for.
+        // SAFETY: `found` has `count` entries, each with a buffer of the size that the first call returned.
         unsafe { ask(device.device(), info, &mut count, found.as_mut_ptr()) }
             .result()
             .map_err(|result| failed()(result))?;
@@ -118,20 +111,20 @@ fn until_zero(bytes: &[u8]) -> String {
     String::from_utf8_lossy(&bytes[..end]).into_owned()
 }
 
-fn statistic(told: &vk::PipelineExecutableStatisticKHR<'_>) -> Statistic {
+fn statistic(found: &vk::PipelineExecutableStatisticKHR<'_>) -> (String, f64) {
     use vk::PipelineExecutableStatisticFormatKHR as Format;
     // SAFETY: every member of the union is plain bits, all of which are initialised.
-    let bits = unsafe { told.value.u64 };
-    let value = match told.format {
+    let bits = unsafe { found.value.u64 };
+    let value = match found.format {
         Format::BOOL32 => f64::from(bits as u32),
         Format::INT64 => bits as i64 as f64,
         Format::FLOAT64 => f64::from_bits(bits),
         _ => bits as f64,
     };
-    Statistic { name: text(told.name_as_c_str()), value }
+    (text(found.name_as_c_str()), value)
 }
 
-/// What the shaders of one pipeline declare: descriptors of set 0, push constants.
+/// Reads the descriptors of set 0 and the push constants that the shaders of one pipeline declare.
 fn declared(shaders: &[&str]) -> Result<Interface, GpuError> {
     let mut interface = Interface { kinds: Vec::new(), push_size: 0 };
     for shader in shaders {
@@ -145,7 +138,7 @@ fn declared(shaders: &[&str]) -> Result<Interface, GpuError> {
         for (binding, found) in reflection.get_descriptor_sets().map_err(fault)?.remove(&0).unwrap_or_default() {
             let place = binding as usize;
             if interface.kinds.len() <= place {
-                // A binding that no stage declares is still a place.
+                // A binding that no stage declares still takes a number.
                 interface.kinds.resize(place + 1, vk::DescriptorType::UNIFORM_BUFFER);
             }
             interface.kinds[place] = vk::DescriptorType::from_raw(found.ty.0 as i32);

@@ -11,54 +11,42 @@ use std::collections::HashMap;
 use std::ops::Range;
 use std::sync::{Arc, Mutex};
 
-/// Texels that are written at a time: a copy of 64 MiB, not of a whole map.
+/// Texels written at a time: 64 MiB are copied, not a whole map.
 const STAGED_TEXELS: u32 = 1 << 22;
 
 /// Texel format of an image.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Format {
-    /// Four f32; sampled, stored, rendered to.
+    /// Four f32; sampled, stored and rendered to.
     Rgba32Float,
-    /// Four halves; sampled, and written by the host only: no shader declares it.
+    /// Four halves; sampled, and written by the host only.
     Rgba16Float,
-    /// Depth in f32; rendered to only.
+    /// f32 depth; rendered to only.
     Depth32Float,
 }
 
 impl Format {
     pub(super) fn raw(self) -> vk::Format {
-        match self {
-            Self::Rgba32Float => vk::Format::R32G32B32A32_SFLOAT,
-            Self::Rgba16Float => vk::Format::R16G16B16A16_SFLOAT,
-            Self::Depth32Float => vk::Format::D32_SFLOAT,
-        }
+        self.parts().0
     }
 
     pub(super) fn aspect(self) -> vk::ImageAspectFlags {
-        match self {
-            Self::Rgba32Float | Self::Rgba16Float => vk::ImageAspectFlags::COLOR,
-            Self::Depth32Float => vk::ImageAspectFlags::DEPTH,
-        }
+        self.parts().1
     }
 
-    fn usage(self) -> vk::ImageUsageFlags {
+    fn parts(self) -> (vk::Format, vk::ImageAspectFlags, vk::ImageUsageFlags) {
+        use vk::{ImageAspectFlags as Aspect, ImageUsageFlags as Usage};
+        let sampled = Usage::SAMPLED | Usage::TRANSFER_SRC | Usage::TRANSFER_DST;
+        let drawn = Usage::STORAGE | Usage::COLOR_ATTACHMENT;
         match self {
-            Self::Rgba32Float => {
-                vk::ImageUsageFlags::SAMPLED
-                    | vk::ImageUsageFlags::STORAGE
-                    | vk::ImageUsageFlags::COLOR_ATTACHMENT
-                    | vk::ImageUsageFlags::TRANSFER_SRC
-                    | vk::ImageUsageFlags::TRANSFER_DST
-            }
-            Self::Rgba16Float => {
-                vk::ImageUsageFlags::SAMPLED | vk::ImageUsageFlags::TRANSFER_SRC | vk::ImageUsageFlags::TRANSFER_DST
-            }
-            Self::Depth32Float => vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT,
+            Self::Rgba32Float => (vk::Format::R32G32B32A32_SFLOAT, Aspect::COLOR, sampled | drawn),
+            Self::Rgba16Float => (vk::Format::R16G16B16A16_SFLOAT, Aspect::COLOR, sampled),
+            Self::Depth32Float => (vk::Format::D32_SFLOAT, Aspect::DEPTH, Usage::DEPTH_STENCIL_ATTACHMENT),
         }
     }
 }
 
-/// A two-dimensional image, or the six faces of a cube in the order of Vulkan. Clones share it.
+/// A two-dimensional image, or a cube of six faces in the order of Vulkan. Clones share it.
 #[derive(Clone)]
 pub struct Image {
     pub(super) inner: Arc<Inner>,
@@ -78,39 +66,35 @@ pub(super) struct Inner {
 }
 
 impl Image {
-    /// Width and height of level `mip`.
+    /// Returns width and height of level `mip`.
     pub fn mip_size(&self, mip: u32) -> [u32; 2] {
         self.inner.size.map(|side| (side >> mip).max(1))
     }
 
-    /// Images that one level consists of: 1, or the 6 of a cube.
+    /// Images per level: 1, or 6 for a cube.
     pub fn face_count(&self) -> u32 {
         self.inner.face_count
     }
 
-    /// Memory that it takes, bytes.
+    /// Memory of the image, bytes.
     pub fn bytes(&self) -> u64 {
         self.inner.memory.as_ref().map_or(0, |memory| memory.allocation.size())
     }
 
-    /// Number of levels.
     pub fn mip_count(&self) -> u32 {
         lock(&self.inner.states).len() as u32
     }
 }
 
 impl Inner {
-    /// A view of the levels `mips`, made once: a plane, or a cube across whose edges the hardware filters.
-    pub(super) fn view(&self, mips: Range<u32>) -> Result<vk::ImageView, GpuError> {
-        self.view_as(mips, if self.face_count == 6 { vk::ImageViewType::CUBE } else { vk::ImageViewType::TYPE_2D })
-    }
-
-    /// A view of one level whose layers are its faces.
-    pub(super) fn faces(&self, mip: u32) -> Result<vk::ImageView, GpuError> {
-        self.view_as(mip..mip + 1, vk::ImageViewType::TYPE_2D_ARRAY)
-    }
-
-    fn view_as(&self, mips: Range<u32>, view_type: vk::ImageViewType) -> Result<vk::ImageView, GpuError> {
+    /// Returns a view of the levels `mips`, made once. With `is_array` its layers are the faces; otherwise it is a
+    /// plane or a cube that the hardware filters across edges.
+    pub(super) fn view(&self, mips: Range<u32>, is_array: bool) -> Result<vk::ImageView, GpuError> {
+        let view_type = match (is_array, self.face_count) {
+            (true, _) => vk::ImageViewType::TYPE_2D_ARRAY,
+            (false, 6) => vk::ImageViewType::CUBE,
+            (false, _) => vk::ImageViewType::TYPE_2D,
+        };
         let mut views = lock(&self.views);
         let key = (mips.start, mips.end, view_type);
         if let Some(&view) = views.get(&key) {
@@ -148,12 +132,12 @@ impl Drop for Inner {
 }
 
 impl Gpu {
-    /// An image with undefined contents.
+    /// Makes an image with undefined contents.
     pub fn image(&self, name: &str, size: [u32; 2], mip_count: u32, format: Format) -> Result<Image, GpuError> {
         self.faced_image(name, size, 1, mip_count, format)
     }
 
-    /// An image of 1 face or of the 6 of a cube, with undefined contents.
+    /// Makes an image of 1 face, or of the 6 faces of a cube, with undefined contents.
     pub fn faced_image(
         &self,
         name: &str,
@@ -181,7 +165,7 @@ impl Gpu {
             .mip_levels(mip_count)
             .array_layers(face_count)
             .samples(vk::SampleCountFlags::TYPE_1)
-            .usage(format.usage());
+            .usage(format.parts().2);
         // SAFETY: the device is alive and the description is complete.
         let raw = unsafe { device.raw.create_image(&info, None) }.map_err(GpuError::call("vkCreateImage", name))?;
         device.set_name(raw, name);
@@ -208,7 +192,7 @@ impl Gpu {
         Ok(Image { inner: Arc::new(inner) })
     }
 
-    /// Fills level `mip` of a colour image, face by face; halves are rounded to the nearest, ties to even.
+    /// Fills level `mip` of a colour image, face by face. Halves are rounded to nearest, ties to even.
     pub fn write_image(&self, image: &Image, mip: u32, texels: &[[f32; 4]]) -> Result<(), GpuError> {
         let [width, height] = image.mip_size(mip);
         let face_texels = width as usize * height as usize;
@@ -236,7 +220,7 @@ impl Gpu {
         Ok(())
     }
 
-    /// The texels of level `mip` of a colour image, face by face and row by row.
+    /// Reads the texels of level `mip` of a colour image, face by face and row by row.
     pub fn read_image(&self, image: &Image, mip: u32) -> Result<Vec<[f32; 4]>, GpuError> {
         let [width, height] = image.mip_size(mip);
         let is_half = image.inner.format == Format::Rgba16Float;
@@ -261,19 +245,19 @@ pub enum Filter {
     Linear,
 }
 
-/// How an image is looked up, over every level. Anisotropy stays off: it breaks `textureLod` on Mesa 22.3.6.
+/// How shaders look an image up, over all levels. Anisotropy stays off: it breaks `textureLod` in Mesa 22.3.6.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Sampler(pub Filter, pub Wrap);
 
 impl Sampler {
-    /// Maps of the sphere by every layout: trilinear; u repeats, which neither a cube nor a shader's own filter sees.
+    /// Trilinear, for maps of the sphere in every layout. u repeats; cubes and the octahedral filter ignore that.
     pub const MAP: Self = Self(Filter::Linear, Wrap::EQUIRECT);
     /// For shaders that fetch texels.
     pub const TEXELS: Self = Self(Filter::Nearest, Wrap::CLAMP);
 }
 
 impl Shared {
-    /// The Vulkan object of a sampler, made once.
+    /// Returns the Vulkan object of a sampler, made once.
     pub(super) fn sampler(&self, sampler: Sampler) -> Result<vk::Sampler, GpuError> {
         let mut known = lock(&self.samplers);
         if let Some(&raw) = known.get(&sampler) {

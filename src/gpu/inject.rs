@@ -1,12 +1,12 @@
-//! Faults on demand, for tests only: real devices are lost and run out of memory at moments that no test can choose.
+//! Injects faults, for tests only: a test cannot choose when a real device is lost or runs out of memory.
 //!
-//! The environment variable `SPLITSUM_TEST_FAULTS` holds `SITE:COUNT:FAULT` words separated by commas: the COUNT-th call at the site
-//! (from 1) and, for faults that do not pass, every later one fails as the driver would let it.
+//! The environment variable `SPLITSUM_TEST_FAULTS` holds words `SITE:COUNT:FAULT` separated by commas. The COUNT-th
+//! call at the site, from 1, fails as the driver would let it; permanent faults also fail all later calls.
 //!
 //! | site | call | faults |
 //! |---|---|---|
-//! | `submit` | `vkQueueSubmit2` | `device-lost` (stays lost) |
-//! | `allocate` | memory for a buffer or an image | `out-of-memory` (once), `memory-is-full` (from then on) |
+//! | `submit` | `vkQueueSubmit2` | `device-lost` (permanent) |
+//! | `allocate` | memory for a buffer or an image | `out-of-memory` (once), `memory-is-full` (permanent) |
 
 use super::GpuError;
 use ash::vk;
@@ -25,12 +25,12 @@ pub(super) enum Site {
 struct Fault {
     site: Site,
     count: u64,
-    /// Whether later calls fail too.
+    /// Whether all later calls fail too.
     stays: bool,
     result: vk::Result,
 }
 
-/// The faults of one device and how often each site was reached.
+/// The faults of one device, and how often each site was reached.
 #[derive(Debug, Default)]
 pub(super) struct Injector {
     faults: Vec<Fault>,
@@ -38,7 +38,7 @@ pub(super) struct Injector {
 }
 
 impl Injector {
-    /// What the environment variable asks for; nothing without it.
+    /// Reads the faults from the environment variable; none if it is not set.
     pub(super) fn from_environment() -> Result<Self, GpuError> {
         let text = std::env::var(VARIABLE).unwrap_or_default();
         let faults = text.split(',').filter(|word| !word.is_empty()).map(|word| {
@@ -47,7 +47,7 @@ impl Injector {
         Ok(Self { faults: faults.collect::<Result<_, _>>()?, calls: Default::default() })
     }
 
-    /// Counts a call and says how it is to fail.
+    /// Counts a call and fails it if a fault is due.
     pub(super) fn reach(&self, site: Site) -> Result<(), vk::Result> {
         let call = self.calls[site as usize].fetch_add(1, Ordering::Relaxed) + 1;
         let is_due =

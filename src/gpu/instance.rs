@@ -1,19 +1,18 @@
-//! Instance, physical devices and what is known of them.
+//! The instance, physical devices and their properties.
 
 use super::{GpuError, driver_cache};
 use ash::{Entry, ext, vk};
 use std::ffi::{CStr, c_void};
 use std::sync::{Arc, Mutex};
 
-/// Which device to use.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum DeviceChoice {
     /// The first discrete GPU, else the first integrated or virtual one, else the first device (a CPU driver).
     #[default]
     Default,
-    /// By the index that [`devices`] lists.
+    /// The device at this index of [`devices`].
     Index(usize),
-    /// The first one of Mesa's driver for AMD GPUs.
+    /// The first device of RADV, Mesa's driver for AMD GPUs.
     Radv,
 }
 
@@ -21,32 +20,31 @@ pub enum DeviceChoice {
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Options {
     pub device: DeviceChoice,
-    /// Runs under the Khronos validation layer with synchronization validation; see [`super::Gpu::validation_messages`].
+    /// Enables the Khronos validation layer with synchronization validation; see [`super::Gpu::validation_messages`].
     pub validation: bool,
-    /// Lets [`super::Gpu::executables`] tell what the driver's compiler made.
+    /// Enables [`super::Gpu::executables`].
     pub executables: bool,
-    /// Short submissions, so that [`super::Gpu::interrupt_by`] acts soon. Results are the same.
+    /// Makes submissions short, so that [`super::Gpu::interrupt_by`] acts soon. Results are the same.
     pub is_interactive: bool,
 }
 
-/// What is known of a device.
+/// Properties of a device.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DeviceInfo {
     pub name: String,
     /// `cpu`, `discrete-gpu`, `integrated-gpu`, `virtual-gpu` or `other`.
     pub device_type: &'static str,
-    /// Driver name and version as the driver words it.
+    /// Name and version, as the driver reports them.
     pub driver: String,
     pub api_version: String,
-    /// Nanoseconds a timestamp tick.
+    /// Length of a timestamp tick, ns.
     pub timestamp_period_ns: f32,
     /// Size of the largest device-local heap, bytes.
     pub memory_bytes: u64,
-    /// Whether bilinear filtering computes in f32 (lavapipe: error below 3e-6) and not with the 8-bit weights of filtering units.
+    /// Whether bilinear filters compute in f32 (lavapipe: error below 3e-6) instead of with 8-bit weights.
     pub has_exact_filter: bool,
-    /// Whether cubes are filtered across their edges in compute shaders. SwiftShader shows black there.
+    /// Whether compute shaders filter cubes across edges. SwiftShader returns black there.
     pub has_seamless_cubes: bool,
-    /// Whether the driver is Mesa's for AMD GPUs.
     pub is_radv: bool,
 }
 
@@ -57,14 +55,14 @@ pub(super) struct Instance {
     pub(super) raw: ash::Instance,
     messenger: Option<(ext::debug_utils::Instance, vk::DebugUtilsMessengerEXT)>,
     pub(super) messages: Arc<Mutex<Vec<String>>>,
-    /// Objects get names only when someone can see them.
+    /// Objects get names only if a debugger can see them.
     pub(super) has_debug_utils: bool,
     _entry: Entry,
 }
 
 impl Instance {
     pub(super) fn new(validation: bool) -> Result<Self, GpuError> {
-        // A loader that cannot parse a manifest says that memory ran out.
+        // A loader that cannot parse a manifest reports that memory ran out.
         let failed = |call| move |result| GpuError::Loader { call, result };
         driver_cache::disable_without_room();
         // SAFETY: the loader is a well-behaved library that has no preconditions on being opened.
@@ -123,7 +121,7 @@ impl Instance {
         Ok((loader, messenger))
     }
 
-    /// Every physical device that answers Vulkan 1.3, in the loader's order.
+    /// Lists every physical device in the loader's order.
     pub(super) fn physical_devices(&self) -> Result<Vec<(vk::PhysicalDevice, DeviceInfo)>, GpuError> {
         // SAFETY: the instance is alive; the calls only read.
         let all = unsafe { self.raw.enumerate_physical_devices() }
@@ -167,7 +165,7 @@ impl Instance {
         }
     }
 
-    /// The device of `choice`.
+    /// Finds the device of `choice`.
     pub(super) fn choose(&self, choice: DeviceChoice) -> Result<(vk::PhysicalDevice, DeviceInfo), GpuError> {
         let mut all = self.physical_devices()?;
         let count = all.len();
@@ -199,12 +197,12 @@ impl Drop for Instance {
     }
 }
 
-/// Every device that a Vulkan loader knows, in the order of [`DeviceChoice::Index`].
+/// Lists every device in the order of [`DeviceChoice::Index`].
 pub fn devices() -> Result<Vec<DeviceInfo>, GpuError> {
     Ok(Instance::new(false)?.physical_devices()?.into_iter().map(|(_, info)| info).collect())
 }
 
-/// The device that `choice` would open, without opening it.
+/// Returns the device that `choice` would open, without opening it.
 pub fn chosen_device(choice: DeviceChoice) -> Result<DeviceInfo, GpuError> {
     Ok(Instance::new(false)?.choose(choice)?.1)
 }

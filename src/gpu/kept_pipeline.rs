@@ -1,17 +1,16 @@
-//! A pipeline as the device keeps it, until it closes.
+//! Pipelines that the device keeps until it closes.
 
 use ash::vk;
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex};
 
-/// What a shader is given: the kinds of descriptor set 0, where the index is the binding's number, and bytes of push constants.
+/// Inputs of a pipeline: kinds of descriptor set 0 by binding number, and bytes of push constants.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Interface {
     pub(super) kinds: Vec<vk::DescriptorType>,
     pub(super) push_size: usize,
 }
 
-/// A pipeline with its layout.
 pub(super) struct Pipeline {
     pub(super) raw: vk::Pipeline,
     pub(super) layout: vk::PipelineLayout,
@@ -21,12 +20,13 @@ pub(super) struct Pipeline {
     pub(super) device: ash::Device,
 }
 
-/// The pipelines of a device by their shaders and specialization constants.
+/// Pipelines of a device by their shaders and specialization constants.
 pub(super) type Pipelines = Mutex<HashMap<(Vec<String>, Vec<u32>), Arc<Pipeline>>>;
 
 impl Drop for Pipeline {
     fn drop(&mut self) {
-        // SAFETY: no pending command uses these (or they are null), because `submit` waits and the device's close is the last use.
+        // SAFETY: no pending command uses these (or they are null): `submit` waits, and closing the device is the last
+        // use.
         unsafe { self.device.destroy_pipeline(self.raw, None) };
         // SAFETY: likewise.
         unsafe { self.device.destroy_pipeline_layout(self.layout, None) };

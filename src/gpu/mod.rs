@@ -1,8 +1,9 @@
-//! Vulkan: device, memory, pipelines, recording, timestamps; and the end of an X server. The only unsafe code; knows nothing of light.
+//! Vulkan: device, memory, pipelines, recording and timestamps; and the end of an X server. The only room with unsafe
+//! code.
 //!
-//! Every buffer and image is a cheap handle that shares its Vulkan object and frees it with the last clone; pipelines and samplers are
-//! made when they are first named and live as long as the device. A [`Recorder`] keeps what it records alive, derives each barrier and
-//! layout from the tracked access of each buffer and each mip level, and `submit` waits.
+//! Buffers and images are handles that share a Vulkan object and free it with the last clone. Pipelines and samplers
+//! are made on first use and live as long as the device. A [`Recorder`] keeps what it records alive and derives
+//! barriers and layouts from the tracked access of each buffer and mip level. `submit` waits.
 #![allow(unsafe_code, reason = "Vulkan and Xlib are C interfaces")]
 
 mod bounded;
@@ -28,7 +29,7 @@ pub use bounded::{Groups, Part, face_groups, image_groups};
 pub use buffer::Buffer;
 pub use device::Gpu;
 pub use error::GpuError;
-pub use executable::{Executable, Statistic};
+pub use executable::Executable;
 pub use image::{Filter, Format, Image, Sampler};
 pub use instance::{DeviceChoice, DeviceInfo, Options, chosen_device, devices};
 pub use pipeline::GraphicsDescription;

@@ -1,4 +1,4 @@
-//! Compute and graphics pipelines: made when they are first recorded, kept until the device closes.
+//! Compute and graphics pipelines, made on first use and kept until the device closes.
 
 use super::device::{Shared, lock};
 use super::kept_pipeline::{Interface, Pipeline};
@@ -7,15 +7,15 @@ use super::{Format, GpuError};
 use ash::vk;
 use std::sync::Arc;
 
-/// What a draw runs: opaque triangles, counter-clockwise in front, depth test (less), viewport and scissor of the targets, culling of
-/// the call.
+/// The shaders and input of a draw. State: opaque triangles, counter-clockwise in front, depth test (less), viewport
+/// and scissor of the targets, culling of the call.
 #[derive(Clone, Copy, Debug)]
 pub struct GraphicsDescription<'a> {
     /// The vertex and the fragment shader.
     pub shaders: [&'a str; 2],
-    /// Floats of each vertex attribute, one tightly packed buffer an attribute.
+    /// Floats per vertex of each attribute; each attribute has its own tightly packed buffer.
     pub attributes: &'a [u32],
-    /// Triangle strip instead of a list.
+    /// Draws a triangle strip instead of a list.
     pub strip: bool,
 }
 
@@ -51,7 +51,7 @@ impl Pipeline {
         Ok(pipeline)
     }
 
-    /// Takes what a call made; its error names the last shader.
+    /// Takes the pipeline that a call made. An error names the last shader.
     fn finish(
         mut self,
         shared: &Shared,
@@ -64,7 +64,7 @@ impl Pipeline {
     }
 }
 
-/// A shader module that lives while its pipeline is made.
+/// A shader module, alive while its pipeline is made.
 struct Module<'a> {
     raw: vk::ShaderModule,
     device: &'a Shared,
@@ -87,13 +87,14 @@ impl<'a> Module<'a> {
 
 impl Drop for Module<'_> {
     fn drop(&mut self) {
-        // SAFETY: pipelines do not need the module once they are made.
+        // SAFETY: pipelines do not need the module after creation.
         unsafe { self.device.raw.destroy_shader_module(self.raw, None) };
     }
 }
 
 impl Shared {
-    /// The compute pipeline of the shader permutation `shader`, with specialization constants 0, 1, ... set to `constants`.
+    /// Returns the compute pipeline of the permutation `shader`, with specialization constants 0, 1, ... set to
+    /// `constants`.
     pub(super) fn compute_pipeline(
         &self,
         shader: &str,
@@ -126,7 +127,7 @@ impl Shared {
         pipeline.finish(self, ("vkCreateComputePipelines", shader), made)
     }
 
-    /// The graphics pipeline of a description for `color_count` colour targets.
+    /// Returns the graphics pipeline of a description for `color_count` colour targets.
     pub(super) fn graphics_pipeline(
         &self,
         description: GraphicsDescription<'_>,
@@ -138,7 +139,7 @@ impl Shared {
         })
     }
 
-    /// The pipeline of these shaders and constants, made once.
+    /// Returns the pipeline of these shaders and constants, made once.
     fn pipeline(
         &self,
         shaders: &[&str],
@@ -149,7 +150,7 @@ impl Shared {
         let key = (shaders.iter().map(|shader| shader.to_string()).collect(), constants.to_vec());
         let mut known = lock(&self.pipelines);
         if let Some(pipeline) = known.get(&key) {
-            assert_eq!(pipeline.interface, interface, "{shaders:?}: what an earlier call bound");
+            assert_eq!(pipeline.interface, interface, "{shaders:?}: bound with another interface before");
             return Ok(pipeline.clone());
         }
         let pipeline = Arc::new(make(interface)?);

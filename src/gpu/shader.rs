@@ -1,4 +1,4 @@
-//! The SPIR-V that the build script made, by permutation name, and that of methods in files, which the program makes.
+//! SPIR-V by permutation name: from the build script, and of methods in files, compiled at run time.
 
 use super::GpuError;
 use crate::glsl::source::Sources;
@@ -10,53 +10,53 @@ use std::sync::{LazyLock, PoisonError, RwLock};
 
 include!(concat!(env!("OUT_DIR"), "/shaders.rs"));
 
-/// SPIR-V words of the permutation `name` (see `shaders/compile.rs`).
+/// Returns the SPIR-V words of the permutation `name` (see `shaders/compile.rs`).
 pub(super) fn spirv(name: &str) -> Result<Vec<u32>, GpuError> {
     let code = code_of(name).ok_or_else(|| GpuError::NoShader(name.into()))?;
     Ok(bytemuck::pod_collect_to_vec(code))
 }
 
-/// Shaders that were compiled while the program ran. They stay: a pipeline is made of them at any time.
+/// Shaders compiled at run time. They are never removed, since pipelines may be made at any time.
 static ADDED: RwLock<BTreeMap<String, &'static [u8]>> = RwLock::new(BTreeMap::new());
 
 fn code_of(name: &str) -> Option<&'static [u8]> {
     let built = SHADERS.iter().find(|(known, _)| *known == name).map(|(_, code)| *code);
-    // A map is whole after a panic: entries are added in one step.
+    // A panic cannot leave the map half-changed: entries are added in one step.
     built.or_else(|| ADDED.read().unwrap_or_else(PoisonError::into_inner).get(name).copied())
 }
 
-/// Adds a permutation that the build did not make. The name holds a hash of its text: a name has one code for good.
+/// Adds a permutation that the build did not make. `name` must contain a hash of its text: a second code under that
+/// name is ignored.
 pub fn add_shader(name: String, code: &[u32]) {
     let mut added = ADDED.write().unwrap_or_else(PoisonError::into_inner);
     added.entry(name).or_insert_with(|| Box::leak(bytemuck::cast_slice(code).to_vec().into_boxed_slice()));
 }
 
-/// The words of a permutation that the build did not make.
+/// Returns the SPIR-V words of a permutation added at run time.
 pub fn added_shader(name: &str) -> Option<Vec<u32>> {
     let added = ADDED.read().unwrap_or_else(PoisonError::into_inner);
     added.get(name).map(|code| bytemuck::pod_collect_to_vec(code))
 }
 
-/// The texts of all shaders.
+/// Returns the texts of all shaders.
 pub fn shader_sources() -> Sources {
     Sources(SHADER_TEXTS.iter().map(|(path, text)| (path.to_string(), text.to_string())).collect())
 }
 
-/// Names of what a function of a shader reads, by itself or by those that it calls: variables (of a block without a name, the block), and
-/// members of structs.
+/// Lists the names that `function` of a shader reads, directly or in functions that it calls: variables (blocks without
+/// a name by the block's name) and members of structs.
 pub fn names_read(shader: &str, function: &str) -> Result<BTreeSet<String>, GpuError> {
     let fault = |error: ReflectError| GpuError::Reflection { shader: shader.to_owned(), what: error.to_string() };
     Ok(Module(Reflection::new_from_spirv(shader_code(shader)).map_err(fault)?.0).names_read(function))
 }
 
-/// SPIR-V by its instructions.
 struct Module(dr::Module);
 
 impl Module {
-    /// The function and all that it calls.
+    /// Collects the function and all functions that it calls.
     fn called_by(&self, function: &str) -> Vec<&Function> {
         let id_of = |function: &Function| function.def.as_ref().and_then(|def| def.result_id);
-        // A name has its parameters' types behind it.
+        // In SPIR-V the parameter types follow a function's name.
         let is_it = |f: &&Function| {
             let name = id_of(f).and_then(|id| self.name(Op::Name, id, None));
             name.is_some_and(|name| name.split('(').next() == Some(function))
@@ -89,7 +89,7 @@ impl Module {
                 let Some(of_type) = found.and_then(|found| found.result_type) else { continue };
                 names.extend(name_of(variable).or_else(|| name_of(pointee(of_type))));
             }
-            // The path into a struct: members by number, from the type of what it starts at.
+            // Follows the path into a struct: members by number, from the type of the base.
             let base = instruction.operands.first().and_then(Operand::id_ref_any);
             let Some(mut of_type) = base.and_then(|base| by_id.get(&base)?.result_type) else { continue };
             match instruction.class.opcode {
@@ -111,7 +111,7 @@ impl Module {
                         names.extend(self.name(Op::MemberName, of_type, Some(member)));
                         of_type = parts.operands[member as usize].unwrap_id_ref();
                     }
-                    // The element's type of an array, vector or matrix.
+                    // The element type of an array, vector or matrix.
                     _ => match parts.operands.first() {
                         Some(Operand::IdRef(element)) => of_type = *element,
                         _ => break,
@@ -122,7 +122,7 @@ impl Module {
         names
     }
 
-    /// The name of an id, or of a member of it; none where it is empty.
+    /// Returns the name of an id or of one of its members; `None` if it has none.
     fn name(&self, kind: Op, id: u32, member: Option<u32>) -> Option<String> {
         let is_it = |name: &&Instruction| {
             let target = name.operands[0].id_ref_any() == Some(id);
@@ -136,36 +136,36 @@ impl Module {
     }
 }
 
-/// Whether the build made this permutation; a method that does not use the BRDF has none for each model.
+/// Tells whether the permutation exists. Methods that do not use the BRDF have no permutation per model.
 pub fn has_shader(name: &str) -> bool {
     code_of(name).is_some()
 }
 
-/// Hash of what these permutations run; `spirv` gives the code of each.
+/// Hashes the code of these permutations, as `spirv` returns it.
 pub fn code_hash<'a>(shaders: &[String], spirv: impl Fn(&str) -> &'a [u8]) -> String {
     let mut hasher = blake3::Hasher::new();
     for name in shaders {
         let code = spirv(name);
-        // The lengths keep one shader's end from passing for the next one's beginning.
+        // With its length, the end of one shader cannot pass for the start of the next.
         hasher.update(&(name.len() as u64).to_le_bytes()).update(name.as_bytes());
         hasher.update(&(code.len() as u64).to_le_bytes()).update(code);
     }
     hasher.finalize().to_hex().to_string()
 }
 
-/// SPIR-V of the permutation `name`, which the build made.
+/// Returns the SPIR-V of the permutation `name`. Panics if there is none.
 pub fn shader_code(name: &str) -> &'static [u8] {
     code_of(name).unwrap_or_else(|| panic!("there is no shader {name}"))
 }
 
-/// Names of all permutations.
+/// Lists all permutations of the build.
 pub fn shader_names() -> impl Iterator<Item = &'static str> {
     SHADERS.iter().map(|(name, _)| *name)
 }
 
-/// One hash of all shaders: changes whenever any of them does.
+/// Returns one hash of all shaders.
 pub fn build_hash() -> &'static str {
-    // A plan asks for it with every cell.
+    // Cached: a plan asks for it once per cell.
     static HASH: LazyLock<String> = LazyLock::new(|| {
         let mut hasher = blake3::Hasher::new();
         for (name, bytes) in SHADERS {

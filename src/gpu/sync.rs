@@ -1,8 +1,8 @@
-//! Tracked access of a buffer or a mip level, and the barrier that the next access needs.
+//! Tracks the access of a buffer or mip level and derives the barrier that the next access needs.
 
 use ash::vk::{AccessFlags2 as Kind, ImageLayout as Layout, PipelineStageFlags2 as Stage};
 
-/// What a command does with a resource: where and how, and in which layout an image must be; a buffer has none.
+/// How a command uses a resource: stage, access, and the layout of an image; buffers have none.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Access {
     pub(super) stage: Stage,
@@ -40,23 +40,23 @@ impl Access {
     pub(super) const INDEX: Self = Self::read(Stage::INDEX_INPUT, Kind::INDEX_READ, Layout::UNDEFINED);
     pub(super) const COPY_READ: Self = Self::read(Stage::COPY, Kind::TRANSFER_READ, Layout::TRANSFER_SRC_OPTIMAL);
     pub(super) const COPY_WRITE: Self = Self::write(Stage::COPY, Kind::TRANSFER_WRITE, Layout::TRANSFER_DST_OPTIMAL);
-    /// vkCmdFillBuffer. The stage of a fill is COPY to some readers of the specification (validation layer 1.3.239 among them) and
-    /// CLEAR to others: ALL_TRANSFER holds both.
+    /// vkCmdFillBuffer. Its stage is COPY to some readers of the specification (validation layer 1.3.239 among them)
+    /// and CLEAR to others: ALL_TRANSFER includes both.
     pub(super) const FILL: Self = Self::write(Stage::ALL_TRANSFER, Kind::TRANSFER_WRITE, Layout::TRANSFER_DST_OPTIMAL);
     pub(super) const COLOR: Self =
         Self::write(Stage::COLOR_ATTACHMENT_OUTPUT, COLOR_READ_WRITE, Layout::COLOR_ATTACHMENT_OPTIMAL);
     pub(super) const DEPTH: Self = Self::write(DEPTH_TESTS, DEPTH_READ_WRITE, Layout::DEPTH_ATTACHMENT_OPTIMAL);
-    /// The host reads mapped memory after the submission.
+    /// Host reads of mapped memory after the submission.
     pub(super) const HOST_READ: Self = Self::read(Stage::HOST, Kind::HOST_READ, Layout::UNDEFINED);
 }
 
-/// What happened to one resource (a buffer, a mip level) so far.
+/// Past accesses of one buffer or mip level.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct State {
     layout: Layout,
     write_stage: Stage,
     write_access: Kind,
-    /// Readers since that write: a later write waits for them, and they need no second barrier.
+    /// Reads since that write: a later write waits for them, and they need no second barrier.
     read_stages: Stage,
     read_accesses: Kind,
 }
@@ -79,7 +79,7 @@ impl State {
         read_accesses: Kind::NONE,
     };
 
-    /// Moves to `next` and returns the barrier that must come before it, if any.
+    /// Moves to `next` and returns the barrier that must precede it, if any.
     pub(super) fn advance(&mut self, next: Access, is_image: bool) -> Option<Barrier> {
         let relayout = is_image && self.layout != next.layout;
         let after_write =
@@ -93,7 +93,7 @@ impl State {
             self.read_accesses |= next.access;
             return (!known && !self.write_stage.is_empty()).then_some(after_write);
         }
-        // After a write and all reads of it. A layout transition writes, too.
+        // Waits for a write and all reads after it. A layout transition is a write too.
         let src_stage = self.write_stage | self.read_stages;
         let src_access = if self.read_stages.is_empty() { self.write_access } else { Kind::NONE };
         self.write_stage = next.stage;

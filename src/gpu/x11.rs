@@ -1,20 +1,19 @@
-//! The end of the X server, which a program notices in three ways: Xlib ends it with code 1, winit panics, or the
-//! window's surface is lost.
+//! Detects the end of the X server. Xlib exits with code 1, winit panics, or the window's surface is lost.
 
 use std::ffi::c_int;
 use std::sync::OnceLock;
 use x11_dl::xlib::{Display, Xlib};
 
-/// Set if a server answered at first.
+/// Set if a server answered at the start.
 static LAST_WORDS: OnceLock<fn() -> u8> = OnceLock::new();
 
 unsafe extern "C" {
-    // Without the destructors of libraries whose threads are at work.
+    // Skips destructors of libraries whose threads are still running.
     safe fn _exit(code: c_int) -> !;
 }
 
-/// Ends the program when Xlib or a panic shows that the X server has ended: calls `last_words` and exits with their
-/// code.
+/// Ends the program if Xlib or a panic shows that the X server has ended: calls `last_words` and exits with the code
+/// that it returns.
 pub fn when_server_ends(last_words: fn() -> u8) {
     if !answers() || LAST_WORDS.set(last_words).is_err() {
         return;
@@ -31,17 +30,17 @@ pub fn when_server_ends(last_words: fn() -> u8) {
     }));
 }
 
-/// Whether the server that answered when [`when_server_ends`] was called answers no more.
+/// Tells whether the server that answered in [`when_server_ends`] has ended.
 pub fn has_server_ended() -> bool {
     LAST_WORDS.get().is_some() && !answers()
 }
 
-/// Whether a connection to the server that DISPLAY names can be opened.
+/// Tells whether a connection to the server in DISPLAY can be opened.
 fn answers() -> bool {
     let Ok(xlib) = Xlib::open() else { return false };
     // SAFETY: called before this process opens a connection, and harmless afterwards.
     unsafe { (xlib.XInitThreads)() };
-    // SAFETY: no name stands for DISPLAY.
+    // SAFETY: a null name means DISPLAY.
     let connection = unsafe { (xlib.XOpenDisplay)(std::ptr::null()) };
     if connection.is_null() {
         return false;

@@ -1,4 +1,4 @@
-//! Binding resources: descriptor sets, and the barriers that each use of a resource needs.
+//! Binds resources: descriptor sets, and the barriers that each use needs.
 
 use super::Recorder;
 use crate::gpu::device::lock;
@@ -6,19 +6,20 @@ use crate::gpu::kept_pipeline::{Interface, Pipeline};
 use crate::gpu::sync::Access;
 use crate::gpu::{Buffer, GpuError, Image, Sampler};
 use ash::vk::{self, DescriptorType as Kind};
+use std::mem::take;
 use std::ops::Range;
 
-/// Descriptor sets of one pool; a recorder adds pools as it needs them.
+/// Descriptor sets per pool; a recorder adds pools on demand.
 const SETS_PER_POOL: u32 = 32;
 
 /// A resource bound to a slot, and how the shader uses it.
 #[derive(Clone)]
 pub enum Bind<'a> {
-    /// All levels of an image through a sampler.
+    /// All levels of an image.
     Sample(&'a Image, Sampler),
-    /// One level of an image through a sampler; the shader sees it as level 0.
+    /// One level of an image; the shader sees it as level 0.
     SampleMip(&'a Image, Sampler, u32),
-    /// The faces of one level as layers, through a sampler.
+    /// The faces of one level as layers.
     SampleFaces(&'a Image, Sampler, u32),
     /// One level of an image, written only.
     StoreMip(&'a Image, u32),
@@ -27,42 +28,42 @@ pub enum Bind<'a> {
     /// The faces of one level as layers, read and written.
     UpdateFaces(&'a Image, u32),
     Read(&'a Buffer),
-    /// Written only: whatever was in it is lost.
+    /// Written only: earlier contents are lost.
     Write(&'a Buffer),
     ReadWrite(&'a Buffer),
-    /// Bytes of a buffer of [`crate::gpu::Gpu::uniform_from`], as many as the shader's block has.
+    /// A range of bytes of a buffer of [`crate::gpu::Gpu::uniform_from`], as large as the shader's block.
     Uniform(&'a Buffer, Range<u64>),
 }
 
-/// What a bind names.
 enum Resource<'a> {
-    Image(&'a Image, Range<u32>, Option<Sampler>),
-    /// The faces of one level as layers.
-    Faces(&'a Image, u32, Option<Sampler>),
+    Image {
+        image: &'a Image,
+        mips: Range<u32>,
+        /// Whether the shader sees the faces as layers.
+        is_array: bool,
+        sampler: Option<Sampler>,
+    },
     Buffer(&'a Buffer, Range<u64>),
 }
 
 impl<'a> Bind<'a> {
-    /// What the bind is to the shader, what the shader does with it, and what it names.
+    /// Returns the descriptor type, the access and the resource.
     fn parts(&self) -> (Kind, Access, Resource<'a>) {
         let whole = |buffer| Resource::Buffer(buffer, 0..vk::WHOLE_SIZE);
+        let sampled = |image, mips, is_array, sampler| {
+            let resource = Resource::Image { image, mips, is_array, sampler: Some(sampler) };
+            (Kind::COMBINED_IMAGE_SAMPLER, Access::SAMPLE, resource)
+        };
+        let stored = |image, mip: u32, is_array, access| {
+            (Kind::STORAGE_IMAGE, access, Resource::Image { image, mips: mip..mip + 1, is_array, sampler: None })
+        };
         match *self {
-            Self::Sample(image, sampler) => (
-                Kind::COMBINED_IMAGE_SAMPLER,
-                Access::SAMPLE,
-                Resource::Image(image, 0..image.mip_count(), Some(sampler)),
-            ),
-            Self::SampleMip(image, sampler, mip) => {
-                (Kind::COMBINED_IMAGE_SAMPLER, Access::SAMPLE, Resource::Image(image, mip..mip + 1, Some(sampler)))
-            }
-            Self::SampleFaces(image, sampler, mip) => {
-                (Kind::COMBINED_IMAGE_SAMPLER, Access::SAMPLE, Resource::Faces(image, mip, Some(sampler)))
-            }
-            Self::StoreMip(image, mip) => {
-                (Kind::STORAGE_IMAGE, Access::STORE, Resource::Image(image, mip..mip + 1, None))
-            }
-            Self::StoreFaces(image, mip) => (Kind::STORAGE_IMAGE, Access::STORE, Resource::Faces(image, mip, None)),
-            Self::UpdateFaces(image, mip) => (Kind::STORAGE_IMAGE, Access::UPDATE, Resource::Faces(image, mip, None)),
+            Self::Sample(image, sampler) => sampled(image, 0..image.mip_count(), false, sampler),
+            Self::SampleMip(image, sampler, mip) => sampled(image, mip..mip + 1, false, sampler),
+            Self::SampleFaces(image, sampler, mip) => sampled(image, mip..mip + 1, true, sampler),
+            Self::StoreMip(image, mip) => stored(image, mip, false, Access::STORE),
+            Self::StoreFaces(image, mip) => stored(image, mip, true, Access::STORE),
+            Self::UpdateFaces(image, mip) => stored(image, mip, true, Access::UPDATE),
             Self::Read(buffer) => (Kind::STORAGE_BUFFER, Access::LOAD, whole(buffer)),
             Self::Write(buffer) => (Kind::STORAGE_BUFFER, Access::STORE, whole(buffer)),
             Self::ReadWrite(buffer) => (Kind::STORAGE_BUFFER, Access::UPDATE, whole(buffer)),
@@ -73,15 +74,9 @@ impl<'a> Bind<'a> {
     }
 }
 
-/// What a shader is given by these binds and push constants.
+/// Returns the interface of a shader with these binds and push constants.
 pub(super) fn interface(binds: &[Bind<'_>], push: &[u8]) -> Interface {
     Interface { kinds: binds.iter().map(|bind| bind.parts().0).collect(), push_size: push.len() }
-}
-
-#[derive(Default)]
-pub(super) struct Barriers {
-    images: Vec<vk::ImageMemoryBarrier2<'static>>,
-    buffers: Vec<vk::BufferMemoryBarrier2<'static>>,
 }
 
 impl Recorder {
@@ -107,7 +102,7 @@ impl Recorder {
 
     fn descriptor_set(&mut self, pipeline: &Pipeline, binds: &[Bind<'_>]) -> Result<vk::DescriptorSet, GpuError> {
         if self.sets_left == 0 {
-            // Room for sets of 16 bindings of each kind, more than any pass has.
+            // Room for 16 bindings of each kind per set, more than any pass has.
             let kinds = [Kind::COMBINED_IMAGE_SAMPLER, Kind::STORAGE_IMAGE, Kind::STORAGE_BUFFER, Kind::UNIFORM_BUFFER];
             let sizes = kinds.map(|ty| vk::DescriptorPoolSize { ty, descriptor_count: 16 * SETS_PER_POOL });
             let info = vk::DescriptorPoolCreateInfo::default().max_sets(SETS_PER_POOL).pool_sizes(&sizes);
@@ -125,16 +120,16 @@ impl Recorder {
         let set = unsafe { self.device().allocate_descriptor_sets(&allocate) }
             .map_err(GpuError::call("vkAllocateDescriptorSets", &self.name))?[0];
 
-        // Of each bind the one that its kind reads.
+        // The kind of a bind decides which of the two is read.
         let mut images = vec![[vk::DescriptorImageInfo::default()]; binds.len()];
         let mut buffers = vec![[vk::DescriptorBufferInfo::default()]; binds.len()];
         for ((bind, [image_info]), [buffer_info]) in binds.iter().zip(&mut images).zip(&mut buffers) {
             match bind.parts() {
-                (_, access, Resource::Image(image, mips, sampler)) => {
-                    *image_info = self.image_info(image.inner.view(mips)?, access, sampler)?;
-                }
-                (_, access, Resource::Faces(image, mip, sampler)) => {
-                    *image_info = self.image_info(image.inner.faces(mip)?, access, sampler)?;
+                (_, access, Resource::Image { image, mips, is_array, sampler }) => {
+                    let sampler = sampler.map(|sampler| self.gpu.shared.sampler(sampler)).transpose()?;
+                    let (image_view, image_layout) = (image.inner.view(mips, is_array)?, access.layout);
+                    let sampler = sampler.unwrap_or_default();
+                    *image_info = vk::DescriptorImageInfo { sampler, image_view, image_layout };
                 }
                 (_, _, Resource::Buffer(buffer, bytes)) => {
                     *buffer_info =
@@ -158,31 +153,17 @@ impl Recorder {
         Ok(set)
     }
 
-    fn image_info(
-        &self,
-        view: vk::ImageView,
-        access: Access,
-        sampler: Option<Sampler>,
-    ) -> Result<vk::DescriptorImageInfo, GpuError> {
-        let sampler = sampler.map(|sampler| self.gpu.shared.sampler(sampler)).transpose()?.unwrap_or_default();
-        Ok(vk::DescriptorImageInfo { sampler, image_view: view, image_layout: access.layout })
-    }
-
     pub(super) fn access_binds(&mut self, binds: &[Bind<'_>]) {
-        let mut barriers = Barriers::default();
         for bind in binds {
             match bind.parts() {
-                (_, access, Resource::Image(image, mips, _)) => self.access_image(image, mips, access, &mut barriers),
-                (_, access, Resource::Faces(image, mip, _)) => {
-                    self.access_image(image, mip..mip + 1, access, &mut barriers);
-                }
-                (_, access, Resource::Buffer(buffer, _)) => self.access_buffer(buffer, access, &mut barriers),
+                (_, access, Resource::Image { image, mips, .. }) => self.access_image(image, mips, access),
+                (_, access, Resource::Buffer(buffer, _)) => self.access_buffer(buffer, access),
             }
         }
-        self.emit(&barriers);
     }
 
-    pub(super) fn access_image(&mut self, image: &Image, mips: Range<u32>, access: Access, barriers: &mut Barriers) {
+    /// Tracks the next access of levels of an image; [`Self::emit`] records the barrier.
+    pub(super) fn access_image(&mut self, image: &Image, mips: Range<u32>, access: Access) {
         let mut states = lock(&image.inner.states);
         for mip in mips {
             let Some(barrier) = states[mip as usize].advance(access, true) else { continue };
@@ -193,7 +174,7 @@ impl Recorder {
                 base_array_layer: 0,
                 layer_count: image.face_count(),
             };
-            barriers.images.push(
+            self.image_barriers.push(
                 vk::ImageMemoryBarrier2::default()
                     .src_stage_mask(barrier.src_stage)
                     .src_access_mask(barrier.src_access)
@@ -201,8 +182,6 @@ impl Recorder {
                     .dst_access_mask(barrier.dst.access)
                     .old_layout(barrier.old_layout)
                     .new_layout(barrier.dst.layout)
-                    .src_queue_family_index(vk::QUEUE_FAMILY_IGNORED)
-                    .dst_queue_family_index(vk::QUEUE_FAMILY_IGNORED)
                     .image(image.inner.raw)
                     .subresource_range(range),
             );
@@ -210,17 +189,15 @@ impl Recorder {
         self.kept.push(image.inner.clone());
     }
 
-    pub(super) fn access_buffer(&mut self, buffer: &Buffer, access: Access, barriers: &mut Barriers) {
+    pub(super) fn access_buffer(&mut self, buffer: &Buffer, access: Access) {
         let mut state = lock(&buffer.inner.state);
         if let Some(barrier) = state.advance(access, false) {
-            barriers.buffers.push(
+            self.buffer_barriers.push(
                 vk::BufferMemoryBarrier2::default()
                     .src_stage_mask(barrier.src_stage)
                     .src_access_mask(barrier.src_access)
                     .dst_stage_mask(barrier.dst.stage)
                     .dst_access_mask(barrier.dst.access)
-                    .src_queue_family_index(vk::QUEUE_FAMILY_IGNORED)
-                    .dst_queue_family_index(vk::QUEUE_FAMILY_IGNORED)
                     .buffer(buffer.inner.raw)
                     .size(vk::WHOLE_SIZE),
             );
@@ -228,20 +205,13 @@ impl Recorder {
         self.kept.push(buffer.inner.clone());
     }
 
-    /// Makes what a copy wrote visible to the host, in case the target is mapped.
-    pub(super) fn host_visible(&mut self, buffer: &Buffer) {
-        let mut barriers = Barriers::default();
-        self.access_buffer(buffer, Access::HOST_READ, &mut barriers);
-        self.emit(&barriers);
-    }
-
-    pub(super) fn emit(&self, barriers: &Barriers) {
-        if barriers.images.is_empty() && barriers.buffers.is_empty() {
+    /// Records the barriers of all accesses since the last call.
+    pub(super) fn emit(&mut self) {
+        let (images, buffers) = (take(&mut self.image_barriers), take(&mut self.buffer_barriers));
+        if images.is_empty() && buffers.is_empty() {
             return;
         }
-        let info = vk::DependencyInfo::default()
-            .image_memory_barriers(&barriers.images)
-            .buffer_memory_barriers(&barriers.buffers);
+        let info = vk::DependencyInfo::default().image_memory_barriers(&images).buffer_memory_barriers(&buffers);
         // SAFETY: recording; every handle is kept alive.
         unsafe { self.device().cmd_pipeline_barrier2(self.commands, &info) };
     }

@@ -1,27 +1,26 @@
-//! What can be recorded: dispatches, draws, fills, copies.
+//! Recorded commands: dispatches, draws, fills, copies.
 
-use super::binding::{Barriers, interface};
+use super::binding::interface;
 use super::{Bind, Recorder};
 use crate::gpu::sync::Access;
 use crate::gpu::{Buffer, GpuError, GraphicsDescription, Groups, Image};
 use ash::vk;
 use std::ops::Range;
 
-/// One draw of a graphics pipeline.
 #[derive(Clone, Copy)]
 pub struct DrawCall<'a> {
-    /// One buffer an attribute.
+    /// One buffer per attribute.
     pub vertex_buffers: &'a [&'a Buffer],
     /// u32 indices; without them vertices are drawn in order.
     pub index_buffer: Option<&'a Buffer>,
-    /// Indices or vertices.
+    /// Number of indices, or of vertices without an index buffer.
     pub count: u32,
     pub instance_count: u32,
-    /// Whether backs of triangles are left out.
+    /// Whether back faces are culled.
     pub is_one_sided: bool,
 }
 
-/// Where a draw goes.
+/// Targets of a draw.
 #[derive(Clone, Copy)]
 pub struct Targets<'a> {
     pub colors: &'a [&'a Image],
@@ -31,7 +30,8 @@ pub struct Targets<'a> {
 }
 
 impl Recorder {
-    /// Dispatches the shader permutation `shader` with specialization constants 0, 1, ...; `push` are the push constants' bytes.
+    /// Dispatches the shader permutation `shader` with specialization constants 0, 1, ...; `push` are the push
+    /// constants' bytes.
     pub fn dispatch(
         &mut self,
         shader: &str,
@@ -50,14 +50,15 @@ impl Recorder {
             return Err(GpuError::Limit { what: "work groups of", name, needed, limit });
         }
         self.access_binds(binds);
+        self.emit();
         self.bind(&pipeline, vk::PipelineBindPoint::COMPUTE, binds, push)?;
-        // SAFETY: recording, the pipeline with its set and constants is bound and takes a first group, and the groups are within the limits.
+        // SAFETY: recording; the pipeline with its set and constants is bound and takes a first group; the groups are
+        // within the limits.
         unsafe { self.device().cmd_dispatch_base(self.commands, x, y, z, columns, rows, layers) };
         self.shaders.insert(shader.to_owned());
         Ok(())
     }
 
-    /// Draws into `targets`.
     pub fn draw(
         &mut self,
         description: GraphicsDescription<'_>,
@@ -69,18 +70,17 @@ impl Recorder {
         let Targets { colors, depth, clear } = targets;
         let pipeline = self.gpu.shared.graphics_pipeline(description, colors.len(), interface(binds, push))?;
         self.access_binds(binds);
-        let mut barriers = Barriers::default();
         for image in colors {
-            self.access_image(image, 0..1, Access::COLOR, &mut barriers);
+            self.access_image(image, 0..1, Access::COLOR);
         }
-        self.access_image(depth, 0..1, Access::DEPTH, &mut barriers);
+        self.access_image(depth, 0..1, Access::DEPTH);
         for buffer in call.vertex_buffers {
-            self.access_buffer(buffer, Access::VERTEX, &mut barriers);
+            self.access_buffer(buffer, Access::VERTEX);
         }
         if let Some(buffer) = call.index_buffer {
-            self.access_buffer(buffer, Access::INDEX, &mut barriers);
+            self.access_buffer(buffer, Access::INDEX);
         }
-        self.emit(&barriers);
+        self.emit();
 
         let load = if clear { vk::AttachmentLoadOp::CLEAR } else { vk::AttachmentLoadOp::LOAD };
         let attachment = |view, layout, value| {
@@ -94,10 +94,10 @@ impl Recorder {
         let mut color_infos = Vec::with_capacity(colors.len());
         for image in colors {
             let value = vk::ClearValue { color: vk::ClearColorValue { float32: [0.0; 4] } };
-            color_infos.push(attachment(image.inner.view(0..1)?, Access::COLOR.layout, value));
+            color_infos.push(attachment(image.inner.view(0..1, false)?, Access::COLOR.layout, value));
         }
         let far = vk::ClearValue { depth_stencil: vk::ClearDepthStencilValue { depth: 1.0, stencil: 0 } };
-        let depth_info = attachment(depth.inner.view(0..1)?, Access::DEPTH.layout, far);
+        let depth_info = attachment(depth.inner.view(0..1, false)?, Access::DEPTH.layout, far);
         let [width, height] = depth.inner.size;
         let area = vk::Rect2D { offset: vk::Offset2D::default(), extent: vk::Extent2D { width, height } };
         let rendering = vk::RenderingInfo::default()
@@ -114,7 +114,7 @@ impl Recorder {
         // SAFETY: likewise.
         unsafe { self.device().cmd_set_scissor(self.commands, 0, &[area]) };
         let culled = if call.is_one_sided { vk::CullModeFlags::BACK } else { vk::CullModeFlags::NONE };
-        // SAFETY: likewise of its culling.
+        // SAFETY: likewise.
         unsafe { self.device().cmd_set_cull_mode(self.commands, culled) };
         self.bind(&pipeline, vk::PipelineBindPoint::GRAPHICS, binds, push)?;
         let vertex_buffers: Vec<_> = call.vertex_buffers.iter().map(|buffer| buffer.inner.raw).collect();
@@ -140,9 +140,8 @@ impl Recorder {
 
     /// Fills a buffer with a 32-bit word.
     pub fn fill(&mut self, buffer: &Buffer, word: u32) {
-        let mut barriers = Barriers::default();
-        self.access_buffer(buffer, Access::FILL, &mut barriers);
-        self.emit(&barriers);
+        self.access_buffer(buffer, Access::FILL);
+        self.emit();
         // SAFETY: recording; sizes are multiples of 4 and the buffer is kept alive.
         unsafe { self.device().cmd_fill_buffer(self.commands, buffer.inner.raw, 0, buffer.size() & !3, word) };
     }
@@ -150,18 +149,19 @@ impl Recorder {
     /// Copies a whole buffer to another of the same size.
     pub(in crate::gpu) fn copy_buffer(&mut self, from: &Buffer, to: &Buffer) -> Result<(), GpuError> {
         assert_eq!(from.size(), to.size(), "'{}': sizes of a copy", self.name);
-        let mut barriers = Barriers::default();
-        self.access_buffer(from, Access::COPY_READ, &mut barriers);
-        self.access_buffer(to, Access::COPY_WRITE, &mut barriers);
-        self.emit(&barriers);
+        self.access_buffer(from, Access::COPY_READ);
+        self.access_buffer(to, Access::COPY_WRITE);
+        self.emit();
         let region = [vk::BufferCopy { src_offset: 0, dst_offset: 0, size: from.size() }];
         // SAFETY: recording; both are kept alive and as large as the region.
         unsafe { self.device().cmd_copy_buffer(self.commands, from.inner.raw, to.inner.raw, &region) };
-        self.host_visible(to);
+        // The target may be mapped.
+        self.access_buffer(to, Access::HOST_READ);
+        self.emit();
         Ok(())
     }
 
-    /// Fills rows of a face of a level; the buffer holds them and no others.
+    /// Fills rows of one face of a level from a buffer that holds just these rows.
     pub(in crate::gpu) fn copy_buffer_to_rows(
         &mut self,
         from: &Buffer,
@@ -170,10 +170,9 @@ impl Recorder {
         mip: u32,
         rows: Range<u32>,
     ) {
-        let mut barriers = Barriers::default();
-        self.access_buffer(from, Access::COPY_READ, &mut barriers);
-        self.access_image(image, mip..mip + 1, Access::COPY_WRITE, &mut barriers);
-        self.emit(&barriers);
+        self.access_buffer(from, Access::COPY_READ);
+        self.access_image(image, mip..mip + 1, Access::COPY_WRITE);
+        self.emit();
         let whole = image_region(image, mip);
         let region = [vk::BufferImageCopy {
             image_subresource: vk::ImageSubresourceLayers {
@@ -193,17 +192,18 @@ impl Recorder {
     }
 
     pub(in crate::gpu) fn copy_image_to_buffer(&mut self, image: &Image, mip: u32, to: &Buffer) {
-        let mut barriers = Barriers::default();
-        self.access_image(image, mip..mip + 1, Access::COPY_READ, &mut barriers);
-        self.access_buffer(to, Access::COPY_WRITE, &mut barriers);
-        self.emit(&barriers);
+        self.access_image(image, mip..mip + 1, Access::COPY_READ);
+        self.access_buffer(to, Access::COPY_WRITE);
+        self.emit();
         let region = [image_region(image, mip)];
         let layout = Access::COPY_READ.layout;
         // SAFETY: recording; both are kept alive, the image is in its layout, the buffer holds the level.
         unsafe {
             self.device().cmd_copy_image_to_buffer(self.commands, image.inner.raw, layout, to.inner.raw, &region)
         };
-        self.host_visible(to);
+        // The target may be mapped.
+        self.access_buffer(to, Access::HOST_READ);
+        self.emit();
     }
 }
 

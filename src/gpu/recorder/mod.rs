@@ -25,7 +25,7 @@ pub struct PassTime {
     pub ms: f64,
 }
 
-/// What a submission took.
+/// Times and shaders of a submission.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Report {
     /// In the order of recording.
@@ -37,7 +37,7 @@ pub struct Report {
 }
 
 impl Report {
-    /// Adds what another submission took; passes of the same name become one.
+    /// Adds another submission. Passes of the same name are merged.
     pub fn add(&mut self, other: Report) {
         for time in other.passes {
             match self.passes.iter_mut().find(|known| known.pass == time.pass) {
@@ -62,12 +62,15 @@ pub struct Recorder {
     shaders: BTreeSet<String>,
     descriptor_pools: Vec<vk::DescriptorPool>,
     sets_left: u32,
-    /// Everything that the commands use.
+    /// Barriers not yet recorded.
+    image_barriers: Vec<vk::ImageMemoryBarrier2<'static>>,
+    buffer_barriers: Vec<vk::BufferMemoryBarrier2<'static>>,
+    /// All resources that the commands use.
     kept: Vec<Arc<dyn Any + Send + Sync>>,
 }
 
 impl Gpu {
-    /// Starts recording; `name` is for the debugger and for errors.
+    /// Starts recording; `name` appears in the debugger and in errors.
     pub fn record(&self, name: &str) -> Result<Recorder, GpuError> {
         if lock(&self.shared.interrupt).as_ref().is_some_and(|flag| flag.load(Ordering::Relaxed)) {
             return Err(GpuError::Interrupted);
@@ -85,6 +88,8 @@ impl Gpu {
             shaders: BTreeSet::new(),
             descriptor_pools: Vec::new(),
             sets_left: 0,
+            image_barriers: Vec::new(),
+            buffer_barriers: Vec::new(),
             kept: Vec::new(),
         };
         // SAFETY: the slot is this recorder's alone, and the submission before has been waited for.
@@ -106,8 +111,8 @@ impl Recorder {
 
     /// Records `body` as one timed pass.
     ///
-    /// Full barriers stand on both sides of each timestamp: lavapipe writes it into the wrong interval without the one behind,
-    /// and the one before keeps passes from overlapping.
+    /// Each timestamp has a full barrier on both sides: the one before keeps passes from overlapping; without the one
+    /// behind, lavapipe writes the timestamp into the wrong interval.
     pub fn pass(
         &mut self,
         name: &'static str,
@@ -126,7 +131,7 @@ impl Recorder {
         outcome
     }
 
-    /// Ends the recording, submits it, waits, and reads the timestamps.
+    /// Ends the recording, submits it, waits and reads the timestamps.
     pub fn submit(mut self) -> Result<Report, GpuError> {
         // SAFETY: recording.
         unsafe { self.device().end_command_buffer(self.commands) }
@@ -200,7 +205,7 @@ impl Recorder {
     }
 
     fn begin_label(&self, name: &str) {
-        if let (Some(debug), Ok(name)) = (self.gpu.shared.debug(), CString::new(name)) {
+        if let (Some(debug), Ok(name)) = (&self.gpu.shared.debug, CString::new(name)) {
             let label = vk::DebugUtilsLabelEXT::default().label_name(&name);
             // SAFETY: recording; the label is copied by the call.
             unsafe { debug.cmd_begin_debug_utils_label(self.commands, &label) };
@@ -208,7 +213,7 @@ impl Recorder {
     }
 
     fn end_label(&self) {
-        if let Some(debug) = self.gpu.shared.debug() {
+        if let Some(debug) = &self.gpu.shared.debug {
             // SAFETY: recording; a label was begun.
             unsafe { debug.cmd_end_debug_utils_label(self.commands) };
         }
