@@ -1,7 +1,7 @@
-//! The process that compiles: its driver is chosen by environment variables, which a process reads once.
+//! The child process that compiles shaders: environment variables choose its driver, and a process reads them once.
 //!
-//! The parent starts its own program with a hidden command and writes the jobs to its standard input, as JSON. The child answers with one
-//! line for itself and one a job, so that the parent knows at which one a compiler died.
+//! The parent starts its own program with a hidden command and writes the jobs to its standard input as JSON. The child
+//! answers with a line about itself and one per job, so the parent knows which job a compiler died on.
 
 use super::family::{FAMILIES, Family};
 use crate::gbuffer;
@@ -11,19 +11,18 @@ use std::io::{self, BufRead, Read, Write};
 use std::path::Path;
 use std::process::{Command, Stdio};
 
-/// The hidden command.
+/// Name of the hidden command.
 pub const COMMAND: &str = "compile-shaders";
 
-/// The name that RADV gives its assembly.
+/// RADV's name for its assembly.
 pub const ASSEMBLY: &str = "Assembly";
 
-/// One shader to compile.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Job {
     /// A permutation: a compute shader, or the fragment shader of a draw.
     pub shader: String,
     pub constants: Vec<u32>,
-    /// The SPIR-V of a method in a file, which the child does not have.
+    /// SPIR-V of a method in a file, which the child does not have.
     pub code: Option<Vec<u32>>,
 }
 
@@ -34,22 +33,14 @@ impl Job {
     }
 }
 
-/// What a child says of itself.
+/// The child's device.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Compiler {
-    /// The device as the driver words it.
     pub device: String,
-    /// The driver's name and version.
     pub driver: String,
 }
 
-/// The stages of a job's pipeline.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Compiled {
-    pub executables: Vec<Executable>,
-}
-
-/// Why nothing was compiled.
+/// Compilation failed.
 #[derive(Debug, thiserror::Error)]
 pub enum CompileFault {
     #[error("{program}: {source}")]
@@ -64,12 +55,12 @@ pub enum CompileFault {
     Shader { family: &'static str, shader: String, said: String },
 }
 
-/// What a child answers for a family by one of its names.
+/// Runs a child that compiles for a family by one of its driver names.
 fn try_name(program: &Path, name: &str, jobs: &[Job]) -> Result<Answer, io::Error> {
     let mut child = Command::new(program)
         .arg(COMMAND)
         .env("RADV_FORCE_FAMILY", name)
-        // What an earlier run of the compiler made has no assembly.
+        // The cache's entries have no assembly.
         .env("MESA_SHADER_CACHE_DISABLE", "true")
         .stdin(Stdio::piped())
         .stdout(Stdio::piped())
@@ -79,7 +70,7 @@ fn try_name(program: &Path, name: &str, jobs: &[Job]) -> Result<Answer, io::Erro
     let mut input = child.stdin.take().expect("piped");
     let fed = std::thread::spawn(move || input.write_all(text.as_bytes()));
     let output = child.wait_with_output()?;
-    // A child that died early did not read: its answer tells.
+    // A child that died early did not read; its answer shows that.
     let _ = fed.join();
     let mut lines = output.stdout.lines().map_while(Result::ok);
     let compiler = lines.next().and_then(|line| serde_json::from_str(&line).ok());
@@ -88,14 +79,14 @@ fn try_name(program: &Path, name: &str, jobs: &[Job]) -> Result<Answer, io::Erro
 }
 
 struct Answer {
-    /// Nothing where the driver did not open.
+    /// `None` if the driver did not open.
     compiler: Option<Compiler>,
-    /// As far as the child came.
-    results: Vec<Result<Compiled, String>>,
+    /// Results up to the child's end.
+    results: Vec<Result<Vec<Executable>, String>>,
     said: String,
 }
 
-/// The families that the installed driver compiles for; an error where it has none.
+/// Lists the families that the installed driver compiles for; an error if there are none.
 pub fn available(program: &Path) -> Result<Vec<(&'static Family, Compiler)>, CompileFault> {
     let (mut found, mut said) = (Vec::new(), String::new());
     for family in FAMILIES {
@@ -115,8 +106,8 @@ fn start(program: &Path, source: io::Error) -> CompileFault {
     CompileFault::Start { program: program.display().to_string(), source }
 }
 
-/// Compiles every job for a family, in the order of the jobs. `program` is this program's file.
-pub fn compile(program: &Path, family: &'static Family, jobs: &[Job]) -> Result<Vec<Compiled>, CompileFault> {
+/// Compiles every job for a family, in order, and returns the stages of each. `program` is this program's file.
+pub fn compile(program: &Path, family: &'static Family, jobs: &[Job]) -> Result<Vec<Vec<Executable>>, CompileFault> {
     let mut last = CompileFault::NoRadv { said: String::new() };
     for name in family.driver_names {
         let answer = try_name(program, name, jobs).map_err(|source| start(program, source))?;
@@ -130,47 +121,33 @@ pub fn compile(program: &Path, family: &'static Family, jobs: &[Job]) -> Result<
             said: said.to_owned(),
         };
         let count = answer.results.len();
-        let done =
-            answer.results.into_iter().enumerate().map(|(index, result)| result.map_err(|said| fault(index, &said)));
-        let done: Vec<Compiled> = done.collect::<Result<_, _>>()?;
-        return if count < jobs.len() {
-            Err(fault(count, &format!("the compiler died; {}", answer.said)))
-        } else {
-            Ok(done)
-        };
+        if count < jobs.len() && answer.results.iter().all(Result::is_ok) {
+            return Err(fault(count, &format!("the compiler died; {}", answer.said)));
+        }
+        let results = answer.results.into_iter().enumerate();
+        return results.map(|(index, result)| result.map_err(|said| fault(index, &said))).collect();
     }
     Err(last)
 }
 
-/// The child's side: reads the jobs, compiles on RADV, writes the answers.
-pub fn serve(input: impl Read, mut output: impl Write) -> Result<(), ServeFault> {
+/// Runs the child: reads jobs, compiles them on RADV, writes answers.
+pub fn serve(input: impl Read, mut output: impl Write) -> Result<(), Box<dyn std::error::Error>> {
     let jobs: Vec<Job> = serde_json::from_reader(input)?;
     let gpu = Gpu::new(Options { device: DeviceChoice::Radv, executables: true, ..Options::default() })?;
     let info = gpu.info();
     let compiler = Compiler { device: info.name.clone(), driver: info.driver.clone() };
     writeln!(output, "{}", serde_json::to_string(&compiler)?)?;
     for job in &jobs {
-        let result = pipeline(&gpu, job).map_err(|error| error.to_string());
+        let result = executables(&gpu, job).map_err(|error| error.to_string());
         writeln!(output, "{}", serde_json::to_string(&result)?)?;
         output.flush()?;
     }
-    // A device without hardware crashes when it is closed (Mesa 22.3.6); the process ends anyway.
+    // Closing a device without hardware crashes (Mesa 22.3.6); the process ends anyway.
     std::mem::forget(gpu);
     Ok(())
 }
 
-/// Why a child ends without an answer.
-#[derive(Debug, thiserror::Error)]
-pub enum ServeFault {
-    #[error(transparent)]
-    Gpu(#[from] GpuError),
-    #[error(transparent)]
-    Json(#[from] serde_json::Error),
-    #[error(transparent)]
-    Io(#[from] io::Error),
-}
-
-fn pipeline(gpu: &Gpu, job: &Job) -> Result<Compiled, GpuError> {
+fn executables(gpu: &Gpu, job: &Job) -> Result<Vec<Executable>, GpuError> {
     if let Some(code) = &job.code {
         add_shader(job.shader.clone(), code);
     }
@@ -182,5 +159,5 @@ fn pipeline(gpu: &Gpu, job: &Job) -> Result<Compiled, GpuError> {
     for stage in &mut executables {
         stage.texts.retain(|(name, _)| name == ASSEMBLY);
     }
-    Ok(Compiled { executables })
+    Ok(executables)
 }

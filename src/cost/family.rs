@@ -1,4 +1,4 @@
-//! Families of GPUs that the driver may compile for.
+//! Families of GPUs to compile for.
 
 use crate::spelling::listed;
 
@@ -6,36 +6,27 @@ use crate::spelling::listed;
 #[derive(Debug)]
 pub struct Family {
     pub name: &'static str,
-    /// What RADV calls it, in the order in which to ask: newer versions have other names.
+    /// RADV's names, in the order to try: newer versions use other names.
     pub driver_names: &'static [&'static str],
     pub generation: &'static str,
     /// A product of the family.
     pub card: &'static str,
 }
 
-const fn family(
-    name: &'static str,
-    driver_names: &'static [&'static str],
-    generation: &'static str,
-    card: &'static str,
-) -> Family {
-    Family { name, driver_names, generation, card }
-}
-
-/// Every family, the oldest first. A driver may lack some.
+/// Every family, oldest first. A driver may lack some.
 pub static FAMILIES: &[Family] = &[
-    family("vega10", &["vega10"], "GCN 5", "Radeon RX Vega 64"),
-    family("navi10", &["navi10"], "RDNA 1", "Radeon RX 5700 XT"),
-    family("navi21", &["navi21"], "RDNA 2", "Radeon RX 6800 XT"),
-    family("vangogh", &["vangogh"], "RDNA 2", "Steam Deck"),
-    family("gfx1100", &["gfx1100", "navi31"], "RDNA 3", "Radeon RX 7900 XTX"),
+    Family { name: "vega10", driver_names: &["vega10"], generation: "GCN 5", card: "Radeon RX Vega 64" },
+    Family { name: "navi10", driver_names: &["navi10"], generation: "RDNA 1", card: "Radeon RX 5700 XT" },
+    Family { name: "navi21", driver_names: &["navi21"], generation: "RDNA 2", card: "Radeon RX 6800 XT" },
+    Family { name: "vangogh", driver_names: &["vangogh"], generation: "RDNA 2", card: "Steam Deck" },
+    Family { name: "gfx1100", driver_names: &["gfx1100", "navi31"], generation: "RDNA 3", card: "Radeon RX 7900 XTX" },
 ];
 
 listed!(
     Family,
     "family",
     FAMILIES,
-    /// Finds the family of that name, or of that name of the driver's.
+    /// Finds a family by its name or a driver's name for it.
     fn by_name(name: &str) -> Option<&'static Self> {
         Self::all().find(|family| family.name == name || family.driver_names.contains(&name))
     }

@@ -1,21 +1,21 @@
-//! Counts of the instructions in AMD assembly text, inside and outside the loop over samples.
+//! Counts the instructions in AMD assembly text, inside and outside the loop over samples.
 //!
-//! The text is what RADV gives: labels `BBn:`, one instruction a line, `(then repeated k times)` for k more of the line before. A loop is
-//! the natural loop of a back edge; the loop over samples is the outermost one with a lookup in an image.
+//! RADV's text has labels `BBn:`, one instruction per line, and `(then repeated k times)` for k more of the line
+//! before. A loop is the natural loop of a back edge; the loop over samples is the outermost one with an image lookup.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::AddAssign;
 
-/// Instructions by the unit that executes them, for one lane of a wave.
+/// Instructions by executing unit, for one lane of a wave.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Counts {
-    /// Full-rate vector arithmetic. A dual-issued pair is one.
+    /// Full-rate vector arithmetic. A dual-issued pair counts once.
     pub alu: f64,
-    /// Vector arithmetic at a quarter of that rate: rcp, rsq, sqrt, log, exp, sin, cos, and 32-bit integer products.
+    /// Quarter-rate vector arithmetic: rcp, rsq, sqrt, log, exp, sin, cos, and 32-bit integer products.
     pub quarter: f64,
-    /// Scalar arithmetic, scalar loads and branches: one for a whole wave.
+    /// Scalar arithmetic, scalar loads and branches: once per wave.
     pub scalar: f64,
-    /// Texel loads and stores without a filter.
+    /// Unfiltered texel loads and stores.
     pub unfiltered: f64,
     /// Lookups in one level.
     pub bilinear: f64,
@@ -25,18 +25,17 @@ pub struct Counts {
     pub memory_bytes: f64,
 }
 
-/// A shader's counts.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ShaderCounts {
-    /// Executed once a dispatch.
+    /// Executed once per dispatch.
     pub outside: Counts,
-    /// Executed once a sample.
+    /// Executed once per sample.
     pub inside: Counts,
-    /// Further loops, whose length the text does not tell: their instructions count once.
+    /// Other loops, of unknown length: their instructions count once.
     pub other_loops: usize,
 }
 
-/// A text that is not understood.
+/// The assembly cannot be parsed.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("line {line} of the assembly, {text:?}: {what}")]
 pub struct IsaFault {
@@ -46,7 +45,7 @@ pub struct IsaFault {
 }
 
 impl Counts {
-    /// Lookups in images, with or without a filter.
+    /// Image lookups, filtered or not.
     fn lookups(&self) -> f64 {
         self.unfiltered + self.bilinear + self.trilinear
     }
@@ -64,7 +63,7 @@ impl AddAssign for Counts {
     }
 }
 
-/// Vector instructions at a quarter of the rate \[LlvmAmdgpu20\].
+/// Quarter-rate vector instructions \[LlvmAmdgpu20\].
 const QUARTER: [&str; 12] = [
     "v_rcp_",
     "v_rsq_",
@@ -93,7 +92,7 @@ const HINTS: [&str; 9] = [
 ];
 const MEMORY: [&str; 7] = ["buffer_", "tbuffer_", "global_", "flat_", "scratch_", "ds_", "lds_"];
 
-/// What one instruction adds; `None` for a word that is none.
+/// Returns the counts of one instruction; `None` if it is unknown.
 fn counted(mnemonic: &str) -> Option<Counts> {
     let begins = |starts: &[&str]| starts.iter().any(|start| mnemonic.starts_with(start));
     let none = Counts::default();
@@ -115,14 +114,14 @@ fn counted(mnemonic: &str) -> Option<Counts> {
     } else if begins(&MEMORY) {
         Counts { memory_bytes: bytes(mnemonic), ..none }
     } else if begins(&["exp"]) {
-        // Exports of graphics stages: no pass over pixels has any.
+        // Exports of graphics stages; passes over pixels have none.
         none
     } else {
         return None;
     })
 }
 
-/// Bytes a lane that a memory instruction moves.
+/// Bytes per lane that a memory instruction moves.
 fn bytes(mnemonic: &str) -> f64 {
     let width = |part: &str| match part {
         "dwordx2" | "b64" => Some(8.0),
@@ -133,7 +132,7 @@ fn bytes(mnemonic: &str) -> f64 {
     mnemonic.split('_').find_map(width).unwrap_or(4.0)
 }
 
-/// A run of instructions that is entered at its label only.
+/// Instructions entered only at their label.
 #[derive(Default)]
 struct Block {
     label: String,
@@ -149,7 +148,7 @@ pub fn count(assembly: &str) -> Result<ShaderCounts, IsaFault> {
     let blocks = blocks(assembly)?;
     let loops = loops(assembly, &blocks)?;
     let has_lookup = |body: &&BTreeSet<usize>| body.iter().any(|block| blocks[*block].counts.lookups() > 0.0);
-    // The outermost one that looks up; of several, which none of today's shaders has, the longest.
+    // The outermost loop with lookups; if there were several, the longest.
     let samples = loops.values().filter(has_lookup).max_by_key(|body| body.len());
     let mut counts = ShaderCounts { other_loops: loops.len() - usize::from(samples.is_some()), ..Default::default() };
     for (index, block) in blocks.iter().enumerate() {
@@ -188,14 +187,14 @@ fn blocks(assembly: &str) -> Result<Vec<Block>, IsaFault> {
                 let to = words.next().ok_or_else(|| fault("a branch to nowhere"))?;
                 block.jumps.push((to.to_owned(), index));
             }
-            // What follows a jump without a label is never reached.
+            // Code after a jump without a label is unreachable.
             block.falls_through &= !["s_branch", "s_endpgm"].contains(&mnemonic);
         }
     }
     Ok(blocks)
 }
 
-/// The blocks of every natural loop, by its first block.
+/// Finds the blocks of every natural loop, by its first block.
 fn loops(assembly: &str, blocks: &[Block]) -> Result<BTreeMap<usize, BTreeSet<usize>>, IsaFault> {
     let places: BTreeMap<&str, usize> =
         blocks.iter().enumerate().map(|(index, block)| (block.label.as_str(), index)).collect();
@@ -212,7 +211,7 @@ fn loops(assembly: &str, blocks: &[Block]) -> Result<BTreeMap<usize, BTreeSet<us
                 what: "no such label",
             })?;
             before[to].push(index);
-            // The compiler lays out the blocks of structured code in order: only a loop jumps back.
+            // The compiler lays out structured code in order: only loops jump back.
             if to <= index {
                 back_edges.push((to, index));
             }

@@ -1,37 +1,38 @@
-//! A compiled shading pass: its counts, registers and waves.
+//! Counts, registers and waves of compiled shading passes.
 
-use super::child::{ASSEMBLY, CompileFault, Compiled, Job, compile};
+use super::child::{ASSEMBLY, CompileFault, Job, compile};
 use super::family::Family;
 use super::isa::{self, IsaFault, ShaderCounts};
+use crate::gpu::Executable;
 use std::path::Path;
 
-/// The passes of these jobs on a family.
+/// Compiles these jobs for a family.
 pub fn passes(program: &Path, family: &'static Family, jobs: &[Job]) -> Result<Vec<Pass>, CompileFault> {
     let compiled = compile(program, family, jobs)?;
-    let pass = |(job, compiled): (&Job, &Compiled)| {
+    let pass = |(job, stages): (&Job, &Vec<Executable>)| {
         let fault = |said: String| CompileFault::Shader { family: family.name, shader: job.shader.clone(), said };
-        let pass = Pass::new(compiled).ok_or_else(|| fault("the driver gives no assembly".to_owned()))?;
+        let pass = Pass::new(stages).ok_or_else(|| fault("the driver gives no assembly".to_owned()))?;
         pass.map_err(|error| fault(error.to_string()))
     };
     jobs.iter().zip(&compiled).map(pass).collect()
 }
 
-/// What the compiler made of a pass over pixels.
+/// A compiled pass over pixels.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Pass {
     pub counts: ShaderCounts,
     /// Lanes that share an instruction.
     pub wave: u32,
-    /// Vector registers of a lane.
+    /// Vector registers per lane.
     pub vector_registers: u32,
-    /// Waves that one vector unit can hold, as Mesa counts them: on RDNA waves of 32 lanes.
+    /// Waves per vector unit, as Mesa counts them: on RDNA waves of 32 lanes.
     pub waves: u32,
 }
 
 impl Pass {
-    /// Reads what a compute shader became; `None` without its assembly or statistics.
-    pub fn new(compiled: &Compiled) -> Option<Result<Self, IsaFault>> {
-        let [stage] = &compiled.executables[..] else { return None };
+    /// Reads a compiled compute shader; `None` without its assembly or statistics.
+    pub fn new(stages: &[Executable]) -> Option<Result<Self, IsaFault>> {
+        let [stage] = stages else { return None };
         let [vector_registers, waves] = ["VGPRs", "Subgroups per SIMD"].map(|name| stage.statistic(name));
         let (vector_registers, waves) = (vector_registers? as u32, waves? as u32);
         let counts = isa::count(stage.text(ASSEMBLY)?);

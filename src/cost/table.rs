@@ -1,4 +1,4 @@
-//! The counts of compiled passes as tables.
+//! Tables of the counts of compiled passes.
 
 use super::family::Family;
 use super::isa::Counts;
@@ -6,23 +6,23 @@ use super::pass::Pass;
 use crate::table::csv::{Cell, to_text};
 use crate::table::markdown::{Align, MarkdownTable};
 
-/// One shading pass on one family.
+/// A shading pass on a family.
 #[derive(Debug)]
 pub struct Shaded {
     pub family: &'static Family,
-    /// Name and version of the driver that compiled.
+    /// Name and version of the compiling driver.
     pub driver: String,
     pub method: &'static str,
-    /// Empty for a method that does not use the model.
+    /// Empty if the method does not use the model.
     pub brdf: &'static str,
     pub layout: &'static str,
-    /// What else was asked for and changes its code: `masking=uncorrelated`.
+    /// Other settings that change the code: `masking=uncorrelated`.
     pub options: String,
     pub uses_samples: bool,
     pub pass: Pass,
 }
 
-/// What is counted: column, heading, meaning; in the order of [`classes`].
+/// Column, heading and meaning of each count, in the order of [`classes`].
 const CLASSES: [(&str, &str, &str); 7] = [
     ("alu", "ALU", "Full-rate vector instructions a pixel"),
     ("quarter_rate", "quarter-rate", "Quarter-rate vector instructions a pixel"),
@@ -50,13 +50,13 @@ const FIRST: [(&str, &str); 8] = [
 ];
 
 const LAST: [(&str, &str); 4] = [
-    ("other_loops", "Loops whose length the assembly does not tell; counted once."),
+    ("other_loops", "Loops of unknown length; counted once."),
     ("wave", "Lanes of a wave."),
     ("vector_registers", "Vector registers of a lane."),
-    ("waves", "Waves that a vector unit can hold, as Mesa counts them: on RDNA waves of 32 lanes."),
+    ("waves", "Waves per vector unit, as Mesa counts them: on RDNA waves of 32 lanes."),
 ];
 
-/// The columns of the CSV with their meaning.
+/// Lists the columns of the CSV with their meaning.
 pub fn columns() -> Vec<(String, String)> {
     let known =
         |columns: &[(&str, &str)]| columns.iter().map(|(name, about)| (name.to_string(), about.to_string())).collect();
@@ -67,7 +67,7 @@ pub fn columns() -> Vec<(String, String)> {
     [known(&FIRST), counted.concat(), known(&LAST)].concat()
 }
 
-/// One row a pass.
+/// Writes a row per pass.
 pub fn csv(passes: &[Shaded]) -> Vec<u8> {
     let names: Vec<String> = columns().into_iter().map(|(name, _)| name).collect();
     let row = |shaded: &Shaded| {
@@ -82,7 +82,7 @@ pub fn csv(passes: &[Shaded]) -> Vec<u8> {
     to_text(&names, rows.iter().map(Vec::as_slice)).to_vec()
 }
 
-/// A table a family: the fixed part of each pass, and what a sample adds.
+/// Writes a table per family: the fixed part of each pass, and the part per sample.
 pub fn markdown(passes: &[Shaded]) -> String {
     let tables = passes.chunk_by(|a, b| a.family.name == b.family.name).map(|own| {
         let Family { name, generation, card, .. } = own[0].family;

@@ -96,7 +96,7 @@ fn every_pipeline_compiles_for_every_family_and_twice_to_the_same_bytes() {
         let compiled = compile(program(), family, &jobs).unwrap();
         assert_eq!(compiled.len(), jobs.len());
         for (job, compiled) in jobs.iter().zip(&compiled) {
-            for stage in &compiled.executables {
+            for stage in compiled {
                 let text = stage.text("Assembly").unwrap_or_default();
                 let counts = splitsum::cost::isa::count(text)
                     .unwrap_or_else(|error| panic!("{}: {}: {error}", family.name, job.shader));
