@@ -1,8 +1,9 @@
 //! Antialiased edges.
 //!
-//! Shading stays at one point a pixel, so that "16 samples a pixel" means 16. A g-buffer with [`POINTS_PER_SIDE`]² points a pixel finds the
-//! pixels in which surfaces meet, or a surface and the background. Each of their points takes the radiance of the most similar of the nine
-//! pixels around it, and the pixel has the mean over its points. Scores leave those pixels out.
+//! Shading stays at one point per pixel, so that "16 samples a pixel" means 16. A g-buffer with [`POINTS_PER_SIDE`]²
+//! points per pixel finds the pixels where surfaces meet, or a surface and the background. Each point takes the
+//! radiance of the most similar of the nine pixels around it; the pixel is the mean over its points. Scores exclude
+//! these pixels.
 
 use super::Frame;
 use crate::gbuffer::Gbuffer;
@@ -12,27 +13,28 @@ use glam::Vec3;
 use rayon::prelude::*;
 use std::sync::Arc;
 
-/// Points of a pixel's side: 17 steps from bare to covered.
+/// Points along a pixel's side: 17 steps from uncovered to covered.
 pub(super) const POINTS_PER_SIDE: u32 = 4;
 const POINTS: usize = (POINTS_PER_SIDE * POINTS_PER_SIDE) as usize;
-/// Points less alike than this belong to different surfaces: normals 37 degrees apart, or a step of one pixel's width.
+/// Points with a larger difference belong to different surfaces: normals 37 degrees apart, or a step of one pixel's
+/// width.
 const UNLIKE: f32 = 0.2;
 
-/// What the g-buffer has at a point; `None` if nothing is hit.
+/// Position and normal at a point; `None` if nothing is hit.
 type Point = Option<(Vec3, Vec3)>;
 
-/// The pixels of a view that several surfaces share, each with the pixels that its points take their radiance from.
+/// The pixels that several surfaces share, each with the pixels that its points take their radiance from.
 pub(super) struct Edges(Vec<(usize, [usize; POINTS])>);
 
 impl Edges {
-    /// Compares each pixel's centre, in `pixels`, with its `points`.
+    /// Compares the centre of each pixel, in `pixels`, with its `points`.
     pub(super) fn find(pixels: &Gbuffer<f32>, points: &Gbuffer<f32>, camera: &Camera) -> Self {
         let [width, height] = [pixels.position_mask.width, pixels.position_mask.height];
         let [_, half_height] = camera.extent(f64::from(width) / f64::from(height));
         let step = (2.0 * half_height / f64::from(height)) as f32;
         let (eye, forward) = (camera.eye.as_vec3(), camera.forward.as_vec3());
         let is_perspective = matches!(camera.projection, Projection::Perspective { .. });
-        // 0 for points of one plane.
+        // 0 for points on one plane.
         let difference = |a: Point, b: Point| match (a, b) {
             (None, None) => 0.0,
             (Some((place, normal)), Some((other, other_normal))) => {
@@ -65,7 +67,7 @@ impl Edges {
         Self((0..(width * height) as usize).into_par_iter().filter_map(edge).collect())
     }
 
-    /// The frame with its edges resolved; its mask keeps the pixels that one surface fills.
+    /// Resolves the edges of a frame. The mask keeps the pixels that one surface fills.
     pub(super) fn resolve(&self, frame: Frame) -> Frame {
         let mut radiance = frame.radiance.clone();
         let mut mask = GrayImage::clone(&frame.mask);
@@ -77,7 +79,7 @@ impl Edges {
         Frame { radiance, mask: Arc::new(mask), ..frame }
     }
 
-    /// Memory that they take.
+    /// Memory, bytes.
     pub(super) fn bytes(&self) -> u64 {
         size_of_val(&self.0[..]) as u64
     }

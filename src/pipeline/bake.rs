@@ -1,6 +1,6 @@
-//! What precompute makes, as files for people and other programs.
+//! Writes precomputed tables as files for people and other programs.
 
-use super::light_tables::{LOBES_OF, read_level};
+use super::light_tables::{LOBES_OF, read_level, read_texels};
 use super::{Pipeline, PipelineError, RenderRequest};
 use crate::brdf::{Brdf, MaskingShadowing};
 use crate::environment::Environment;
@@ -17,20 +17,19 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// The list of files, and what they hold.
+/// The file that lists the files of a bake.
 const MANIFEST: &str = "bake.json";
 
-/// What to bake.
 #[derive(Clone, Debug)]
 pub struct BakeRequest {
     pub environment: Arc<Environment>,
     pub precompute: PrecomputeSettings,
-    /// One prefiltered map and one DFG table each.
+    /// Each gets a prefiltered map, a DFG table and a lobe table.
     pub brdfs: Vec<&'static dyn Brdf>,
     pub masking_shadowing: MaskingShadowing,
 }
 
-/// Names what the numbers of `sh9.json` mean, so that no reader has to guess.
+/// `sh9.json`: the coefficients and what they mean.
 #[derive(Serialize)]
 struct Sh9File<'a> {
     environment: &'a str,
@@ -41,7 +40,7 @@ struct Sh9File<'a> {
     radiance: Vec<[f32; 3]>,
 }
 
-/// What the other files hold.
+/// `bake.json`: what the other files hold.
 #[derive(Serialize)]
 struct BakeFile<'a> {
     environment: &'a str,
@@ -57,7 +56,7 @@ struct BakeFile<'a> {
     level_mapping: &'static str,
     prefilter_weight: &'static str,
     prefilter: &'static str,
-    /// Of a sampled map only.
+    /// Only for sampled maps.
     #[serde(skip_serializing_if = "Option::is_none")]
     prefilter_lod_bias: Option<f32>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -69,18 +68,19 @@ struct BakeFile<'a> {
 }
 
 impl Pipeline {
-    /// Writes prefiltered levels, DFG table and table of lobes of each model (EXR; lobes as source text, too), SH9 (JSON) and the irradiance
-    /// map (EXR) into the folder `out`, and `bake.json` last. Levels that an earlier bake left beyond these are removed. Returns the paths.
+    /// Writes into the folder `out`, and returns the paths: prefiltered levels, DFG table and lobe table of each model
+    /// (EXR; lobes also as source text), SH9 (JSON), the irradiance map (EXR), and `bake.json` last. Removes levels
+    /// that an earlier bake left beyond these.
     pub fn bake(&mut self, request: &BakeRequest, out: &Path) -> Result<Vec<PathBuf>, PipelineError> {
         let environment = &request.environment;
         let settings = &request.precompute;
         remove_stale(request, out)?;
-        // The smallest request that makes the tables: nothing of it is ever shaded.
+        // The smallest request that makes the tables; nothing of it is shaded.
         let mut view = RenderRequest::plain(environment.clone(), Scene::sphere(), CameraKind::Ortho, [8, 8]);
         view.shading = Shading {
             method: Method::listed("none"),
             masking_shadowing: request.masking_shadowing,
-            // Other programs look the table up as they do their own.
+            // Other programs look the table up in their own way.
             precompute: PrecomputeSettings { dfg_axes: DfgAxes::Centres, ..*settings },
             ..view.shading
         };
@@ -104,11 +104,12 @@ impl Pipeline {
                 files.push(path);
             }
             let path = out.join(format!("dfg_{}.exr", brdf.name()));
-            write_dfg(&self.gpu, &tables.dfg, &path)?;
+            // Viewers show nothing for channels named A and B.
+            write_channels(&read_texels(&self.gpu, &tables.dfg)?, &["R", "G"], &path)?;
             files.push(path);
             let lobes = lobes(&self.gpu, &tables.lobe_shapes)?;
             let [image, header] = ["exr", "h"].map(|end| out.join(format!("lobes_{}.{end}", brdf.name())));
-            write_lobes(&lobes, &image)?;
+            write_channels(&lobes, &["R", "G", "B", "A"], &image)?;
             write_atomically(&header, |file| file.write_all(lobe_header(brdf.name(), &lobes).as_bytes()))?;
             files.extend([image, header]);
         }
@@ -144,7 +145,7 @@ impl Pipeline {
     }
 }
 
-/// Removes what would not be written anew: the list of files, which is about to be wrong, and levels beyond the last.
+/// Removes what the bake would not overwrite: the manifest, which is about to be wrong, and levels beyond the last.
 fn remove_stale(request: &BakeRequest, out: &Path) -> Result<(), PipelineError> {
     let beyond = |brdf: &dyn Brdf| {
         let first = request.precompute.prefilter_level_count;
@@ -200,7 +201,7 @@ fn write_image(gpu: &Gpu, image: &Image, mip: u32, path: &Path) -> Result<(), Pi
     Ok(exr::write_rgba(path, &rgb, &GrayImage::filled(rgb.width, rgb.height, 1.0), &[])?)
 }
 
-/// The parts of a table of lobes that [`LOBES_OF`] reads: moments, and below them the last widths.
+/// Extracts the parts of a lobe table that [`LOBES_OF`] reads: the moments, and below them the last widths.
 fn lobes(gpu: &Gpu, table: &Image) -> Result<Pixels<[f32; 4]>, PipelineError> {
     let [side, part] = [LOBE_SHAPE_SIDE, LOBE_SHAPE_SIDE * LOBE_SHAPE_SIDE];
     let texels = gpu.read_image(table, 0)?;
@@ -208,12 +209,12 @@ fn lobes(gpu: &Gpu, table: &Image) -> Result<Pixels<[f32; 4]>, PipelineError> {
     Ok(Pixels::new(side, 2 * side, [moments, widths].concat()))
 }
 
-fn write_lobes(lobes: &Pixels<[f32; 4]>, path: &Path) -> Result<(), PipelineError> {
-    let channel = |(index, name): (usize, &str)| (name.into(), lobes.map(|texel| texel[index]));
-    Ok(exr::write_channels(path, ["R", "G", "B", "A"].into_iter().enumerate().map(channel).collect())?)
+fn write_channels(texels: &Pixels<[f32; 4]>, names: &[&str], path: &Path) -> Result<(), PipelineError> {
+    let channel = |(index, name): (usize, &&str)| (name.to_string(), texels.map(|texel| texel[index]));
+    Ok(exr::write_channels(path, names.iter().enumerate().map(channel).collect())?)
 }
 
-/// The same as source text that is valid C, C++ and GLSL, row by row.
+/// Writes the table as source text that is valid C, C++ and GLSL, row by row.
 fn lobe_header(model: &str, lobes: &Pixels<[f32; 4]>) -> String {
     let (name, count) = (format!("splitsum_lobes_{model}"), lobes.width * lobes.height);
     let rows: Vec<String> = (0..lobes.height)
@@ -240,12 +241,4 @@ fn lobe_header(model: &str, lobes: &Pixels<[f32; 4]>) -> String {
         lobes.height,
         rows.join(",\n"),
     )
-}
-
-fn write_dfg(gpu: &Gpu, table: &Image, path: &Path) -> Result<(), PipelineError> {
-    let [width, height] = table.mip_size(0);
-    let texels = gpu.read_image(table, 0)?;
-    let channel = |index: usize| Pixels::new(width, height, texels.iter().map(|texel| texel[index]).collect());
-    // R and G, because viewers show nothing under the names A and B.
-    Ok(exr::write_channels(path, vec![("R".into(), channel(0)), ("G".into(), channel(1))])?)
 }

@@ -1,6 +1,7 @@
-//! Bounded caches of what passes share: a sweep of thousands of cells must not grow, nor must a window in which somebody turns sizes.
+//! Bounded caches of shared results: neither a sweep of thousands of cells nor a window with many sizes may grow
+//! without limit.
 
-/// What one cache holds at most beside its newest value, bytes. A software driver takes it from the memory of the host.
+/// Most bytes of one cache beside its newest value. A software driver takes them from the host's memory.
 pub const CACHE_BYTES: u64 = 1 << 29;
 
 /// The most recently used values by key, at most `capacity` of them.
@@ -12,12 +13,12 @@ pub struct Recent<K, V> {
 }
 
 impl<K: PartialEq, V: Clone> Recent<K, V> {
-    /// Of values that are small.
+    /// Makes a cache of small values.
     pub fn new(capacity: usize) -> Self {
         Self::weighed(capacity, |_| 0)
     }
 
-    /// Of values that take `bytes_of` each.
+    /// Makes a cache of values of `bytes_of` bytes each.
     pub fn weighed(capacity: usize, bytes_of: fn(&V) -> u64) -> Self {
         Self { capacity, bytes_of, entries: Vec::new() }
     }
@@ -26,7 +27,6 @@ impl<K: PartialEq, V: Clone> Recent<K, V> {
         self.entries.clear();
     }
 
-    /// The value of `key`, if it is there.
     pub fn get(&mut self, key: &K) -> Option<V> {
         let index = self.entries.iter().position(|(known, _)| known == key)?;
         let entry = self.entries.remove(index);
@@ -35,12 +35,12 @@ impl<K: PartialEq, V: Clone> Recent<K, V> {
         Some(value)
     }
 
-    /// The value of `key`, made by `make` if it is not there.
+    /// Returns the value of `key`, calling `make` if it is missing.
     pub fn get_or_make<E>(&mut self, key: K, make: impl FnOnce() -> Result<V, E>) -> Result<V, E> {
         if let Some(value) = self.get(&key) {
             return Ok(value);
         }
-        // Old values go first, so that both never take memory at once.
+        // Old values are removed first, so that both never take memory at once.
         let bytes = |entries: &[(K, V)]| entries.iter().map(|(_, value)| (self.bytes_of)(value)).sum::<u64>();
         while self.entries.len() == self.capacity || bytes(&self.entries) > CACHE_BYTES {
             self.entries.remove(0);

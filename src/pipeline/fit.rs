@@ -1,17 +1,17 @@
-//! Whether a request fits the device, estimated before anything is allocated.
+//! Estimates whether a request fits the device, before anything is allocated.
 
 use super::{PipelineError, RenderRequest};
 use crate::gpu::Gpu;
 
-/// Bytes of a texel of four f32.
+/// Bytes per texel of four f32.
 const VEC4: u64 = 16;
 
-/// Largest storage buffer that a device can name (`maxStorageBufferRange` is a u32), bytes.
+/// Largest storage buffer of any device (`maxStorageBufferRange` is a u32), bytes.
 pub const BUFFER_BYTES_MAX: u64 = u32::MAX as u64;
-/// The storage buffer that every Vulkan device has at least, bytes; software drivers have no more.
+/// The storage buffer that every Vulkan device allows, bytes; software drivers allow no more.
 pub const BUFFER_BYTES_EVERYWHERE: u64 = 1 << 27;
 
-/// Bytes of the buffer through which an image of that size is read and written.
+/// Returns the bytes of the buffer through which an image of that size is read and written.
 pub fn image_buffer_bytes([width, height]: [u32; 2]) -> u64 {
     u64::from(width) * u64::from(height) * VEC4
 }
@@ -20,27 +20,26 @@ pub fn image_buffer_bytes([width, height]: [u32; 2]) -> u64 {
 struct Need {
     what: String,
     size: [u32; 2],
-    /// Bytes in all.
+    /// Total bytes.
     bytes: u64,
-    /// Bytes of the largest buffer among them.
     buffer_bytes: u64,
-    /// Whether images are among them, whose sides are limited.
+    /// Whether the side limit of images applies.
     has_images: bool,
 }
 
-/// What `request` needs beside pipelines and geometry, largest parts first in the order of the work.
+/// Lists what `request` needs besides pipelines and geometry.
 fn needs(request: &RenderRequest) -> Vec<Need> {
     let texels = |[width, height]: [u32; 2]| u64::from(width) * u64::from(height);
-    // A chain of halved levels takes a third more.
+    // A mip chain takes a third more.
     let with_mips = |texels: u64| texels * VEC4 * 4 / 3;
     let image =
         |what: &str, size, bytes| Need { what: what.to_owned(), size, bytes, buffer_bytes: 0, has_images: true };
     let map = &request.environment.image;
     let (size, map_size) = (request.size, [map.width, map.height]);
     let (pixels, map_texels) = (texels(size), texels(map_size));
-    // Reading and writing go through host-visible copies, one at a time.
+    // Reads and writes go through host-visible copies, one at a time.
     let mut needs = vec![
-        // Four attachments, depth, radiance, the copy.
+        // Four attachments, depth, radiance, a copy.
         Need { buffer_bytes: image_buffer_bytes(size), ..image("image", size, pixels * (6 * VEC4 + 4)) },
         image(
             &format!("environment {}", request.environment.name),
@@ -49,7 +48,8 @@ fn needs(request: &RenderRequest) -> Vec<Need> {
         ),
     ];
     if request.has_reference_term() {
-        // Means, deviations, squared error; starts and guide entries of the map's distribution, one word each, rounded up to powers of two.
+        // Means, deviations, squared error; starts and guide entries of the distribution, one word each, rounded up to
+        // powers of two.
         let words = u64::from(map.height + 2) * (u64::from(map.width) + u64::from(map.width).next_power_of_two() + 2);
         let bytes = 3 * pixels * VEC4 + 4 * words;
         let buffer_bytes = (4 * words).max(pixels * VEC4);
@@ -78,7 +78,7 @@ fn needs(request: &RenderRequest) -> Vec<Need> {
     needs
 }
 
-/// Refuses a request that no allocation could serve, with the figure that is too large.
+/// Refuses a request that cannot be allocated, naming the number that is too large.
 pub(super) fn check(gpu: &Gpu, request: &RenderRequest) -> Result<(), PipelineError> {
     if request.shading.precompute.layout.face_count == 6
         && request.reads_filtered_levels()

@@ -1,7 +1,7 @@
-//! What each shared result is made of, and by which shaders.
+//! The inputs and shaders of each shared result.
 //!
-//! A pass is given these inputs and the environment's image and nothing else of the request, so nothing else can change its table. A key
-//! takes the inputs apart by name: a new field does not compile until the key has it.
+//! A pass gets these inputs and the environment's image, and nothing else of the request: nothing else can change its
+//! table. Keys destructure their inputs, so that a new field does not compile before the key has it.
 
 use super::RenderRequest;
 use crate::bakes::given::{GivenMap, GivenTable};
@@ -18,54 +18,53 @@ use crate::shade::Shading;
 use crate::spelling::Listed;
 use std::collections::BTreeSet;
 
-/// What names a shared result.
+/// The name of a shared result.
 #[derive(Clone, Debug)]
 pub(super) struct SharedKey {
-    /// What tallies, passes and the disk call the kind.
+    /// The kind, as tallies, passes and the disk name it.
     pub(super) kind: &'static str,
-    /// Every input, one line each. An environment is named by its content: a map and its clip have one name.
+    /// Every input, one per line. An environment is named by its contents: a map and its clipped version have one name.
     pub(super) inputs: String,
     /// Every shader between the inputs and the result.
     pub(super) shaders: Vec<String>,
 }
 
 impl SharedKey {
-    /// The lines that name it on the disk, beside its code.
+    /// Returns the lines that name it on disk, without its code.
     pub(super) fn text(&self) -> String {
         format!("kind={}\n{}", self.kind, self.inputs)
     }
 
-    /// Fails when a shader ran that the key does not name: a change of it would go unseen.
+    /// Panics if a shader ran that the key does not name: its changes would go unnoticed.
     pub(super) fn assert_names(&self, ran: &BTreeSet<String>) {
         let unnamed: Vec<&String> = ran.iter().filter(|shader| !self.shaders.contains(shader)).collect();
         assert!(unnamed.is_empty(), "the key of {} leaves out {unnamed:?}", self.kind);
     }
 }
 
-/// The environment's mip chain.
+/// Key of the environment's mip chain.
 pub(super) fn mips_key(environment: &Environment) -> SharedKey {
     let inputs = format!("environment={}\n", environment.hash);
     SharedKey { kind: "mips", inputs, shaders: vec![mips::pass::SHADER.to_owned()] }
 }
 
-/// Every shader between an environment and its levels by a layout.
+/// Lists the shaders between an environment and its levels in a layout.
 fn level_shaders(layout: &MapLayout) -> Vec<String> {
     [mips::pass::SHADER.to_owned()].into_iter().chain(filtered::pass::shaders(layout)).collect()
 }
 
-/// The environment's levels by a layout that is not its own.
+/// Key of the environment's levels in a layout that is not its own.
 pub(super) fn filtered_key(environment: &Environment, layout: &MapLayout) -> SharedKey {
     let inputs = format!("environment={}\nlayout={}\n", environment.hash, layout.name);
     SharedKey { kind: "mips", inputs, shaders: level_shaders(layout) }
 }
 
-/// Nine coefficients of the environment's finest level.
+/// Key of the nine coefficients of the environment's finest level.
 pub(super) fn sh9_key(environment: &Environment, by: Projection) -> SharedKey {
     let inputs = format!("environment={}\nby={by:?}\n", environment.hash);
     SharedKey { kind: "sh9", inputs, shaders: sh9::pass::SHADERS.map(str::to_owned).to_vec() }
 }
 
-/// The map of irradiance.
 pub(super) struct IrradianceInputs<'a> {
     pub(super) environment: &'a Environment,
     pub(super) layout: &'static MapLayout,
@@ -90,7 +89,7 @@ impl<'a> IrradianceInputs<'a> {
     }
 }
 
-/// The prefiltered map, from the environment's levels.
+/// Inputs of the prefiltered map, made from the environment's levels.
 pub(super) struct PrefilterInputs<'a> {
     pub(super) environment: &'a Environment,
     pub(super) layout: &'static MapLayout,
@@ -99,7 +98,7 @@ pub(super) struct PrefilterInputs<'a> {
     pub(super) level_count: u32,
     pub(super) by: PrefilterBy,
     pub(super) sample_count: u32,
-    /// In its place.
+    /// A map from files that replaces it.
     pub(super) given: Option<&'a GivenMap>,
 }
 
@@ -138,14 +137,13 @@ impl<'a> PrefilterInputs<'a> {
     }
 }
 
-/// The DFG table.
 pub(super) struct DfgInputs<'a> {
     pub(super) brdf: &'static dyn Brdf,
     pub(super) masking: MaskingShadowing,
     pub(super) side: u32,
     pub(super) axes: DfgAxes,
     pub(super) sample_count: u32,
-    /// In its place.
+    /// A table from files that replaces it.
     pub(super) given: Option<&'a GivenTable>,
 }
 
@@ -169,9 +167,8 @@ impl<'a> DfgInputs<'a> {
     }
 }
 
-/// The table of lobe shapes.
 pub(super) struct LobeShapeInputs {
-    /// That of the prefiltered map.
+    /// The kernel of the prefiltered map.
     pub(super) kernel: Kernel,
     pub(super) masking: MaskingShadowing,
 }
@@ -186,7 +183,7 @@ impl LobeShapeInputs {
         let Self { kernel: Kernel { brdf, weight, masking: of_weight }, masking } = self;
         let (model, weight) = (brdf.name(), weight.name);
         let inputs = format!("brdf={model}\nweight={weight}\nweight_masking={of_weight:?}\nmasking={masking:?}\n");
-        // Made on the host; the model's text stands for the model.
+        // Made on the host; the model's shader identifies the model.
         SharedKey { kind: "lobe-shapes", inputs, shaders: vec![dfg::pass::shader(*brdf)] }
     }
 }

@@ -1,4 +1,4 @@
-//! References on the disk: what one is determined by, and its bytes.
+//! References on disk: what determines one, and its bytes.
 
 use super::RenderRequest;
 use super::inputs::{DfgInputs, SharedKey, mips_key};
@@ -8,7 +8,7 @@ use crate::shade::Shading;
 use crate::shade::pass::{BACKGROUND_SHADER, lights_shader};
 use crate::shade::reference_pass::Convergence;
 
-/// The parts of a reference frame that take long to make.
+/// The expensive parts of a reference frame.
 #[derive(Debug, PartialEq)]
 pub(super) struct Reference {
     pub(super) radiance: RgbImage,
@@ -16,9 +16,10 @@ pub(super) struct Reference {
     pub(super) convergences: Vec<Convergence>,
 }
 
-/// Everything that determines the frame of `request`; `None` when a term of it is no reference: such frames are cheap.
+/// Returns everything that determines the frame of `request`; `None` if no term of it is a reference, since such frames
+/// are cheap.
 ///
-/// Of the settings of tables only those of the DFG table count, where the frame reads it.
+/// Of the table settings only the DFG table's matter, and only if the frame reads it.
 pub(super) fn key(request: &RenderRequest) -> Option<SharedKey> {
     let RenderRequest {
         environment,
@@ -30,9 +31,9 @@ pub(super) fn key(request: &RenderRequest) -> Option<SharedKey> {
         reference_error,
         lights,
         background,
-        // Comes after what is kept.
+        // Applied after what is kept.
         antialias: _,
-        // A table is named by its key, and no reference reads a prefiltered map.
+        // A given table has its own key, and no reference reads a prefiltered map.
         given: _,
         seed,
     } = request;
@@ -46,7 +47,7 @@ pub(super) fn key(request: &RenderRequest) -> Option<SharedKey> {
         diffuse,
         samples,
         precompute,
-        // Parameters of sampled methods only.
+        // Parameters of sampled methods.
         sequence: _,
         point_set: _,
         pixel_points: _,
@@ -83,12 +84,12 @@ pub(super) fn key(request: &RenderRequest) -> Option<SharedKey> {
     Some(SharedKey { kind: "reference", inputs, shaders })
 }
 
-/// The passes that [`Convergence::term`] can name.
+/// The possible values of [`Convergence::term`].
 const TERMS: [&str; 2] = ["shade-specular", "shade-diffuse"];
 const CONVERGENCE_LENGTH: usize = 18;
 
 impl Reference {
-    /// Radiance, a flag, the standard error where there is one, then the terms.
+    /// Radiance, a flag, the standard error if there is one, then the terms.
     pub(super) fn to_bytes(&self) -> Vec<u8> {
         let mut bytes: Vec<u8> = bytemuck::cast_slice(&self.radiance.data).to_vec();
         bytes.push(u8::from(self.standard_error.is_some()));
@@ -104,7 +105,7 @@ impl Reference {
         bytes
     }
 
-    /// The inverse of `to_bytes`; `None` for bytes that are no frame of this size.
+    /// Inverse of `to_bytes`; `None` if `bytes` are not a frame of this size.
     pub(super) fn from_bytes(bytes: &[u8], [width, height]: [u32; 2]) -> Option<Self> {
         let image_length = size_of::<[f32; 3]>() * width as usize * height as usize;
         let image = |bytes: &[u8]| RgbImage::new(width, height, bytemuck::pod_collect_to_vec(bytes));

@@ -1,13 +1,14 @@
-//! The error of a split sum or of a diffuse term by its steps (`ladder`), for the scene `design`.
+//! Splits the error of a split sum or of a diffuse term into the steps of its ladder, on the scene `design`.
 
-use super::light_tables::read_level;
+use super::light_tables::{read_level, read_texels};
+use super::resources::harmonics;
 use super::{Pipeline, PipelineError, RenderRequest, passes};
 use crate::brdf::Compensation;
 use crate::environment::layout::FilteredMap;
 use crate::glsl::constants::ALPHA_MIN;
 use crate::gpu::{Gpu, Image};
 use crate::ladder::attribution::{Attribution, Case, attributions};
-use crate::ladder::diffuse::{self, Integrals, Irradiance};
+use crate::ladder::diffuse::{self, Irradiance};
 use crate::ladder::game::Coalition;
 use crate::ladder::radiance::{Radiance, Setting, rounded};
 use crate::ladder::{SPLIT_SUM, ladder_of};
@@ -25,42 +26,35 @@ use crate::spelling::Listed;
 use glam::{DVec2, DVec3};
 use std::sync::Arc;
 
-/// What of the radiance of coalitions does not hang on f0, and may serve the next request.
-pub(super) type KeptRadiance = Arc<Radiance>;
-/// What hangs on no light.
-pub(super) type KeptAlbedos = Arc<Albedos>;
-/// What hangs on the light alone.
-pub(super) type KeptIntegrals = Arc<Vec<Integrals>>;
-
 impl Pipeline {
-    /// The error of what `request` renders, by the steps of its ladder: over all pixels, and over those of each band of n·v. The scene is a
-    /// `design`; what is drawn takes `samples` a pixel.
+    /// Splits the error of what `request` renders into the steps of its ladder: over all pixels, and over the pixels of
+    /// each band of n·v. The scene must be a `design`; drawn terms take `samples` a pixel.
     pub fn attributions(
         &mut self,
         request: &RenderRequest,
         samples: u32,
         bands: &[[f64; 2]],
     ) -> Result<Vec<Attribution>, PipelineError> {
-        assert!(request.scene.is_design, "the steps are told on the scene `design`");
+        assert!(request.scene.is_design, "attributions need the scene `design`");
         let ladder = ladder_of(request.shading.method, request.shading.diffuse).expect("a term with a ladder");
         let frames = frames(request);
         let n_dot_v: Vec<f64> = frames.iter().map(|[n, v]| n.dot(*v)).collect();
         let material = &request.scene.materials[0];
         let rgb = |values: [f32; 3]| DVec3::from_array(values.map(f64::from));
         let f0 = rgb(material.f0).lerp(rgb(material.albedo), material.metallic.into());
-        let told = |radiance: &dyn Fn(Coalition) -> Vec<DVec3>, scrambles: &dyn Fn(Coalition) -> Vec<Vec<DVec3>>| {
+        let split = |radiance: &dyn Fn(Coalition) -> Vec<DVec3>, scrambles: &dyn Fn(Coalition) -> Vec<Vec<DVec3>>| {
             let (n_dot_v, epsilon) = (&n_dot_v[..], request.epsilon());
             attributions(&Case { ladder, n_dot_v, radiance, scrambles, epsilon }, bands)
         };
         if !std::ptr::eq(ladder, &SPLIT_SUM) {
             let albedo = rgb(material.albedo) * f64::from(1.0 - material.metallic);
             let radiance = self.diffuse_by_steps(request, &frames, f0, albedo)?;
-            return Ok(told(&|coalition| radiance.of(coalition), &|_| Vec::new()));
+            return Ok(split(&|coalition| radiance.of(coalition), &|_| Vec::new()));
         }
         let request = RenderRequest {
             shading: Shading {
                 diffuse: Diffuse::listed(NONE),
-                // The steps part one scattering.
+                // The steps split single scattering.
                 compensation: Compensation::None,
                 ..request.shading
             },
@@ -69,15 +63,15 @@ impl Pipeline {
             ..request.clone()
         };
         let radiance = self.specular_by_steps(&request, &frames)?;
-        Ok(told(&|coalition| radiance.of(coalition, f0), &|coalition| radiance.scrambles(coalition, f0)))
+        Ok(split(&|coalition| radiance.of(coalition, f0), &|coalition| radiance.scrambles(coalition, f0)))
     }
 
-    /// What each scramble makes of the one term of a reference: the same points for every lobe.
+    /// Returns the radiance of each scramble of the single reference term: the same points for every lobe.
     pub fn scrambles(&mut self, request: &RenderRequest) -> Result<Vec<Vec<DVec3>>, PipelineError> {
         let prepared = self.prepare(request)?;
         let data = prepared.reference.as_ref().expect("a term of the reference");
         let (distribution, sums, squared_error) = (&data.distribution, &data.sums, &data.squared_error);
-        let (target, epsilon) = (&prepared.target, request.epsilon().beside_square());
+        let (target, epsilon) = (&prepared.target, request.epsilon());
         let passes = passes(request, &prepared);
         let (stop, seed, mask) = (request.reference_stop(), request.seed, &*target.mask);
         let run = ReferenceRun { passes, stop, epsilon, seed, mask, distribution, sums, squared_error };
@@ -100,7 +94,7 @@ impl Pipeline {
         let make =
             || Ok::<_, PipelineError>(Arc::new(diffuse::integrals(&exact_quadrature(&environment.image), frames)));
         let exact = self.resources.integrals.get_or_make(key, make)?;
-        // Of the table as it is looked up, of the map before it is stored.
+        // The DFG table as it is looked up, the map before it is stored.
         let mut precompute = request.shading.precompute;
         let is_half = precompute.storage == StorageFormat::F16;
         let stored = self.prepare(request)?.tables;
@@ -112,7 +106,7 @@ impl Pipeline {
             Irradiance::Sh9(Box::new([project_bilinear(&exact_quadrature(&environment.image)), summed]))
         } else {
             let layout = precompute.layout;
-            let harmonics = self.resources.harmonics(environment, harmonic::degree(1.0))?;
+            let harmonics = harmonics(&mut self.resources.tables.harmonics, environment, harmonic::degree(1.0))?;
             let factors = harmonic::cosine_factors(harmonics.degree());
             let size = tables.irradiance_map.mip_size(0);
             let exact = harmonic::texels(&harmonics, &factors, layout, size);
@@ -140,8 +134,8 @@ impl Pipeline {
         Ok(diffuse::Radiance { frames, exact, irradiance, albedos, f0, scale })
     }
 
-    /// (A, B) of the material's width.
-    fn albedos(&mut self, kernel: Kernel, request: &RenderRequest) -> Result<KeptAlbedos, PipelineError> {
+    /// Returns (A, B) at the material's width.
+    fn albedos(&mut self, kernel: Kernel, request: &RenderRequest) -> Result<Arc<Albedos>, PipelineError> {
         let masking = request.shading.masking_shadowing;
         let alpha = f64::from(request.scene.materials[0].alpha.max(ALPHA_MIN));
         let key = format!("{} {} {masking:?} {alpha}", kernel.brdf.name(), kernel.weight.name);
@@ -149,16 +143,14 @@ impl Pipeline {
     }
 
     fn dfg_table(&self, table: &Image) -> Result<Pixels<DVec2>, PipelineError> {
-        let [side, _] = table.mip_size(0);
-        let texels = Pixels::new(side, side, self.gpu.read_image(table, 0)?);
-        Ok(texels.map(|[a, b, ..]: [f32; 4]| DVec2::new(a.into(), b.into())))
+        Ok(read_texels(&self.gpu, table)?.map(|[a, b, ..]: [f32; 4]| DVec2::new(a.into(), b.into())))
     }
 
     fn specular_by_steps(
         &mut self,
         request: &RenderRequest,
         frames: &[[DVec3; 2]],
-    ) -> Result<KeptRadiance, PipelineError> {
+    ) -> Result<Arc<Radiance>, PipelineError> {
         let alpha = f64::from(request.scene.materials[0].alpha.max(ALPHA_MIN));
         let RenderRequest { environment, shading, .. } = request;
         let Shading { placement, environment_scale, brdf, masking_shadowing, .. } = *shading;
@@ -197,7 +189,8 @@ impl Pipeline {
         let mip = tables.level_mapping.mip_from_alpha(alpha, count).floor().min(f64::from(count) - 2.0);
         let widths = [alpha, tables.level_mapping.alpha_from_mip(mip, count)];
         let degree = widths.into_iter().filter(|alpha| *alpha > 0.0).map(harmonic::degree).max();
-        let harmonics = self.resources.harmonics(environment, degree.expect("alpha is above 0"))?;
+        let degree = degree.expect("alpha is above 0");
+        let harmonics = harmonics(&mut self.resources.tables.harmonics, environment, degree)?;
         let kernel = Kernel::new(brdf, tables.prefilter_weight, masking_shadowing);
         let albedos = self.albedos(kernel, request)?;
         let radiance = Arc::new(Radiance::new(Setting {
@@ -218,7 +211,7 @@ impl Pipeline {
     }
 }
 
-/// Normal and view of each pixel in the environment's frame.
+/// Returns normal and view of each pixel in the environment's frame.
 fn frames(request: &RenderRequest) -> Vec<[DVec3; 2]> {
     let [width, height] = request.size;
     let turn = request.shading.placement.environment_from_world();
@@ -229,12 +222,12 @@ fn vector(rgb: [f32; 3]) -> DVec3 {
     DVec3::from_array(rgb.map(f64::from))
 }
 
-/// The faces of a level of an image on the device.
+/// Reads the faces of a level from the device.
 fn read_faces(gpu: &Gpu, image: &Image, mip: u32) -> Result<Vec<Pixels<DVec3>>, PipelineError> {
     Ok(faces(read_level(gpu, image, mip)?.data.into_iter(), image.mip_size(mip)))
 }
 
-/// Faces that lie one after the other.
+/// Splits texels into faces that follow each other.
 fn faces(texels: impl Iterator<Item = [f32; 3]>, [width, height]: [u32; 2]) -> Vec<Pixels<DVec3>> {
     let texels: Vec<DVec3> = texels.map(vector).collect();
     texels.chunks((width * height) as usize).map(|face| Pixels::new(width, height, face.to_vec())).collect()

@@ -1,4 +1,4 @@
-//! What lights a surface, read back from the device: the tables of one environment, model and masking.
+//! Reads back the tables of one environment, model and masking.
 
 use super::{Pipeline, PipelineError, RenderRequest};
 use crate::environment::layout::MapLayout;
@@ -10,36 +10,35 @@ use crate::precompute::prefilter::LevelMapping;
 use crate::shade::{Diffuse, Method, Shading};
 use crate::spelling::Listed;
 
-/// Texels of the finest prefiltered level: what a page can hold for a few models and environments.
+/// Most texels of the finest prefiltered level: a page can hold these for a few models and environments.
 const PREFILTERED_TEXELS_MAX: u32 = 1 << 15;
 
-/// The method whose table of lobes is read; bakes write it.
+/// The method whose lobe table is read and baked.
 pub(super) const LOBES_OF: &str = "split-sum-relative";
 
-/// The tables by which the split sums, the sampled methods and `sh9` shade.
+/// The tables of the split sums, the sampled methods and `sh9`.
 #[derive(Clone, Debug)]
 pub struct LightTables {
-    /// How the maps lie in texels.
     pub layout: &'static MapLayout,
-    /// Which roughness each level of the prefiltered map holds.
+    /// Perceptual roughness of each level of the prefiltered map.
     pub level_mapping: &'static LevelMapping,
-    /// Radiance level by level, down to one texel, the faces of a level below each other; the finest levels are left out.
+    /// Radiance by level, down to one texel, the faces of a level below each other; the finest levels may be missing.
     pub environment: Vec<RgbImage>,
     /// Radiance coefficients in the order of `shaders/lib/sh.glsl`.
     pub sh9: Vec<[f32; 3]>,
-    /// Mean radiance of the lobe, level by level.
+    /// Mean radiance of the lobe, by level.
     pub prefiltered: Vec<RgbImage>,
-    /// The DFG table: what scales f0, and what is added.
+    /// (A, B) of the DFG table: scale of f0 and bias.
     pub dfg: Pixels<[f32; 2]>,
-    /// Where its texels lie.
+    /// Positions of its texels.
     pub dfg_axes: DfgAxes,
-    /// The table of lobe shapes, all of its parts.
     pub lobe_shapes: Pixels<[f32; 4]>,
 }
 
 impl Pipeline {
-    /// Makes the tables for the environment, model, masking and settings of `request`, or takes those that are there. Levels of the
-    /// environment of more than `texels_max` are not read; the prefiltered map has at most `PREFILTERED_TEXELS_MAX`.
+    /// Makes the tables for the environment, model, masking and settings of `request`, or takes existing ones. Levels
+    /// of the environment with more than `texels_max` texels are not read; the finest prefiltered level has at most
+    /// `PREFILTERED_TEXELS_MAX`.
     pub fn light_tables(&mut self, request: &RenderRequest, texels_max: u32) -> Result<LightTables, PipelineError> {
         self.with_memory(|pipeline| pipeline.read_light_tables(request, texels_max))
     }
@@ -53,7 +52,7 @@ impl Pipeline {
         let PrecomputeSettings { layout, prefilter_level_count, level_mapping, dfg_axes, .. } =
             request.shading.precompute;
         let size = &mut request.shading.precompute.prefilter_size;
-        // Halved no further than its levels allow.
+        // Halved as far as the number of levels allows.
         let least = layout.side_min << prefilter_level_count;
         while layout.face_count * size[0] * size[1] > PREFILTERED_TEXELS_MAX && size[0].min(size[1]) >= least {
             *size = size.map(|side| side / 2);
@@ -66,10 +65,7 @@ impl Pipeline {
         let is_small =
             |&mip: &u32| tables.filtered.mip_size(mip).iter().product::<u32>() * layout.face_count <= texels_max;
         let first_level = (0..levels).find(is_small).unwrap_or(levels - 1);
-        let [width, height] = tables.dfg.mip_size(0);
-        let dfg = Pixels::new(width, height, self.gpu.read_image(&tables.dfg, 0)?);
-        let [width, height] = tables.lobe_shapes.mip_size(0);
-        let lobe_shapes = Pixels::new(width, height, self.gpu.read_image(&tables.lobe_shapes, 0)?);
+        let (dfg, lobe_shapes) = (read_texels(&self.gpu, &tables.dfg)?, read_texels(&self.gpu, &tables.lobe_shapes)?);
         let sh9: Vec<[f32; 4]> = self.gpu.read_buffer(&tables.sh9)?;
         Ok(LightTables {
             layout,
@@ -86,8 +82,14 @@ impl Pipeline {
     }
 }
 
-/// A level of an image on the device, its faces below each other, without its alpha.
+/// Reads a level from the device, its faces below each other, without alpha.
 pub(super) fn read_level(gpu: &Gpu, image: &Image, mip: u32) -> Result<RgbImage, PipelineError> {
     let [width, height] = image.mip_size(mip);
     Ok(Pixels::new(width, height * image.face_count(), gpu.read_image(image, mip)?).map(|[r, g, b, _]| [r, g, b]))
+}
+
+/// Reads level 0 of an image of one face from the device.
+pub(super) fn read_texels(gpu: &Gpu, image: &Image) -> Result<Pixels<[f32; 4]>, PipelineError> {
+    let [width, height] = image.mip_size(0);
+    Ok(Pixels::new(width, height, gpu.read_image(image, 0)?))
 }

@@ -1,7 +1,7 @@
 //! Runs environment, precompute, gbuffer, shade and tonemap in this order.
 //!
-//! Tables, scenes and g-buffers are kept by what determines them, so that a sweep makes each once. With a [`DiskCache`] tables and
-//! references are kept for later runs, too.
+//! Tables, scenes and g-buffers are cached by what determines them: a sweep makes each once. With a [`DiskCache`],
+//! tables and references are kept for later runs too.
 
 mod antialias;
 mod bake;
@@ -14,6 +14,7 @@ mod ladder;
 mod light_tables;
 mod prepare;
 mod request;
+mod resources;
 mod shared_work;
 
 pub use crate::gpu::{DeviceChoice, DeviceInfo, Options, PassTime, chosen_device, devices};
@@ -33,28 +34,27 @@ use crate::precompute::SettingsError;
 use crate::shade::pass::Passes;
 use crate::shade::reference_pass::{Convergence, PartPair, ReferenceRun};
 use crate::tonemap::{self, ToneCurve};
-use disk_cache::Code;
 use kept_reference::Reference;
-use prepare::{Prepared, ReferenceData, Resources};
+use resources::{Prepared, ReferenceData, Resources, Shelves};
 use shared_work::Kept;
 use std::collections::BTreeSet;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
-/// Why a frame could not be made.
+/// Errors of rendering.
 #[derive(Debug, thiserror::Error)]
 pub enum PipelineError {
     #[error(transparent)]
     Gpu(#[from] GpuError),
-    /// A broken integrator must never pass as a dark or a clipped one.
+    /// A broken integrator must not pass as dark or clipped.
     #[error(
         "{count} pixels of the {stage} radiance are not finite or are negative, the first at column {x}, row {y}: {value:?}"
     )]
     InvalidRadiance { stage: &'static str, count: usize, x: u32, y: u32, value: [f32; 3] },
     #[error(transparent)]
     File(#[from] PixelsError),
-    #[error("{}: cannot be removed ({error}); expected to replace what an earlier bake left", path.display())]
+    #[error("{}: cannot be removed ({error}); delete this file of an earlier bake", path.display())]
     Stale { path: PathBuf, error: std::io::Error },
     #[error("{field} is 0; expected at least 1")]
     NoSamples { field: &'static str },
@@ -62,7 +62,7 @@ pub enum PipelineError {
     PartPair(#[from] PartPair),
     #[error(transparent)]
     Settings(#[from] SettingsError),
-    #[error("the driver does not filter cubes across their edges; another layout works: layout = \"octahedral\"")]
+    #[error("the driver does not filter cubes across their edges; choose another layout: layout = \"octahedral\"")]
     OpenCubes,
     /// Found before anything was allocated.
     #[error("{part} is too large for the device: it needs {needed}, the limit is {limit}")]
@@ -70,7 +70,7 @@ pub enum PipelineError {
 }
 
 impl PipelineError {
-    /// Whether something else must be asked for: the request cannot be served whatever is tried.
+    /// Whether the request itself must change: no retry can serve it.
     pub fn is_input(&self) -> bool {
         matches!(
             self,
@@ -78,7 +78,7 @@ impl PipelineError {
         )
     }
 
-    /// Whether the work was broken off on demand ([`Pipeline::interrupt_by`]).
+    /// Whether [`Pipeline::interrupt_by`] stopped the work.
     pub fn is_interrupted(&self) -> bool {
         matches!(self, Self::Gpu(GpuError::Interrupted))
     }
@@ -89,17 +89,17 @@ impl PipelineError {
     }
 }
 
-/// Whether a cache that was told its device holds what `request` would render: then nothing is rendered.
+/// Tells whether a cache with its device set holds what `request` would render: then nothing is rendered.
 pub fn is_kept(cache: &DiskCache, request: &RenderRequest) -> bool {
-    kept_reference::key(request).is_some_and(|key| cache.holds(Code::Shaders(&key.shaders), &key.text()))
+    kept_reference::key(request).is_some_and(|key| cache.holds(&key.shaders, &key.text()))
 }
 
-/// The shaders that a reference on the disk hangs on; `None` when frames of `request` are not kept.
+/// Lists the shaders that a reference on disk depends on; `None` if frames of `request` are not kept.
 pub fn shaders_of_kept(request: &RenderRequest) -> Option<Vec<String>> {
     Some(kept_reference::key(request)?.shaders)
 }
 
-/// An open device and what was made so far.
+/// An open device with cached results.
 pub struct Pipeline {
     gpu: Gpu,
     resources: Resources,
@@ -107,65 +107,64 @@ pub struct Pipeline {
 }
 
 impl Pipeline {
-    /// Opens a device.
     pub fn new(options: Options) -> Result<Self, PipelineError> {
         Self::on(Gpu::new(options)?)
     }
 
-    /// On an open device, which others may use too: shaders that one of them has compiled are compiled for all.
+    /// Wraps an open device, which may be shared: shaders compiled by one user are compiled for all.
     pub fn on(gpu: Gpu) -> Result<Self, PipelineError> {
         Ok(Self { resources: Resources::new(&gpu)?, kept: Kept::default(), gpu })
     }
 
-    /// What is known of the device.
     pub fn device(&self) -> &DeviceInfo {
         self.gpu.info()
     }
 
-    /// Takes tables and references from `cache` where it has them, and adds those that are made. Timed passes never come from it.
+    /// Takes tables and references from `cache` if it has them, and stores new ones. Timed passes never use it.
     pub fn keep_on_disk(&mut self, mut cache: DiskCache) {
         cache.set_device(self.gpu.info());
         self.kept.disk = Some(cache);
     }
 
-    /// Whether the cache holds what `request` would render.
+    /// Tells whether the cache holds what `request` would render.
     pub fn has_kept(&self, request: &RenderRequest) -> bool {
         self.kept.disk.as_ref().is_some_and(|cache| is_kept(cache, request))
     }
 
-    /// What frames shared so far; timing rounds do not count.
+    /// Counts the shared results so far; timing rounds do not count.
     pub fn shared_work(&self) -> &SharedWork {
         &self.kept.work
     }
 
-    /// What went wrong with the cache since the last call: no fault of any frame.
+    /// Returns warnings of the cache since the last call; they concern no frame.
     pub fn take_warnings(&mut self) -> Vec<String> {
         self.kept.disk.as_mut().map(DiskCache::take_warnings).unwrap_or_default()
     }
 
-    /// Host time in which the device worked or was waited for so far, ms.
+    /// Returns the host time spent waiting for the device, ms.
     pub fn waited_ms(&self) -> f64 {
         self.gpu.waited_ms()
     }
 
-    /// While `flag` is set no further submission is made: what is under way fails ([`PipelineError::is_interrupted`]). `None` ends that.
+    /// Makes work fail while `flag` is set ([`PipelineError::is_interrupted`]): no further submission is made. `None`
+    /// removes the flag.
     pub fn interrupt_by(&self, flag: Option<Arc<AtomicBool>>) {
         self.gpu.interrupt_by(flag);
     }
 
-    /// What the camera of `request` sees, before it is lit.
+    /// Renders the g-buffer of `request`.
     pub fn gbuffer(&mut self, request: &RenderRequest) -> Result<Gbuffer<f32>, PipelineError> {
         self.check(request)?;
         let (_, target) = self.with_memory(|pipeline| pipeline.resources.view(&pipeline.gpu, request))?;
         Ok(target.gbuffer.read(&self.gpu)?)
     }
 
-    /// Messages of the validation layer so far; empty without validation.
+    /// Returns the messages of the validation layer so far; empty without validation.
     pub fn validation_messages(&self) -> Vec<String> {
         self.gpu.validation_messages()
     }
 
-    /// Whether the device can serve `request`, as far as that can be told before anything is allocated.
+    /// Checks whether the device can serve `request`, as far as possible before anything is allocated.
     pub fn check(&self, request: &RenderRequest) -> Result<(), PipelineError> {
         fit::check(&self.gpu, request)?;
         if request.is_antialiased() { fit::check(&self.gpu, &request.points_of_pixels()) } else { Ok(()) }
@@ -176,7 +175,7 @@ impl Pipeline {
         self.resources.prepare(&self.gpu, &mut self.kept, request)
     }
 
-    /// Does `work`. When memory runs out, what earlier requests left is given back first and all is tried once more.
+    /// Does `work`. If memory runs out, frees all cached results and tries once more.
     fn with_memory<T>(
         &mut self,
         mut work: impl FnMut(&mut Self) -> Result<T, PipelineError>,
@@ -200,7 +199,7 @@ impl Pipeline {
         Ok(edges.resolve(frame))
     }
 
-    /// As [`Pipeline::render`], without antialiasing.
+    /// [`Pipeline::render`] without antialiasing.
     fn render_points(&mut self, request: &RenderRequest) -> Result<Frame, PipelineError> {
         let Some(key) = kept_reference::key(request) else {
             return Ok(self.with_memory(|pipeline| pipeline.rendered(request))?.0);
@@ -228,7 +227,7 @@ impl Pipeline {
         Ok(frame)
     }
 
-    /// A frame and the shaders that ran for it, those of its tables left out.
+    /// Renders a frame; also returns the shaders that ran for it, without those of its tables.
     fn rendered(&mut self, request: &RenderRequest) -> Result<(Frame, BTreeSet<String>), PipelineError> {
         let prepared = self.prepare(request)?;
         let (report, convergences) = self.shade(request, &prepared)?;
@@ -250,20 +249,18 @@ impl Pipeline {
 
     /// Applies the tone curve on the device.
     pub fn tonemap(&mut self, radiance: &RgbImage, curve: ToneCurve) -> Result<(Rgb8Image, PassTime), PipelineError> {
-        self.with_memory(|pipeline| pipeline.tonemapped(radiance, curve))
-    }
-
-    fn tonemapped(&self, radiance: &RgbImage, curve: ToneCurve) -> Result<(Rgb8Image, PassTime), PipelineError> {
         let size = [radiance.width, radiance.height];
         let texels: Vec<[f32; 4]> = radiance.data.iter().map(|&[r, g, b]| [r, g, b, 0.0]).collect();
-        let radiance = self.gpu.buffer_from("radiance", &texels)?;
-        let packed = tonemap::pass::packed(&self.gpu, size)?;
-        let report = tonemap::pass::run(&self.gpu, curve, &radiance, &packed, size)?;
-        let time = report.passes.into_iter().next().unwrap_or(PassTime { pass: "tonemap", ms: 0.0 });
-        Ok((tonemap::pass::read(&self.gpu, &packed, size)?, time))
+        self.with_memory(|pipeline| {
+            let radiance = pipeline.gpu.buffer_from("radiance", &texels)?;
+            let packed = tonemap::pass::packed(&pipeline.gpu, size)?;
+            let report = tonemap::pass::run(&pipeline.gpu, curve, &radiance, &packed, size)?;
+            let time = report.passes.into_iter().next().unwrap_or(PassTime { pass: "tonemap", ms: 0.0 });
+            Ok((tonemap::pass::read(&pipeline.gpu, &packed, size)?, time))
+        })
     }
 
-    /// Times the per-frame passes, tone curve included: `warmup` rounds that do not count, then `rounds`.
+    /// Times the passes of a frame, tone curve included: `warmup` rounds that do not count, then `rounds`.
     pub fn time(&mut self, request: &RenderRequest, warmup: u32, rounds: u32) -> Result<TimingSamples, PipelineError> {
         let prepared = self.prepare(request)?;
         let packed = tonemap::pass::packed(&self.gpu, request.size)?;
@@ -279,7 +276,7 @@ impl Pipeline {
         Ok(samples)
     }
 
-    /// Times the precompute passes that `request` needs, each made anew in every round: nothing comes from memory or from the disk.
+    /// Times the precompute passes of `request`. Each round makes all tables again; nothing comes from memory or disk.
     pub fn time_precompute(
         &mut self,
         request: &RenderRequest,
@@ -288,7 +285,7 @@ impl Pipeline {
     ) -> Result<TimingSamples, PipelineError> {
         let mut samples = TimingSamples::default();
         for round in 0..warmup + rounds {
-            self.resources.forget_tables();
+            self.resources.tables = Shelves::new();
             self.check(request)?;
             let report = self.resources.prepare(&self.gpu, &mut Kept::default(), request)?.precompute;
             if round >= warmup {
@@ -298,7 +295,7 @@ impl Pipeline {
         Ok(samples)
     }
 
-    /// G-buffer and every shading pass; the radiance is left in the target.
+    /// Runs the g-buffer and every shading pass; the radiance stays in the target.
     fn shade(
         &mut self,
         request: &RenderRequest,
@@ -307,7 +304,7 @@ impl Pipeline {
         let (Prepared { tables, target, .. }, gpu) = (prepared, &self.gpu);
         let passes = passes(request, prepared);
         let mut recorder = gpu.record("gbuffer")?;
-        // That of the scene `design` was written by the host.
+        // For the scene `design` the host wrote the g-buffer.
         if !request.scene.is_design {
             recorder.pass("gbuffer", |r| gbuffer::pass::record(r, &prepared.scene, passes.camera, passes.gbuffer))?;
         }
@@ -328,7 +325,7 @@ impl Pipeline {
             recorder.fill(squared_error, 0);
             report.add(recorder.submit()?);
             let (stop, seed, mask) = (request.reference_stop(), request.seed, &*target.mask);
-            let epsilon = request.epsilon().beside_square();
+            let epsilon = request.epsilon();
             let run = ReferenceRun { passes, stop, epsilon, seed, mask, distribution, sums, squared_error };
             for lobe in &prepared.lobes {
                 let (times, convergence) = run.run(gpu, *lobe)?;

@@ -1,14 +1,10 @@
-//! Long because each table has its entry, its recipe and its key here, side by side.
-//!
-//! What a request needs before it can be shaded: tables, scene, targets.
+//! Prepares what a request needs before it can be shaded: tables, scene, targets.
 
 use super::antialias::Edges;
-use super::cache::Recent;
-use super::fit::image_buffer_bytes;
 use super::inputs::{
     DfgInputs, IrradianceInputs, LobeShapeInputs, PrefilterInputs, SharedKey, filtered_key, mips_key, sh9_key,
 };
-use super::ladder::{KeptAlbedos, KeptIntegrals, KeptRadiance};
+use super::resources::{Prepared, ReferenceData, Resources, Target, harmonics};
 use super::shared_work::{Kept, Levels, Maker};
 use super::{PipelineError, RenderRequest};
 use crate::environment::Environment;
@@ -16,10 +12,9 @@ use crate::environment::distribution::{EnvironmentDistribution, weighted_texels}
 use crate::environment::layout::MapLayout;
 use crate::gbuffer::design;
 use crate::gbuffer::pass::{self as gbuffer_pass, GbufferImages, SceneData};
+use crate::glsl::constants::{LOBE_SHAPE_PARTS, LOBE_SHAPE_SIDE};
 use crate::gpu::{Buffer, Format, Gpu, GpuError, Image, Report};
-use crate::math::harmonics::Harmonics;
 use crate::math::sequence::{PixelPoints, SEQUENCES, Sequence};
-use crate::pixels::GrayImage;
 use crate::precompute::mips::level_count;
 use crate::precompute::points::Points;
 use crate::precompute::prefilter::harmonic;
@@ -27,132 +22,12 @@ use crate::precompute::sh9::{Projection, reference::project_bilinear};
 use crate::precompute::{
     HALF_MAX, PrefilterBy, StorageFormat, dfg, exact_quadrature, filtered, irradiance, lobe_shape, mips, prefilter, sh9,
 };
-use crate::scene::Camera;
 use crate::shade::pass::{Tables, light_data};
-use crate::shade::reference_pass::{DistributionBuffers, Lobe, Sums, pair_count};
+use crate::shade::reference_pass::{DistributionBuffers, Sums, pair_count};
 use std::sync::Arc;
 
-/// The most recent of what the passes made.
-pub(super) struct Resources {
-    /// Radiance with its mips.
-    environments: Recent<String, Levels>,
-    /// Radiance by another layout.
-    filtered: Recent<String, Levels>,
-    distributions: Recent<String, DistributionBuffers>,
-    coefficients: Recent<String, Buffer>,
-    irradiance_maps: Recent<String, Levels>,
-    prefiltered: Recent<String, Levels>,
-    /// Spherical harmonics of environments, by their degree.
-    harmonics: Recent<String, Arc<Harmonics>>,
-    dfg_tables: Recent<String, Levels>,
-    lobe_shapes: Recent<String, Levels>,
-    /// Copies of tables in the format that a request asks for.
-    halves: Recent<String, Image>,
-    points: Recent<(u32, &'static str, u32, PixelPoints), Points>,
-    /// Radiance by the steps of the ladder.
-    pub(super) steps: Recent<String, KeptRadiance>,
-    pub(super) albedos: Recent<String, KeptAlbedos>,
-    pub(super) integrals: Recent<String, KeptIntegrals>,
-    scenes: Recent<String, Arc<SceneData>>,
-    /// By the scene's hash, the camera and the size.
-    targets: Recent<(String, Camera, [u32; 2]), Arc<Target>>,
-    edges: Recent<(String, Camera, [u32; 2]), Arc<Edges>>,
-    /// Stand for tables that a request does not use, because every binding needs something.
-    blank_image: Image,
-    blank_cube: Image,
-    blank_buffer: Buffer,
-}
-
-/// What only a reference needs.
-pub(super) struct ReferenceData {
-    pub(super) distribution: DistributionBuffers,
-    pub(super) sums: Sums,
-    /// A vec4 a pixel.
-    pub(super) squared_error: Buffer,
-}
-
-/// Where a view of a scene is drawn.
-pub(super) struct Target {
-    pub(super) gbuffer: GbufferImages,
-    /// A vec4 a pixel.
-    pub(super) radiance: Buffer,
-    pub(super) mask: Arc<GrayImage>,
-    pub(super) n_dot_v: Arc<GrayImage>,
-}
-
-impl Target {
-    fn bytes(&self) -> u64 {
-        // Four attachments, depth and radiance; mask and n·v of the host.
-        image_buffer_bytes(self.gbuffer.size) * 6
-    }
-}
-
-/// Everything that one request shades with.
-pub(super) struct Prepared {
-    pub(super) tables: Tables,
-    pub(super) scene: Arc<SceneData>,
-    pub(super) target: Arc<Target>,
-    pub(super) lights: Option<Buffer>,
-    /// Precompute passes that ran for this request.
-    pub(super) precompute: Report,
-    pub(super) samples_per_pixel: u32,
-    /// There when the specular or the diffuse term is a reference.
-    pub(super) reference: Option<ReferenceData>,
-    /// The reference terms, specular first.
-    pub(super) lobes: Vec<Lobe>,
-}
-
 impl Resources {
-    pub(super) fn new(gpu: &Gpu) -> Result<Self, PipelineError> {
-        Ok(Self {
-            environments: Recent::weighed(2, Levels::bytes),
-            filtered: Recent::weighed(2, Levels::bytes),
-            distributions: Recent::new(2),
-            coefficients: Recent::new(8),
-            irradiance_maps: Recent::weighed(4, Levels::bytes),
-            prefiltered: Recent::weighed(6, Levels::bytes),
-            harmonics: Recent::new(2),
-            dfg_tables: Recent::weighed(9, Levels::bytes),
-            lobe_shapes: Recent::new(9),
-            halves: Recent::weighed(9, Image::bytes),
-            points: Recent::new(16),
-            steps: Recent::new(6),
-            albedos: Recent::new(32),
-            integrals: Recent::new(4),
-            scenes: Recent::new(4),
-            targets: Recent::weighed(4, |target: &Arc<Target>| target.bytes()),
-            edges: Recent::weighed(16, |edges: &Arc<Edges>| edges.bytes()),
-            blank_image: gpu.image("blank", [1, 1], 1, Format::Rgba32Float)?,
-            blank_cube: gpu.faced_image("blank cube", [1, 1], 6, 1, Format::Rgba32Float)?,
-            blank_buffer: gpu.buffer("blank", 256)?,
-        })
-    }
-
-    /// Forgets every precomputed table, so that the next request makes them anew.
-    pub(super) fn forget_tables(&mut self) {
-        self.environments.clear();
-        self.filtered.clear();
-        self.coefficients.clear();
-        self.irradiance_maps.clear();
-        self.prefiltered.clear();
-        self.harmonics.clear();
-        self.dfg_tables.clear();
-        self.lobe_shapes.clear();
-        self.halves.clear();
-    }
-
-    /// Forgets all that can be made again.
-    pub(super) fn forget_all(&mut self) {
-        self.forget_tables();
-        self.distributions.clear();
-        self.points.clear();
-        self.steps.clear();
-        self.scenes.clear();
-        self.targets.clear();
-        self.edges.clear();
-    }
-
-    /// Makes what `request` needs and is not there yet.
+    /// Makes what `request` needs and is missing.
     pub(super) fn prepare(
         &mut self,
         gpu: &Gpu,
@@ -164,7 +39,6 @@ impl Resources {
         let environment = self.environment(maker, &request.environment)?;
         let samples_per_pixel = if request.shading.method.uses_samples { request.shading.samples } else { 1 };
         let storage = request.shading.tables().storage;
-        let needs_dfg = request.needs_dfg();
 
         let sh9 = match request.shading.diffuse.sh9 {
             Some(by) => self.coefficients(maker, &request.environment, &environment, by)?,
@@ -183,7 +57,7 @@ impl Resources {
             true => self.prefiltered(maker, PrefilterInputs::of(request), storage, &filtered)?,
             false => self.blank(layout),
         };
-        let dfg = match needs_dfg {
+        let dfg = match request.needs_dfg() {
             true => self.dfg_table(maker, DfgInputs::of(request), storage)?,
             false => self.blank_image.clone(),
         };
@@ -199,7 +73,7 @@ impl Resources {
             request.shading.pixel_points,
         )?;
         let (scene, target) = self.view(gpu, request)?;
-        // A light-free scene binds no such pass.
+        // A scene without lights does not bind this pass.
         let lights = (!request.lights.is_empty()).then(|| gpu.buffer_from("lights", &light_data(&request.lights)));
         let lobes = request.reference_lobes();
         let reference = if lobes.is_empty() { None } else { Some(self.reference_data(gpu, request)?) };
@@ -224,10 +98,10 @@ impl Resources {
             Ok(Levels { image, first: 1 })
         };
         let fill = |levels: &Levels| mips::pass::run(gpu, &levels.image);
-        Ok(maker.table(&mut self.environments, &mips_key(environment), empty, fill)?.image)
+        Ok(maker.table(&mut self.tables.environments, &mips_key(environment), empty, fill)?.image)
     }
 
-    /// The environment's levels as a layout has them.
+    /// Returns the environment's levels in a layout.
     fn filtered(
         &mut self,
         maker: &mut Maker,
@@ -241,10 +115,9 @@ impl Resources {
         let gpu = maker.gpu;
         let empty = || filtered::pass::map(gpu, layout, image.mip_size(0)).map(Levels::all);
         let fill = |map: &Levels| filtered::pass::run(gpu, layout, image, &map.image);
-        Ok(maker.table(&mut self.filtered, &filtered_key(environment, layout), empty, fill)?.image)
+        Ok(maker.table(&mut self.tables.filtered, &filtered_key(environment, layout), empty, fill)?.image)
     }
 
-    /// Stands for a map by that layout.
     fn blank(&self, layout: &MapLayout) -> Image {
         if layout.face_count == 6 { self.blank_cube.clone() } else { self.blank_image.clone() }
     }
@@ -286,7 +159,7 @@ impl Resources {
                 sh9::pass::upload(gpu, &exact, coefficients)
             }
         };
-        maker.table(&mut self.coefficients, &sh9_key(environment, by), || sh9::pass::coefficients(gpu), fill)
+        maker.table(&mut self.tables.coefficients, &sh9_key(environment, by), || sh9::pass::coefficients(gpu), fill)
     }
 
     fn irradiance_map(
@@ -298,8 +171,8 @@ impl Resources {
     ) -> Result<Image, PipelineError> {
         let (gpu, key) = (maker.gpu, inputs.key());
         let empty = || irradiance::pass::map(gpu, inputs.layout, inputs.size).map(Levels::all);
-        let transforms = &mut self.harmonics;
-        let made = maker.table(&mut self.irradiance_maps, &key, empty, |map| match inputs.by {
+        let transforms = &mut self.tables.harmonics;
+        let made = maker.table(&mut self.tables.irradiance_maps, &key, empty, |map| match inputs.by {
             PrefilterBy::Sampled => {
                 irradiance::pass::run(gpu, inputs.layout, environment, inputs.sample_count, &map.image)
             }
@@ -322,9 +195,9 @@ impl Resources {
         let is_harmonic = inputs.by == PrefilterBy::Harmonic;
         let sample_count = if is_harmonic { 1 } else { inputs.sample_count };
         let points = self.points(gpu, sample_count, &SEQUENCES[0], 0, PixelPoints::Shared)?;
-        let transforms = &mut self.harmonics;
+        let transforms = &mut self.tables.harmonics;
         let empty = || prefilter::pass::map(gpu, inputs.layout, inputs.size, inputs.level_count).map(Levels::all);
-        let made = maker.table(&mut self.prefiltered, &key, empty, |map| {
+        let made = maker.table(&mut self.tables.prefiltered, &key, empty, |map| {
             let (recipe, layout) = (inputs.recipe, inputs.layout);
             if let Some(given) = inputs.given {
                 for (level, texels) in (0..).zip(&given.levels) {
@@ -350,7 +223,7 @@ impl Resources {
     ) -> Result<Image, PipelineError> {
         let (gpu, key) = (maker.gpu, inputs.key());
         let empty = || dfg::pass::table(gpu, inputs.side).map(Levels::all);
-        let made = maker.table(&mut self.dfg_tables, &key, empty, |table| {
+        let made = maker.table(&mut self.tables.dfg_tables, &key, empty, |table| {
             if let Some(given) = inputs.given {
                 gpu.write_image(&table.image, 0, &given.texels)?;
                 return Ok(Report::default());
@@ -367,19 +240,16 @@ impl Resources {
         storage: StorageFormat,
     ) -> Result<Image, PipelineError> {
         let (gpu, key) = (maker.gpu, inputs.key());
-        let made = maker.table(
-            &mut self.lobe_shapes,
-            &key,
-            || lobe_shape::pass::table(gpu).map(Levels::all),
-            |table| {
-                gpu.write_image(&table.image, 0, &lobe_shape::texels(inputs.kernel, inputs.masking))?;
-                Ok(Report::default())
-            },
-        )?;
+        let size = [LOBE_SHAPE_SIDE, LOBE_SHAPE_PARTS * LOBE_SHAPE_SIDE];
+        let empty = || gpu.image("lobe shapes", size, 1, Format::Rgba32Float).map(Levels::all);
+        let made = maker.table(&mut self.tables.lobe_shapes, &key, empty, |table| {
+            gpu.write_image(&table.image, 0, &lobe_shape::texels(inputs.kernel, inputs.masking))?;
+            Ok(Report::default())
+        })?;
         self.stored(gpu, &key, made.image, storage)
     }
 
-    /// The table as `storage` holds it.
+    /// Returns the table in the format `storage`.
     fn stored(
         &mut self,
         gpu: &Gpu,
@@ -389,20 +259,13 @@ impl Resources {
     ) -> Result<Image, PipelineError> {
         match storage {
             StorageFormat::F32 => Ok(table),
-            StorageFormat::F16 => Ok(self.halves.get_or_make(key.text(), || half_copy(gpu, key.kind, &table))?),
+            StorageFormat::F16 => {
+                Ok(self.tables.halves.get_or_make(key.text(), || half_copy(gpu, key.kind, &table))?)
+            }
         }
     }
 
-    /// The environment's coefficients up to a degree.
-    pub(super) fn harmonics(
-        &mut self,
-        environment: &Environment,
-        degree: usize,
-    ) -> Result<Arc<Harmonics>, PipelineError> {
-        Ok(harmonics(&mut self.harmonics, environment, degree)?)
-    }
-
-    /// The scene on the device and what its camera sees of it.
+    /// Returns the scene on the device and what its camera sees.
     pub(super) fn view(
         &mut self,
         gpu: &Gpu,
@@ -432,7 +295,7 @@ impl Resources {
         Ok((scene, target))
     }
 
-    /// The edges of the view of `request`.
+    /// Returns the edges of the view of `request`.
     pub(super) fn edges(&mut self, gpu: &Gpu, request: &RenderRequest) -> Result<Arc<Edges>, PipelineError> {
         let key = (request.scene.hash.clone(), request.camera, request.size);
         if let Some(edges) = self.edges.get(&key) {
@@ -445,17 +308,7 @@ impl Resources {
     }
 }
 
-/// The coefficients of an environment up to a degree.
-fn harmonics(
-    known: &mut Recent<String, Arc<Harmonics>>,
-    environment: &Environment,
-    degree: usize,
-) -> Result<Arc<Harmonics>, GpuError> {
-    let name = format!("{} {degree}", environment.hash);
-    known.get_or_make(name, || Ok(Arc::new(harmonic::harmonics(&environment.image, degree))))
-}
-
-/// The same texels in halves, each at most [`HALF_MAX`].
+/// Copies the texels to half precision, each at most [`HALF_MAX`].
 fn half_copy(gpu: &Gpu, name: &str, table: &Image) -> Result<Image, GpuError> {
     let (label, size) = (format!("{name} in halves"), table.mip_size(0));
     let copy = gpu.faced_image(&label, size, table.face_count(), table.mip_count(), Format::Rgba16Float)?;

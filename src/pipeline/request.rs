@@ -1,4 +1,4 @@
-//! What is asked of the pipeline and what it answers.
+//! Requests to the pipeline, and its results.
 
 use super::antialias::POINTS_PER_SIDE;
 use crate::bakes::given::Given;
@@ -20,25 +20,25 @@ pub struct RenderRequest {
     pub camera: Camera,
     pub size: [u32; 2],
     pub shading: Shading,
-    /// Samples a pixel of the reference, wherever it is the method or the diffuse term.
+    /// Samples a pixel of a reference, specular or diffuse.
     pub reference_samples: u32,
-    /// Stops the reference earlier, once the relative standard error of each of its terms is at most this.
+    /// Stops references early, once the relative standard error of each term is at most this.
     pub reference_error: Option<f64>,
     pub lights: Vec<Light>,
     /// Shows the environment where nothing is hit.
     pub background: bool,
-    /// Antialiases edges; pixels on them leave the mask. Without effect on the scene `design`.
+    /// Antialiases edges and removes their pixels from the mask. Has no effect on the scene `design`.
     pub antialias: bool,
-    /// Tables of other tools; sizes, levels and mapping in `shading.precompute` are theirs.
+    /// Tables from files. Sizes, levels and mapping in `shading.precompute` must match them.
     pub given: Given,
-    /// Seeds the scrambles of the reference.
+    /// Chooses the scrambles of the reference.
     pub seed: u32,
 }
 
 impl RenderRequest {
-    /// A view of `scene` under `environment` as they are: GGX, split sum, no diffuse term, default tables.
+    /// A view of `scene` under `environment`: GGX, split sum, no diffuse term, default tables.
     ///
-    /// A sphere by the split sum, and how far it is from the reference:
+    /// Renders a sphere by the split sum and compares it with the reference:
     ///
     /// ```
     /// use splitsum::environment::{Environment, LoadOptions};
@@ -51,7 +51,7 @@ impl RenderRequest {
     /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
     /// let light = Environment::load("builtin:studio", Path::new("."), &LoadOptions::default())?;
     /// let request = RenderRequest::plain(Arc::new(light), Scene::sphere(), CameraKind::Ortho, [32, 32]);
-    /// // Without a Vulkan device there is nothing to show.
+    /// // Nothing to show without a Vulkan device.
     /// let Ok(mut pipeline) = Pipeline::new(Options::default()) else { return Ok(()) };
     /// let image = pipeline.render(&request)?;
     /// let method = Method::listed("reference");
@@ -78,40 +78,39 @@ impl RenderRequest {
         }
     }
 
-    /// Whether edges are antialiased: the pixels of the scene `design` have none.
+    /// Whether edges are antialiased: pixels of the scene `design` have none.
     pub(super) fn is_antialiased(&self) -> bool {
         self.antialias && !self.scene.is_design
     }
 
-    /// The request whose g-buffer has the points by which edges are found.
+    /// Returns the request whose g-buffer has the points that find edges.
     pub(super) fn points_of_pixels(&self) -> Self {
         Self { size: self.size.map(|side| side * POINTS_PER_SIDE), antialias: false, ..self.clone() }
     }
 
-    /// The request with other parameters of shading.
+    /// Returns a copy with other shading parameters.
     pub fn shaded(&self, change: impl FnOnce(&mut Shading)) -> Self {
         let mut request = self.clone();
         change(&mut request.shading);
         request
     }
 
-    /// The terms that are taken from the reference, specular first.
+    /// Returns the reference terms, specular first.
     pub(super) fn reference_lobes(&self) -> Vec<Lobe> {
         let Shading { method, diffuse, .. } = self.shading;
         method.lobe.map(Lobe::Specular).into_iter().chain(diffuse.lobe.map(Lobe::Diffuse)).collect()
     }
 
-    /// ε of the relative metrics under this light.
+    /// Returns the ε of relative metrics under this light.
     pub fn epsilon(&self) -> Epsilon {
         Epsilon::of_light(self.environment.luminance.mean * f64::from(self.shading.environment_scale))
     }
 
-    /// When the reference stops.
     pub(super) fn reference_stop(&self) -> Stop {
         Stop { sample_count: self.reference_samples, relative_error: self.reference_error }
     }
 
-    /// Whether the environment's filtered levels reach the frame, by themselves or by a map that is made of them.
+    /// Whether the frame reads the environment's filtered levels, directly or through a map made from them.
     pub fn reads_filtered_levels(&self) -> bool {
         let Shading { method, diffuse, .. } = self.shading;
         let is_integrated = diffuse.uses_irradiance_map && self.shading.tables().prefilter == PrefilterBy::Sampled;
@@ -124,30 +123,30 @@ impl RenderRequest {
         method.needs_dfg(compensation, diffuse, !self.lights.is_empty())
     }
 
-    /// Whether a term comes from the reference: then the frame has a standard error.
+    /// Whether a term is a reference: then the frame has a standard error.
     pub fn has_reference_term(&self) -> bool {
         self.shading.method.is_integrated() || self.shading.diffuse.is_integrated()
     }
 }
 
-/// One rendered radiance image and what belongs to it.
+/// A rendered radiance image.
 #[derive(Clone, Debug)]
 pub struct Frame {
-    /// Linear radiance; 0 where nothing is hit, unless the background was asked for.
+    /// Linear radiance; 0 if nothing is hit, unless the background is shown.
     pub radiance: RgbImage,
-    /// Standard error of the mean per pixel and channel; only the reference has one.
+    /// Standard error of the mean, by pixel and channel; references only.
     pub standard_error: Option<RgbImage>,
-    /// Where each term of the reference stopped.
+    /// Where each reference term stopped.
     pub convergences: Vec<Convergence>,
-    /// 1 where a surface is hit.
+    /// 1 if a surface is hit, else 0.
     pub mask: Arc<GrayImage>,
-    /// Cosine between normal and view; 0 where nothing is hit.
+    /// Cosine between normal and view; 0 if nothing is hit.
     pub n_dot_v: Arc<GrayImage>,
     pub timings: FrameTimings,
 }
 
 impl Frame {
-    /// Memory that it holds alone, bytes.
+    /// Memory of the images that it does not share, bytes.
     pub fn bytes(&self) -> u64 {
         let images = [Some(&self.radiance), self.standard_error.as_ref()];
         images.into_iter().flatten().map(|image| size_of_val(&image.data[..]) as u64).sum()
@@ -157,25 +156,26 @@ impl Frame {
 /// Device times of one frame.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct FrameTimings {
-    /// Precompute passes that ran for this frame: `mips`, `sh9`, `irradiance`, `prefilter`, `dfg`. Empty when all tables were there already.
+    /// Precompute passes that ran for this frame: `mips`, `sh9`, `irradiance`, `prefilter`, `dfg`. Empty if all tables
+    /// existed.
     pub precompute: Vec<PassTime>,
     /// Per-frame passes: `gbuffer`, `shade-specular`, `shade-diffuse`, `shade-lights`, `background`, `tonemap`.
     pub frame: Vec<PassTime>,
-    /// Host time of the submissions that `frame` sums over, ms.
+    /// Host time of the submissions of `frame`, ms.
     pub wall_ms: f64,
 }
 
 /// Repeated times of the passes of a frame, or of the precompute passes.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct TimingSamples {
-    /// Milliseconds of each round by pass.
+    /// Milliseconds per round, by pass.
     pub passes: Vec<(&'static str, Vec<f64>)>,
     /// Host time of each round's submissions, ms.
     pub wall_ms: Vec<f64>,
 }
 
 impl TimingSamples {
-    /// Adds the rounds of `more` after those that are there.
+    /// Appends the rounds of `more`.
     pub fn append(&mut self, more: Self) {
         for (pass, ms) in more.passes {
             match self.passes.iter_mut().find(|(known, _)| *known == pass) {
@@ -186,7 +186,6 @@ impl TimingSamples {
         self.wall_ms.extend(more.wall_ms);
     }
 
-    /// Adds one round.
     pub(super) fn push(&mut self, round: &[PassTime], wall_ms: f64) {
         let passes = round.iter().map(|time| (time.pass, vec![time.ms])).collect();
         self.append(Self { passes, wall_ms: vec![wall_ms] });

@@ -1,14 +1,14 @@
-//! What requests share: made once, then taken from memory or from the disk.
+//! Shared results: made once, then taken from memory or disk.
 
 use super::PipelineError;
 use super::cache::Recent;
-use super::disk_cache::{Code, DiskCache};
+use super::disk_cache::DiskCache;
 use super::inputs::SharedKey;
 use crate::gpu::{Buffer, Gpu, GpuError, Image, Report};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-/// How often a kind of table was made, and how often it was taken from the disk.
+/// How often a kind of table was made, and how often it was read from disk.
 #[derive(Clone, Copy, Debug, Default, Deserialize, PartialEq, Eq, Serialize)]
 pub struct Tally {
     pub made: usize,
@@ -18,7 +18,7 @@ pub struct Tally {
 /// A tally for each kind: `mips`, `sh9`, `irradiance`, `prefilter`, `dfg`, `lobe-shapes`, `reference`.
 pub type SharedWork = BTreeMap<String, Tally>;
 
-/// The disk, if there is a cache, and what was shared so far.
+/// The disk cache, if there is one, and the tally so far.
 #[derive(Debug, Default)]
 pub(super) struct Kept {
     pub(super) disk: Option<DiskCache>,
@@ -26,14 +26,14 @@ pub(super) struct Kept {
 }
 
 impl Kept {
-    /// What the disk holds under a key.
+    /// Reads the entry of a key.
     pub(super) fn load(&mut self, key: &SharedKey) -> Option<Vec<u8>> {
-        let payload = self.disk.as_mut()?.load_of(Code::Shaders(&key.shaders), &key.text())?;
+        let payload = self.disk.as_mut()?.load(&key.shaders, &key.text())?;
         self.work.entry(key.kind.to_owned()).or_default().read += 1;
         Some(payload)
     }
 
-    /// Notes that something was made, and keeps it where there is a disk.
+    /// Counts a result and keeps it on disk if there is a cache.
     pub(super) fn store(
         &mut self,
         key: &SharedKey,
@@ -41,21 +41,21 @@ impl Kept {
     ) -> Result<(), GpuError> {
         self.work.entry(key.kind.to_owned()).or_default().made += 1;
         if let Some(disk) = &mut self.disk {
-            disk.store_of(Code::Shaders(&key.shaders), &key.text(), &payload()?);
+            disk.store(&key.shaders, &key.text(), &payload()?);
         }
         Ok(())
     }
 }
 
-/// What a precompute pass fills.
+/// The result of a precompute pass.
 pub(super) trait Table: Clone {
-    /// The f32 that passes write, as bytes.
+    /// Reads the f32 that passes write, as bytes.
     fn download(&self, gpu: &Gpu) -> Result<Vec<u8>, GpuError>;
-    /// The inverse of `download`; false when `bytes` have another length.
+    /// Inverse of `download`; false if `bytes` have another length.
     fn upload(&self, gpu: &Gpu, bytes: &[u8]) -> Result<bool, GpuError>;
 }
 
-/// The levels of an image from one on: those above it come from elsewhere.
+/// The levels of an image from `first` on; those above have another source.
 #[derive(Clone)]
 pub(super) struct Levels {
     pub(super) image: Image,
@@ -114,16 +114,16 @@ impl Table for Buffer {
     }
 }
 
-/// Makes tables that are not there yet and adds up what the passes took.
+/// Makes missing tables and sums the times of their passes.
 pub(super) struct Maker<'a> {
     pub(super) gpu: &'a Gpu,
     pub(super) kept: &'a mut Kept,
-    /// Times of the passes that ran; tables that were there add nothing.
+    /// Times of the passes that ran.
     pub(super) total: Report,
 }
 
 impl Maker<'_> {
-    /// The table of this key: from the shelf, from the disk, or filled by its passes.
+    /// Returns the table of this key: from the shelf, from the disk, or filled by its passes.
     pub(super) fn table<T: Table>(
         &mut self,
         shelf: &mut Recent<String, T>,

@@ -26,12 +26,12 @@ fn a_payload_comes_back_under_its_key_only() {
     let dir = tempfile::tempdir().unwrap();
     let bits: Vec<u8> =
         [f32::NAN, -0.0, f32::MIN_POSITIVE / 2.0, f32::INFINITY].iter().flat_map(|x| x.to_le_bytes()).collect();
-    open(dir.path()).store("a", &bits);
-    open(dir.path()).store("empty", &[]);
+    open(dir.path()).store(&[], "a", &bits);
+    open(dir.path()).store(&[], "empty", &[]);
     let mut cache = open(dir.path());
-    assert_eq!(cache.load("a"), Some(bits));
-    assert_eq!(cache.load("empty"), Some(Vec::new()));
-    assert_eq!(cache.load("b"), None);
+    assert_eq!(cache.load(&[], "a"), Some(bits));
+    assert_eq!(cache.load(&[], "empty"), Some(Vec::new()));
+    assert_eq!(cache.load(&[], "b"), None);
     assert!(cache.take_warnings().is_empty());
 }
 
@@ -39,7 +39,7 @@ fn a_payload_comes_back_under_its_key_only() {
 fn any_damage_is_noticed_and_removed() {
     let dir = tempfile::tempdir().unwrap();
     let payload: Vec<u8> = (0..=255).collect();
-    open(dir.path()).store("key", &payload);
+    open(dir.path()).store(&[], "key", &payload);
     let file = files(dir.path()).pop().unwrap();
     let whole = std::fs::read(&file).unwrap();
     let flipped = (0..whole.len()).step_by(7).map(|place| {
@@ -52,17 +52,17 @@ fn any_damage_is_noticed_and_removed() {
     for bytes in flipped.chain(cut).chain(longer) {
         std::fs::write(&file, &bytes).unwrap();
         let mut cache = open(dir.path());
-        assert_eq!(cache.load("key"), None);
+        assert_eq!(cache.load(&[], "key"), None);
         let warnings = cache.take_warnings();
         assert!(warnings.len() == 1 && warnings[0].contains("is damaged"), "{warnings:?}");
         assert!(!file.exists());
     }
     // An entry of another key in its place: a name is no proof.
     let mut cache = open(dir.path());
-    cache.store("other", &payload);
+    cache.store(&[], "other", &payload);
     let other = files(dir.path()).pop().unwrap();
     std::fs::rename(other, &file).unwrap();
-    assert_eq!(cache.load("key"), None);
+    assert_eq!(cache.load(&[], "key"), None);
 }
 
 #[test]
@@ -73,22 +73,22 @@ fn above_its_limit_the_entries_used_longest_ago_go() {
     let old = std::time::SystemTime::now() - std::time::Duration::from_secs(1000);
     for (age, key) in ["a", "b", "c", "d"].iter().enumerate() {
         let before = files(dir.path());
-        cache.store(key, &payload);
+        cache.store(&[], key, &payload);
         let new = files(dir.path()).into_iter().find(|file| !before.contains(file)).unwrap();
         let time = old + std::time::Duration::from_secs(age as u64);
         std::fs::File::options().append(true).open(new).unwrap().set_modified(time).unwrap();
     }
     // The oldest is used, so the second oldest goes when a fifth one (with its header) exceeds the limit.
-    assert!(cache.load("a").is_some());
-    cache.store("e", &payload);
-    assert!(cache.load("a").is_some() && cache.load("e").is_some());
-    assert_eq!(cache.load("b"), None);
+    assert!(cache.load(&[], "a").is_some());
+    cache.store(&[], "e", &payload);
+    assert!(cache.load(&[], "a").is_some() && cache.load(&[], "e").is_some());
+    assert_eq!(cache.load(&[], "b"), None);
     let total: u64 = files(dir.path()).iter().map(|file| file.metadata().unwrap().len()).sum();
     assert!(total <= LIMIT, "{total}");
     // What could never fit is not tried, and what is no entry is never removed.
     std::fs::write(dir.path().join("note.txt"), "mine").unwrap();
-    cache.store("huge", &vec![0; LIMIT as usize]);
-    assert_eq!(cache.load("huge"), None);
+    cache.store(&[], "huge", &vec![0; LIMIT as usize]);
+    assert_eq!(cache.load(&[], "huge"), None);
     DiskCache::open(dir.path(), 1).unwrap();
     assert_eq!(files(dir.path()), [dir.path().join("note.txt")]);
 }
@@ -99,12 +99,12 @@ fn a_folder_that_takes_no_files_is_one_warning() {
     let folder = dir.path().join("cache");
     let mut cache = open(&folder);
     std::fs::remove_dir(&folder).unwrap();
-    cache.store("a", &[1]);
-    cache.store("b", &[2]);
+    cache.store(&[], "a", &[1]);
+    cache.store(&[], "b", &[2]);
     let warnings = cache.take_warnings();
-    assert!(warnings.len() == 1 && warnings[0].contains("nothing more is kept"), "{warnings:?}");
+    assert!(warnings.len() == 1 && warnings[0].contains("keeps nothing more"), "{warnings:?}");
     std::fs::write(&folder, "").unwrap();
-    assert!(DiskCache::open(&folder, LIMIT).unwrap_err().to_string().contains("expected a folder"));
+    assert!(DiskCache::open(&folder, LIMIT).unwrap_err().to_string().contains("choose a folder"));
 }
 
 fn request(brdf: &'static dyn Brdf, method: &str, diffuse: &str) -> RenderRequest {
