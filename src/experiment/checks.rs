@@ -27,7 +27,7 @@ pub fn check_combinations(config: &Config, faults: &mut Faults) {
         check_reference_counts(config, &point, &judge, faults);
         check_ladder(config, &point, faults);
         if let Err(error) = point.method().tables(point.settings().shading.precompute).validate() {
-            let partners = index_of(error.field()).into_iter().chain([PREFILTER_SIZE]);
+            let partners = index_of(error.field).into_iter().chain([PREFILTER_SIZE]);
             let place = partners.map(|axis| config.place_of(axis, &point)).find(|place| *place != Place::Default);
             faults.add(&place.unwrap_or(Place::Default), error.to_string());
         }

@@ -1,4 +1,5 @@
 //! Tables made once per environment or BRDF model.
+
 pub mod dfg;
 #[cfg(feature = "gpu")]
 pub mod filtered;
@@ -21,7 +22,7 @@ pub fn exact_quadrature(image: &RgbImage) -> EquirectQuadrature {
     EquirectQuadrature::new(image.width, image.height, |x, y| image.get(x, y))
 }
 
-/// The table that a pass makes, or a part of it: `prefilter mip 2` makes a level of `prefilter`.
+/// Returns the table that a pass makes or fills in part: `prefilter mip 2` makes a level of `prefilter`.
 pub fn table_of(pass: &str) -> &str {
     pass.split(' ').next().unwrap_or(pass)
 }

@@ -1,17 +1,19 @@
-//! The table of sample points that the sampling shaders read: `(u, cos φ, sin φ, -ln(1 - u))` of each point of a sequence.
+//! The sample points that shaders read: `(u, cos φ, sin φ, -ln(1 - u))` for each point of a sequence.
 //!
-//! Every sample of every pixel reads the table. Software drivers read storage buffers lane by lane but uniform blocks once for all
-//! lanes, which makes a sample a sixth cheaper; a uniform block holds [`POINTS_PER_DISPATCH`] points, so a dispatch adds that many.
+//! Every sample of every pixel reads the table. Software drivers read storage buffers lane by lane but uniform blocks
+//! once for all lanes, which makes a sample a sixth cheaper. A uniform block holds [`POINTS_PER_DISPATCH`] points, so a
+//! dispatch adds that many.
 //!
-//! No point of `math::sequence` sits at u = 0 or 1, where the Phong lobe and the level formula degenerate. The trigonometry and the
-//! logarithm are taken here in f64, once, and not per pixel.
+//! No point of `math::sequence` has u = 0 or 1, where the Phong lobe and the level formula degenerate. Trigonometry and
+//! logarithm are computed here once, in f64, instead of per pixel.
 
 use crate::glsl::constants::POINTS_PER_DISPATCH;
 use crate::gpu::{Bind, Buffer, Gpu, GpuError};
 use crate::math::sequence::{PixelPoints, Sequence};
 use std::f64::consts::TAU;
 
-/// The table of `count` points of set `set` of a sequence. Points that each pixel scrambles are `(xi.x, xi.y, 0, 0)`.
+/// Computes the table of `count` points of a set of a sequence. Points that each pixel scrambles are `(xi.x, xi.y, 0,
+/// 0)`.
 pub fn table(count: u32, sequence: &Sequence, set: u32, of_pixel: PixelPoints) -> Vec<[f32; 4]> {
     let point = |i| {
         let xi = (sequence.point)(i, count, set);
@@ -28,11 +30,10 @@ pub fn table(count: u32, sequence: &Sequence, set: u32, of_pixel: PixelPoints) -
 #[derive(Clone)]
 pub struct Points {
     count: u32,
-    /// Filled up to whole dispatches.
+    /// Padded to whole dispatches.
     buffer: Buffer,
 }
 
-/// The points of one dispatch.
 #[derive(Clone, Copy)]
 pub struct PointRange<'a> {
     points: &'a Points,
@@ -43,7 +44,7 @@ pub struct PointRange<'a> {
 }
 
 impl Points {
-    /// `count` points of set `set` of a sequence.
+    /// Uploads `count` points of a set of a sequence.
     pub fn upload(
         gpu: &Gpu,
         count: u32,
@@ -56,12 +57,11 @@ impl Points {
         Ok(Self { count, buffer: gpu.uniform_from("sample points", &texels)? })
     }
 
-    /// Number of points.
     pub fn count(&self) -> u32 {
         self.count
     }
 
-    /// The points in the order of their dispatches.
+    /// Splits the points into dispatches, in order.
     pub fn ranges(&self) -> impl Iterator<Item = PointRange<'_>> {
         (0..self.count).step_by(POINTS_PER_DISPATCH as usize).map(|first| PointRange {
             points: self,
@@ -72,7 +72,7 @@ impl Points {
 }
 
 impl<'a> PointRange<'a> {
-    /// The uniform block `vec4 points[POINTS_PER_DISPATCH]`.
+    /// Binds the uniform block `vec4 points[POINTS_PER_DISPATCH]`.
     pub fn bind(self) -> Bind<'a> {
         const BLOCK: u64 = POINTS_PER_DISPATCH as u64 * size_of::<[f32; 4]>() as u64;
         let start = u64::from(self.first) * size_of::<[f32; 4]>() as u64;

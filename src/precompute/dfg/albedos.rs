@@ -1,4 +1,4 @@
-//! The directional albedo of one lobe by n·v, for whoever needs it at many views.
+//! The directional albedo of one lobe by n·v, for lookups at many views.
 
 use super::reference::{dfg_within, weight_means};
 use crate::brdf::MaskingShadowing;
@@ -6,21 +6,22 @@ use crate::precompute::prefilter::Kernel;
 use glam::{DVec2, DVec4, Vec4Swizzles};
 use rayon::prelude::*;
 
-/// What a lobe reflects of constant radiance, by n·v.
+/// The part of constant radiance that a lobe reflects, by n·v.
 #[derive(Clone, Debug)]
 pub struct Albedos {
-    /// `[A, B, ∫ K (1 - Fc), ∫ K Fc]`, K with masking approximated, at n·v = s² for s evenly from [`Albedos::S_MIN`] to 1.
+    /// `[A, B, ∫ K (1 - Fc), ∫ K Fc]`, with K the kernel with approximated masking, at n·v = s² for s evenly from
+    /// [`Albedos::S_MIN`] to 1.
     nodes: Vec<DVec4>,
 }
 
 impl Albedos {
     const COUNT: usize = 65;
-    /// Smaller n·v count as its square.
+    /// Smaller values of √(n·v) are clamped to this.
     const S_MIN: f64 = 0.01;
-    /// Relative error of a node: a tenth of what the interpolation adds.
+    /// Relative error of a node: a tenth of the interpolation error.
     const WITHIN: f64 = 5e-6;
 
-    /// By adaptive quadrature.
+    /// Integrates by adaptive quadrature.
     pub fn new(kernel: Kernel, masking: MaskingShadowing, alpha: f64) -> Self {
         let node = |i: usize| {
             let s = Self::S_MIN + (1.0 - Self::S_MIN) * i as f64 / (Self::COUNT - 1) as f64;
@@ -33,7 +34,7 @@ impl Albedos {
         Self { nodes: (0..Self::COUNT).into_par_iter().map(node).collect() }
     }
 
-    /// Cubic between nodes.
+    /// Interpolates cubically between nodes.
     fn at(&self, n_dot_v: f64) -> DVec4 {
         let last = (Self::COUNT - 1) as f64;
         let place = ((n_dot_v.sqrt() - Self::S_MIN) / (1.0 - Self::S_MIN) * last).clamp(0.0, last);
@@ -44,12 +45,12 @@ impl Albedos {
         (0..4).map(|i| weight(i) * self.nodes[first as usize + i]).sum()
     }
 
-    /// (A, B).
+    /// Returns (A, B).
     pub fn exact(&self, n_dot_v: f64) -> DVec2 {
         self.at(n_dot_v).xy()
     }
 
-    /// `∫ K (1 - Fc)` and `∫ K Fc`.
+    /// Returns `∫ K (1 - Fc)` and `∫ K Fc`.
     pub fn weighted(&self, n_dot_v: f64) -> DVec2 {
         self.at(n_dot_v).zw()
     }

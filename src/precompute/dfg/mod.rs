@@ -1,11 +1,13 @@
 //! Directional albedo of a BRDF model for Schlick's Fresnel: the second factor of the split sum.
 //!
-//! `∫ f n_dot_l dl = f0 A + B` with `f90 = 1` [Karis13, eq. 8]: with `D(h) n_dot_h` as density of h and `Fc = (1 - v·h)⁵`,
+//! `∫ f n_dot_l dl = f0 A + B` with `f90 = 1` [Karis13, eq. 8]. With `D(h) n_dot_h` as density of h and `Fc = (1 -
+//! v·h)⁵`,
 //!
-//! `A = E[(1 - Fc) W]`, `B = E[Fc W]`, `W = G2(v, l) (v·h) / (n_dot_v n_dot_h)`, `l = reflect(-v, h)`, W = 0 for `n_dot_l <= 0`.
+//! `A = E[(1 - Fc) W]`, `B = E[Fc W]`, `W = G2(v, l) (v·h) / (n_dot_v n_dot_h)`, `l = reflect(-v, h)`, W = 0 for
+//! `n_dot_l <= 0`.
 //!
-//! `A + B` is the directional albedo of one scattering for F = 1. There is one table for each model and masking variant, n_dot_v along x
-//! and alpha along y; [`DfgAxes`] says where its texels lie.
+//! `A + B` is the directional albedo of single scattering for F = 1. Each model and masking has a table, with n_dot_v
+//! along x and alpha along y; [`DfgAxes`] defines the positions of its texels.
 
 mod albedos;
 #[cfg(feature = "gpu")]
@@ -20,19 +22,21 @@ use crate::pixels::Pixels;
 use crate::pixels::lookup::{Wrap, bilinear};
 use glam::DVec2;
 
-/// Where the texels of a table lie. The discriminants are `glsl::constants::DFG_AXES_*`.
+/// Positions of a table's texels. The discriminants are `glsl::constants::DFG_AXES_*`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum DfgAxes {
-    /// Evenly in the fourth roots of n_dot_v and of alpha, from the least that are shaded to 1, both ends included: A and B bend most where
-    /// both are small, and no lookup lies beyond the outermost texels.
+    /// Evenly in the fourth roots of n_dot_v and alpha, from the smallest shaded values to 1, both ends included: A and
+    /// B bend most where both are small, and no lookup lies beyond the outermost texels.
     #[default]
     FourthRoots = 0,
-    /// Evenly in n_dot_v and perceptual roughness, at texel centres: as engines hold it. Lookups within half a texel of an edge are clamped.
+    /// Evenly in n_dot_v and perceptual roughness, at texel centres, as in engines. Lookups within half a texel of an
+    /// edge are clamped.
     Centres = 1,
 }
 
 impl DfgAxes {
-    /// `(n_dot_v, alpha)` at a position of a table, in texels (centres at half integers). Inverse: [`Self::texel`].
+    /// Returns `(n_dot_v, alpha)` at a position of a table, in texels (centres at half integers). Inverse:
+    /// [`Self::texel`].
     pub fn parameters(self, texel: DVec2, side: u32) -> DVec2 {
         match self {
             Self::FourthRoots => {
@@ -60,7 +64,7 @@ impl DfgAxes {
         }
     }
 
-    /// (A, B) as looked up in a table.
+    /// Looks up (A, B) in a table, bilinearly.
     pub fn lookup(self, table: &Pixels<DVec2>, n_dot_v: f64, alpha: f64) -> DVec2 {
         let uv = self.texel(DVec2::new(n_dot_v, alpha), table.width) / f64::from(table.width);
         bilinear(table, uv, Wrap::CLAMP, |pair| pair.extend(0.0)).truncate()

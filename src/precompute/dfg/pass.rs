@@ -1,21 +1,19 @@
-//! The device pass: one dispatch a part of the table.
+//! The device pass: one dispatch per part of the table.
 
 use super::DfgAxes;
 use crate::brdf::{Brdf, MaskingShadowing};
 use crate::glsl::layout::{DfgParams, SharedStruct};
 use crate::gpu::{Bind, Format, Gpu, GpuError, Image, Report};
 
-/// The shader that makes the table.
 pub fn shader(brdf: &dyn Brdf) -> String {
     format!("precompute/dfg.comp:{}", brdf.name())
 }
 
-/// A table to fill.
 pub fn table(gpu: &Gpu, side: u32) -> Result<Image, GpuError> {
     gpu.image("DFG table", [side, side], 1, Format::Rgba32Float)
 }
 
-/// Fills `table` by quadrature with `sample_count` nodes a texel (a multiple of 32; others round down).
+/// Fills `table` by quadrature with `sample_count` nodes per texel (a multiple of 32; others round down).
 pub fn run(
     gpu: &Gpu,
     brdf: &dyn Brdf,

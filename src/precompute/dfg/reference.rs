@@ -1,11 +1,12 @@
-//! The directional albedo pair in f64, by adaptive cubature over half vectors.
+//! A and B in f64, by adaptive cubature over half vectors.
 //!
-//! With θ, φ the polar angles of h, φ from the plane of v, the integrand `D(h) n_dot_h W` is even in φ and ends where l meets the
-//! horizon: `n_dot_l > 0` is `cos φ > -cot(2θ) cot θ_v`. So every azimuth counts up to `θ_full = (π/2 - θ_v)/2`, none beyond
-//! `θ_none = (π/2 + θ_v)/2`. Integrating exactly up to that limit leaves no kink for GGX; the variables are
+//! Let θ, φ be the polar angles of h, φ from the plane of v. The integrand `D(h) n_dot_h W` is even in φ and ends where
+//! l meets the horizon: `n_dot_l > 0` means `cos φ > -cot(2θ) cot θ_v`. So all azimuths count up to `θ_full = (π/2 -
+//! θ_v)/2`, and none beyond `θ_none = (π/2 + θ_v)/2`. Integrating exactly up to that limit leaves no kink for GGX. The
+//! variables are
 //!
-//! - `t = ln tan θ`, in which a lobe of any width has the same shape, linear below θ_full and `sin²(π x/2)` between θ_full and
-//!   θ_none, which straightens the square roots that the limit has at both ends;
+//! - `t = ln tan θ`, in which lobes of any width have the same shape, linear below θ_full and `sin²(π x/2)` between
+//!   θ_full and θ_none, which straightens the square roots at both ends of the limit;
 //! - φ as a fraction of its limit.
 
 use super::DfgAxes;
@@ -17,34 +18,36 @@ use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 use std::f64::consts::{FRAC_PI_2, PI};
 
-/// Scales of `f0` and of `f90 = 1` (A and B of the source documents).
+/// Directional albedo split by Fresnel: `f0 A + f90 B` with `f90 = 1`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Dfg {
+    /// A.
     pub f0_scale: f64,
+    /// B.
     pub f90_scale: f64,
     /// Upper estimate of the absolute error of each.
     pub error: f64,
 }
 
 impl Dfg {
-    /// `A + B`: the directional albedo for F = 1.
+    /// Returns `A + B`: the directional albedo for F = 1.
     pub fn albedo(&self) -> f64 {
         self.f0_scale + self.f90_scale
     }
 }
 
-/// Facets nearer to the normal than `alpha exp(-12)` are 4e-11 of a lobe.
+/// Half vectors nearer to the normal than `alpha exp(-12)` are 4e-11 of a lobe.
 const LOG_WIDTH_BELOW: f64 = 12.0;
 
-/// Relative error of the quadrature.
+/// Relative error of [`dfg`].
 pub const EXACT: f64 = 5e-7;
 
-/// The pair for `n_dot_v` in (0, 1] and `alpha` in (0, 1].
+/// Integrates A and B for `n_dot_v` in (0, 1] and `alpha` in (0, 1].
 pub fn dfg(model: &'static dyn Brdf, masking: MaskingShadowing, n_dot_v: f64, alpha: f64) -> Dfg {
     dfg_within(model, masking, n_dot_v, alpha, EXACT)
 }
 
-/// The same within a relative error.
+/// Integrates A and B within a relative error.
 pub fn dfg_within(model: &'static dyn Brdf, masking: MaskingShadowing, n_dot_v: f64, alpha: f64, relative: f64) -> Dfg {
     let integral = mean_over_facets(model, n_dot_v, alpha, relative, |h, v_dot_h, n_dot_l| {
         let weight = g2(model, n_dot_v, n_dot_l, alpha, masking) * v_dot_h / (n_dot_v * h.z);
@@ -54,7 +57,7 @@ pub fn dfg_within(model: &'static dyn Brdf, masking: MaskingShadowing, n_dot_v: 
     Dfg { f0_scale: albedo - f90_scale, f90_scale, error: integral.error.x }
 }
 
-/// The square table of (A, B) with `side` texels a side, n·v along x and alpha along y, within a relative error.
+/// Makes the table of (A, B) of `side` x `side` texels, n·v along x and alpha along y, within a relative error.
 pub fn table(
     model: &'static dyn Brdf,
     masking: MaskingShadowing,
@@ -71,8 +74,8 @@ pub fn table(
     Pixels::new(side, side, (0..side * side).into_par_iter().map(texel).collect())
 }
 
-/// What normalises the kernel `D n_dot_h / (4 v·h) w(l)` of prefiltered maps at a view: the means of `(1 - Fc) w` and of `Fc w` over half
-/// vectors of density `D n_dot_h`, within a relative error.
+/// Integrates the normalisation of the kernel `D n_dot_h / (4 v·h) w(l)` of prefiltered maps at a view: the means of
+/// `(1 - Fc) w` and `Fc w` over half vectors of density `D n_dot_h`, within a relative error.
 pub fn weight_means(kernel: Kernel, n_dot_v: f64, alpha: f64, relative: f64) -> [f64; 2] {
     let integral = mean_over_facets(kernel.brdf, n_dot_v, alpha, relative, |_, v_dot_h, n_dot_l| {
         let weight = kernel.weight(alpha, n_dot_l);
@@ -81,7 +84,7 @@ pub fn weight_means(kernel: Kernel, n_dot_v: f64, alpha: f64, relative: f64) -> 
     [integral.value.x - integral.value.y, integral.value.y]
 }
 
-/// The mean of `f(h, v·h, n·l)` over half vectors of density `D n_dot_h`, 0 where l is below the horizon.
+/// Integrates the mean of `f(h, v·h, n·l)` over half vectors of density `D n_dot_h`; 0 if l is below the horizon.
 fn mean_over_facets(
     model: &'static dyn Brdf,
     n_dot_v: f64,
@@ -94,10 +97,11 @@ fn mean_over_facets(
     let theta_v = v.x.atan2(v.z);
     let t_full = (0.5 * (FRAC_PI_2 - theta_v)).tan().ln();
     let t_none = (0.5 * (FRAC_PI_2 + theta_v)).tan().ln();
-    // A grazing view may end the first range within the lobe's core.
+    // At grazing views the first range may end within the core of the lobe.
     let t_low = t_full.min(alpha.ln()) - LOG_WIDTH_BELOW;
 
-    // Half vectors at one angle to the normal, up to a limit of the azimuth on either side: `step` is dt per unit of the square.
+    // Half vectors at one angle to the normal, up to a limit of the azimuth on both sides; `step` is dt per unit of the
+    // square.
     let arc = |t: f64, phi_limit: f64, step: f64| {
         let (sin_theta, cos_theta) = t.exp().atan().sin_cos();
         // dω = sin θ dθ dφ = sin² θ cos θ dt dφ, both signs of φ.
@@ -111,13 +115,13 @@ fn mean_over_facets(
         let v_dot_h = v.dot(h);
         arc.weight * f(h, v_dot_h, 2.0 * v_dot_h * h.z - v.z)
     };
-    // The whole circle where no l is below the horizon, and what is above it where some are.
+    // The whole circle while no l is below the horizon, and the part above it beyond.
     let arcs = |x: f64| {
         let full = arc(t_low + (t_full - t_low) * x, PI, t_full - t_low);
         let (sin, cos) = (FRAC_PI_2 * x).sin_cos();
         let t = t_full + (t_none - t_full) * sin * sin;
         let phi_limit = (-v.z / (v.x * (2.0 * t.exp().atan()).tan())).clamp(-1.0, 1.0).acos();
-        // v = n: the two limits coincide and nothing lies between.
+        // For v = n the limits coincide.
         let cut = (t_none > t_full).then(|| arc(t, phi_limit, (t_none - t_full) * PI * sin * cos));
         [Some(full), cut]
     };

@@ -1,4 +1,4 @@
-//! The device passes: one dispatch a part of the finest level, then one a level.
+//! The device passes: one dispatch per part of the finest level, then one per level.
 
 use crate::environment::layout::MapLayout;
 use crate::glsl::constants::RESAMPLE_SIDE;
@@ -8,18 +8,17 @@ use crate::precompute::mips::level_count;
 
 const HALVE: &str = "precompute/halve.comp";
 
-/// The shaders that make the levels.
 pub fn shaders(layout: &MapLayout) -> [String; 2] {
     [format!("precompute/resample.comp:{}", layout.name), HALVE.to_owned()]
 }
 
-/// A map to fill, for an environment of this size.
+/// Makes a map for an environment of this size.
 pub fn map(gpu: &Gpu, layout: &MapLayout, environment_size: [u32; 2]) -> Result<Image, GpuError> {
     let size = (layout.finest_size)(environment_size);
     gpu.faced_image("filtered environment", size, layout.face_count, level_count(size), Format::Rgba32Float)
 }
 
-/// Fills every level of `map` from the first level of `environment`.
+/// Fills every level of `map` from level 0 of `environment`.
 pub fn run(gpu: &Gpu, layout: &MapLayout, environment: &Image, map: &Image) -> Result<Report, GpuError> {
     let ([source_width, source_height], [width, height]) = (environment.mip_size(0), map.mip_size(0));
     let [resample, _] = shaders(layout);

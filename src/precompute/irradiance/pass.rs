@@ -1,4 +1,4 @@
-//! A map of irradiance over π: synthesised on the host from spherical harmonics, or integrated on the device.
+//! A map of irradiance over π, synthesised on the host from spherical harmonics or integrated on the device.
 
 use crate::environment::layout::MapLayout;
 use crate::glsl::layout::{IrradianceParams, SharedStruct};
@@ -9,17 +9,16 @@ use std::time::Instant;
 
 const PASS: &str = "irradiance";
 
-/// The shader that makes the map.
 pub fn shader(layout: &MapLayout) -> String {
     format!("precompute/irradiance_integrate.comp:{}", layout.name)
 }
 
-/// A map to fill.
 pub fn map(gpu: &Gpu, layout: &MapLayout, size: [u32; 2]) -> Result<Image, GpuError> {
     gpu.faced_image("irradiance map", size, layout.face_count, 1, Format::Rgba32Float)
 }
 
-/// Integrates the environment's filtered levels of the same layout over the hemisphere of every texel, with `[phi, theta]` midpoints.
+/// Integrates the environment's filtered levels of the same layout over the hemisphere of every texel, at `[phi,
+/// theta]` midpoints.
 pub fn run(
     gpu: &Gpu,
     layout: &MapLayout,
@@ -40,7 +39,7 @@ pub fn run(
     Ok(total)
 }
 
-/// As [`run`], by the convolution with the cosine; reports the host's time.
+/// As [`run`], by convolution with the cosine; reports the host's time.
 pub fn run_harmonic(gpu: &Gpu, layout: &MapLayout, harmonics: &Harmonics, map: &Image) -> Result<Report, GpuError> {
     let start = Instant::now();
     gpu.write_image(map, 0, &texels(harmonics, &cosine_factors(harmonics.degree()), layout, map.mip_size(0)))?;

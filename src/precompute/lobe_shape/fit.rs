@@ -1,4 +1,4 @@
-//! The width of the round kernel that is closest to a lobe.
+//! Finds the width of the round kernel that is closest to a lobe.
 
 use super::rule::Lobe;
 use crate::glsl::constants::ALPHA_MIN;
@@ -7,21 +7,21 @@ use crate::precompute::prefilter::Kernel;
 use glam::DVec3;
 use std::f64::consts::{PI, TAU};
 
-/// What a width is chosen for.
+/// The error that a width minimises.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Objective {
-    /// `∫ (K - ŵ)²`: the squared error under light that is white noise over the sphere.
+    /// `∫ (K - ŵ)²`: squared error under light that is white noise over the sphere.
     Square,
-    /// `∫ (K - ŵ)² / (b + ŵ)²`, `b = AMBIENT/4π`: the squared relative error under one small lamp anywhere, and light from all around that has
-    /// [`AMBIENT`] times the lamp's flux.
+    /// `∫ (K - ŵ)² / (b + ŵ)²`, `b = AMBIENT/4π`: squared relative error under one small lamp anywhere, plus even light
+    /// with [`AMBIENT`] times its flux.
     Relative,
 }
 
-/// Flux of the light from all around, over that of the lamp. Chosen on five maps.
+/// Flux of the even light over the lamp's. Chosen on five maps.
 pub const AMBIENT: f64 = 4.0;
 
 impl Objective {
-    /// What a squared difference to that density counts.
+    /// Returns the weight of a squared difference at that density.
     pub fn weight(self, density: f64) -> f64 {
         match self {
             Self::Square => 1.0,
@@ -30,29 +30,29 @@ impl Objective {
     }
 }
 
-/// Widths that are tried; between them the objective is a parabola in ln a.
+/// Tried widths per octave; between them the objective is a parabola in ln a.
 const PER_OCTAVE: f64 = 16.0;
 
-/// Octaves below the lobe's alpha from which the search starts.
+/// The search starts this many octaves below the lobe's alpha.
 const OCTAVES_BELOW: f64 = 3.0;
 
-/// Rings about the lookup's direction, a panel in `t = ln tan(γ/2)`; the kernel ends at t = 0, the horizon.
+/// Rings about the lookup's direction, per panel in `t = ln tan(γ/2)`; the kernel ends at t = 0, the horizon.
 const PANEL: f64 = 0.5;
 const RINGS: usize = 4;
 /// Panels below `ln alpha`, and nodes of a ring over half a turn.
 const PANELS_BELOW: f64 = 10.0;
 const PHI_COUNT: u32 = 16;
 
-/// The kernels of a prefiltered map on rings about its direction.
+/// The kernels of a prefiltered map, on rings about its direction.
 pub struct Widths {
-    /// sin γ, cos γ and the measure of each ring, widest first.
+    /// sin γ, cos γ and measure of each ring, widest first.
     rings: Vec<(f64, f64, f64)>,
-    /// Each width with its normalised kernel on the rings.
+    /// Each width, with its normalised kernel on the rings.
     rows: Vec<(f64, Vec<f64>)>,
 }
 
 impl Widths {
-    /// From alpha 1 down to a sixteenth of the least that is shaded.
+    /// Computes widths from alpha 1 to a sixteenth of the smallest shaded alpha.
     pub fn new(kernel: Kernel) -> Self {
         let rule = GaussLegendre::<RINGS>::new();
         let narrowest = f64::from(ALPHA_MIN).ln() - PANEL * PANELS_BELOW;
@@ -74,13 +74,15 @@ impl Widths {
         Self { rows: (0..=(octaves * PER_OCTAVE) as u32).map(row).collect(), rings }
     }
 
-    /// The widths in (0, 1] of the kernels about m closest to the lobe whose part of weight Fc has that share, by each objective.
+    /// Finds the widths in (0, 1] of the kernels about m closest to the lobe with that share of the part of weight Fc,
+    /// by each objective.
     pub fn fit<const N: usize>(&self, lobe: &Lobe, share: f64, m: DVec3, objectives: [Objective; N]) -> [f64; N] {
         let tangent = DVec3::new(m.z, 0.0, -m.x);
         let count = (((PANELS_BELOW - lobe.alpha.ln() / PANEL).ceil() as usize) * RINGS).min(self.rings.len());
         let azimuths: Vec<(f64, f64)> =
             (0..PHI_COUNT).map(|j| (PI * (f64::from(j) + 0.5) / f64::from(PHI_COUNT)).sin_cos()).collect();
-        // Of the objective only `Σ K² S - 2 K T` hangs on the kernel: S the weight's integral over a ring, T that of weight times lobe.
+        // Only `Σ K² S - 2 K T` of the objective depends on the kernel: S integrates the weight over a ring, T weight
+        // times lobe.
         let mut sums = vec![[(0.0, 0.0); N]; count];
         for (sums, (sin, cos, measure)) in sums.iter_mut().zip(&self.rings) {
             for (sin_phi, cos_phi) in &azimuths {
@@ -98,8 +100,8 @@ impl Widths {
         })
     }
 
-    /// The narrowest width at which the objective is least in its surroundings. Beyond it a kernel that leaks everywhere may get better
-    /// with its width again, until it is so wide that it shows nothing.
+    /// Finds the narrowest local minimum of the objective over widths. For much wider kernels, which leak everywhere,
+    /// the objective may fall again until they show nothing.
     fn least(&self, alpha: f64, objective: impl Fn(&[f64]) -> f64) -> f64 {
         let objective = |k: usize| objective(&self.rows[k].1);
         let last = self.rows.len() - 1;

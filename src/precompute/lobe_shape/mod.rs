@@ -1,19 +1,18 @@
-//! Where the lobe of a surface points and how wide it is, so that one lookup of the prefiltered map can stand for it.
+//! Where the lobe of a surface points and how wide it is, so that one lookup of the prefiltered map can replace it.
 //!
-//! Schlick's Fresnel parts the lobe `f n·l` in two, of weights 1 - Fc and Fc; A and B are their integrals. For each part the table has the
-//! first moment `∫ l dl` over its integral, as `x r + y n`: r the mirror direction, n the normal. What an f0 reflects has the share
-//! `s = B/(f0 A + B)` of the second part. So its first moment is linear in s, and m is the unit vector along it.
+//! Schlick's Fresnel splits the lobe `f n·l` into parts of weights 1 - Fc and Fc; A and B are their integrals. The
+//! table has the first moment `∫ l dl` of each part over its integral, as `x r + y n`: r the mirror direction, n the
+//! normal. Of the light reflected for an f0, the second part has the share `s = B/(f0 A + B)`. So the first moment of
+//! the lobe is linear in s, and m is the unit vector along it.
 //!
-//! The width is that of the kernel K_a of the prefiltered map, about m, closest to the normalised lobe ŵ: once by `∫ (K_a - ŵ)²`, once by
-//! `∫ (K_a - ŵ)² / (b + ŵ)²` ([`Objective`]). No environment enters.
+//! The width is the one of the prefiltered map's kernel K_a, about m, closest to the normalised lobe ŵ: by `∫ (K_a -
+//! ŵ)²`, and by `∫ (K_a - ŵ)² / (b + ŵ)²` ([`Objective`]). No environment enters.
 //!
-//! One table serves a model, a masking and a weight of prefiltered maps. Its axes are `√n_dot_v` and perceptual roughness, with nodes at
-//! both ends of both. Its parts stand below each other: the moments (x, y of the part 1 - Fc, then of Fc), the widths by the first objective and
-//! by the second, each as `√(a/alpha)` for s = 0, 1/2, 1.
+//! There is a table for each model, masking and weight of prefiltered maps. Its axes are `√n_dot_v` and perceptual
+//! roughness, with nodes at both ends of each. Three parts lie below each other: the moments (x, y of the part 1 - Fc,
+//! then of Fc), and the widths by each objective, as `√(a/alpha)` for s = 0, 1/2, 1.
 
 mod fit;
-#[cfg(feature = "gpu")]
-pub mod pass;
 mod rule;
 mod table;
 
@@ -27,37 +26,37 @@ use rayon::prelude::*;
 use rule::Lobe;
 pub use table::LobeTable;
 
-/// Shares of the part of weight Fc that the table has widths for.
+/// Shares of the part of weight Fc for which the table has widths.
 pub const SHARES: [f64; 3] = [0.0, 0.5, 1.0];
 
-/// What the widths of the table are chosen for, part by part.
+/// Objectives of the table's widths, part by part.
 pub const OBJECTIVES: [Objective; 2] = [Objective::Square, Objective::Relative];
 
-/// What the table holds at a node.
+/// The contents of a node.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LobeShape {
-    /// First moments over their integrals of the parts of weights 1 - Fc and Fc, each as its shares of r and n.
+    /// First moments of the parts of weights 1 - Fc and Fc over their integrals, as shares of r and n.
     pub moments: [DVec2; 2],
-    /// `√(a/alpha)` by each of [`OBJECTIVES`] for each of [`SHARES`].
+    /// `√(a/alpha)` by [`OBJECTIVES`] and [`SHARES`].
     pub width_ratios: [[f64; 3]; 2],
 }
 
-/// `(n_dot_v, alpha)` of a node.
+/// Returns `(n_dot_v, alpha)` of a node.
 pub fn parameters_from_node(node: [u32; 2]) -> DVec2 {
     let at = DVec2::new(node[0].into(), node[1].into()) / f64::from(LOBE_SHAPE_SIDE - 1);
-    // Nearer to the normal, the share of r is 0/0.
+    // Closer to the normal the share of r is 0/0.
     let n_dot_v = (at.x * at.x).clamp(COSINE_MIN.into(), 1.0 - 1e-6);
     DVec2::new(n_dot_v, alpha_from_perceptual_roughness(at.y).max(ALPHA_MIN.into()))
 }
 
-/// Texture coordinates of a lookup in a part of the table.
+/// Returns the texture coordinates of a lookup in a part of the table.
 pub fn uv_from_parameters(n_dot_v: f64, alpha: f64, part: u32) -> DVec2 {
     let (side, parts) = (f64::from(LOBE_SHAPE_SIDE), f64::from(LOBE_SHAPE_PARTS));
     let texel = DVec2::new(n_dot_v.sqrt(), perceptual_roughness_from_alpha(alpha)) * (side - 1.0) + 0.5;
     DVec2::new(texel.x, texel.y + f64::from(part) * side) / DVec2::new(side, side * parts)
 }
 
-/// The shapes of a model's lobes, for maps that are prefiltered by a kernel.
+/// Computes the shapes of a model's lobes, for maps prefiltered by a kernel.
 pub struct LobeShapes {
     widths: Widths,
     brdf: &'static dyn Brdf,
@@ -69,7 +68,7 @@ impl LobeShapes {
         Self { widths: Widths::new(kernel), brdf: kernel.brdf, masking }
     }
 
-    /// That of one view, `n_dot_v` below 1.
+    /// Computes the shape for one view, `n_dot_v` below 1.
     pub fn at(&self, n_dot_v: f64, alpha: f64) -> LobeShape {
         let lobe = Lobe::new(self.brdf, self.masking, n_dot_v, alpha);
         let moments = lobe.moments();
@@ -82,7 +81,7 @@ impl LobeShapes {
     }
 }
 
-/// The texels of a table, row by row.
+/// Computes the texels of a table, row by row.
 pub fn texels(kernel: Kernel, masking: MaskingShadowing) -> Vec<[f32; 4]> {
     let (shapes, side) = (LobeShapes::new(kernel, masking), LOBE_SHAPE_SIDE);
     let nodes: Vec<[u32; 2]> = (0..side).flat_map(|y| (0..side).map(move |x| [x, y])).collect();

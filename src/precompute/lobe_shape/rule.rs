@@ -1,4 +1,4 @@
-//! A lobe as a weighted set of directions, by the quadrature of `shaders/lib/directional_albedo.glsl`, which has its derivation.
+//! A lobe as weighted directions, by the quadrature derived in `shaders/lib/directional_albedo.glsl`.
 
 use crate::brdf::{Brdf, MaskingShadowing, g1, g2_from_g1, schlick_weight};
 use glam::{DVec2, DVec3};
@@ -8,20 +8,20 @@ use std::f64::consts::{PI, TAU};
 const PHI_COUNT: u32 = 16;
 const R_COUNT: u32 = 16;
 
-/// The lobe of a view at `(sin θ, 0, cos θ)`; its mirror image in y is left out.
+/// The lobe of a view at `(sin θ, 0, cos θ)`. Its mirror image in y is omitted.
 pub struct Lobe {
     model: &'static dyn Brdf,
     masking: MaskingShadowing,
     pub alpha: f64,
     v: DVec3,
     g1_v: f64,
-    /// Directions, and what each adds to A and to B.
+    /// Directions, and the contribution of each to A and B.
     nodes: Vec<(DVec3, DVec2)>,
-    /// (A, B).
+    /// A and B.
     albedos: DVec2,
 }
 
-/// Node of `[0, 1]` and weight of the midpoint rule after the sin² transformation \[Sidi93\].
+/// Returns node and weight on `[0, 1]` of the midpoint rule after the sin² transformation \[Sidi93\].
 fn periodic_node(i: u32, count: u32) -> (f64, f64) {
     let x = (f64::from(i) + 0.5) / f64::from(count);
     (x - (TAU * x).sin() / TAU, (1.0 - (TAU * x).cos()) / f64::from(count))
@@ -70,12 +70,11 @@ impl Lobe {
         Self { model, masking, alpha, v, g1_v, nodes, albedos }
     }
 
-    /// The mirror direction.
     pub fn mirror(&self) -> DVec3 {
         DVec3::new(-self.v.x, 0.0, self.v.z)
     }
 
-    /// The normalised lobe in a direction, its part of weight Fc having that share.
+    /// Returns the normalised lobe in a direction; `share` weighs the part of weight Fc.
     pub fn density(&self, share: f64, l: DVec3) -> f64 {
         if l.z <= 0.0 {
             return 0.0;
@@ -88,7 +87,7 @@ impl Lobe {
         self.model.d(h, self.alpha) * g2 / (4.0 * self.v.z) * parts.element_sum()
     }
 
-    /// First moment over its integral of each part, as its shares of r and of n.
+    /// Returns the first moment of each part over its integral, as shares of r and n.
     pub fn moments(&self) -> [DVec2; 2] {
         let (mut x, mut z) = (DVec2::ZERO, DVec2::ZERO);
         for (l, part) in &self.nodes {

@@ -8,22 +8,21 @@ use crate::pixels::lookup::{Wrap, bilinear};
 use crate::precompute::prefilter::Kernel;
 use glam::{DVec3, DVec4};
 
-/// A table of lobe shapes.
 #[derive(Clone, Debug)]
 pub struct LobeTable {
-    /// Its parts below each other, as the parent module lays them out.
+    /// The parts below each other, in the order of the parent module.
     pub texels: Pixels<DVec4>,
 }
 
 impl LobeTable {
-    /// The table of a model's lobes for maps that are prefiltered by a kernel, rounded to f32 as the device has it.
+    /// Makes the table of a model's lobes for maps prefiltered by a kernel, rounded to f32 as on the device.
     pub fn new(kernel: Kernel, masking: MaskingShadowing) -> Self {
         let texels = texels(kernel, masking).iter().map(|texel| DVec4::from_array(texel.map(f64::from))).collect();
         Self { texels: Pixels::new(LOBE_SHAPE_SIDE, LOBE_SHAPE_PARTS * LOBE_SHAPE_SIDE, texels) }
     }
 
-    /// The unit direction in which to look the prefiltered map up: the lobe's first moment, for unit vectors n and v and the `share` in
-    /// [0, 1] of the lobe's part of weight Fc.
+    /// Returns the unit direction of the lookup: the lobe's first moment for unit vectors n and v, with the `share` in
+    /// [0, 1] of its part of weight Fc.
     pub fn direction(&self, [n, v]: [DVec3; 2], alpha: f64, share: f64) -> DVec3 {
         let of = |channels| self.lookup(n.dot(v), alpha, 0, channels);
         let [of_a, of_b] = [of(|t| DVec3::new(t.x, t.y, 0.0)), of(|t| DVec3::new(t.z, t.w, 0.0))];
@@ -31,16 +30,15 @@ impl LobeTable {
         (moment.x * reflect(v, n) + moment.y * n).normalize()
     }
 
-    /// The width alpha of the level to look up, by an objective.
+    /// Returns the width alpha of the level to look up, by an objective.
     pub fn width(&self, n_dot_v: f64, alpha: f64, share: f64, objective: Objective) -> f64 {
         let part = 1 + OBJECTIVES.iter().position(|listed| *listed == objective).expect("a listed objective") as u32;
         let [low, middle, high] = self.lookup(n_dot_v, alpha, part, DVec4::truncate).to_array();
-        // The parabola through the three.
+        // A parabola through the three.
         let ratio = low + share * ((4.0 * middle - 3.0 * low - high) + share * 2.0 * (low - 2.0 * middle + high));
         (alpha * ratio * ratio).min(1.0)
     }
 
-    /// Three channels of a part.
     fn lookup(&self, n_dot_v: f64, alpha: f64, part: u32, channels: fn(DVec4) -> DVec3) -> DVec3 {
         bilinear(&self.texels, uv_from_parameters(n_dot_v, alpha, part), Wrap::CLAMP, channels)
     }

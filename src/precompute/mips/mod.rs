@@ -1,8 +1,9 @@
 //! The environment's mip chain: each texel is the mean of radiance over its solid angle.
 //!
-//! A texel of a level covers a rectangle of the level above. Its value is `Σ w L / Σ w` with `w` the solid angle of the overlap with each
-//! source texel: overlap in u times the difference of cos θ over the overlap in θ. Unlike a box filter this keeps the integral
-//! over the sphere at every level, for any size, odd ones too; at the poles a box filter overrates the texels nearest to the pole.
+//! A texel of a level covers a rectangle of the level above. Its value is `Σ w L / Σ w`, with w the solid angle of the
+//! overlap with each source texel: overlap in u times the difference of cos θ over the overlap in θ. Unlike a box
+//! filter this keeps the integral over the sphere at every level and size; at the poles a box filter overrates the
+//! texels nearest to the pole.
 
 #[cfg(feature = "gpu")]
 pub mod pass;
@@ -10,20 +11,20 @@ pub mod reference;
 
 use std::f64::consts::PI;
 
-/// Size of level `mip` of a chain over a `size` map: halved and rounded down at each level, at least 1.
+/// Returns the size of level `mip` of a chain over a `size` map: halved and rounded down per level, at least 1.
 pub fn level_size(size: [u32; 2], mip: u32) -> [u32; 2] {
     size.map(|side| side.checked_shr(mip).unwrap_or(0).max(1))
 }
 
-/// Number of levels down to 1 x 1.
+/// Counts the levels down to 1 x 1.
 pub fn level_count(size: [u32; 2]) -> u32 {
     size[0].max(size[1]).ilog2() + 1
 }
 
-/// Source texels under texel `index` of `count`, when `source_count` texels cover the same side: each with the overlap's ends, in
-/// source texels.
+/// Lists the source texels under texel `index` of `count`, when `source_count` texels cover the same side, each with
+/// the ends of the overlap in source texels.
 pub fn overlaps(index: u32, count: u32, source_count: u32) -> impl Iterator<Item = (u32, f64, f64)> {
-    // Exact in integers: a rounded edge would add a sliver of a wrong texel.
+    // Exact in integers: a rounded edge would add a sliver of another texel.
     let edge = |i: u32| u64::from(i) * u64::from(source_count);
     let (low, high) = (edge(index), edge(index + 1));
     let count = u64::from(count);
@@ -33,7 +34,8 @@ pub fn overlaps(index: u32, count: u32, source_count: u32) -> impl Iterator<Item
     })
 }
 
-/// `cos θ_start - cos θ_end` of a band of rows, for `height` rows from pole to pole: its solid angle per radian of azimuth.
+/// Returns `cos θ_start - cos θ_end` of a band of rows, for `height` rows from pole to pole: its solid angle per radian
+/// of azimuth.
 pub fn band(start: f64, end: f64, height: u32) -> f64 {
     let theta = |row: f64| PI * row / f64::from(height);
     // As a product: the difference of cosines loses digits in thin bands.

@@ -1,12 +1,11 @@
-//! The device pass: one dispatch a level.
+//! The device pass: one dispatch per level.
 
 use crate::glsl::layout::{MipsParams, SharedStruct};
 use crate::gpu::{Bind, Gpu, GpuError, Image, Report, Sampler, image_groups};
 
-/// The shader that makes the levels.
 pub const SHADER: &str = "precompute/mips.comp";
 
-/// Fills every level of `image` below the first.
+/// Fills every level of `image` from level 1 on.
 pub fn run(gpu: &Gpu, image: &Image) -> Result<Report, GpuError> {
     gpu.submit_pass("mips", |recorder| {
         (1..image.mip_count()).try_for_each(|mip| {

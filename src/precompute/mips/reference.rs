@@ -4,7 +4,7 @@ use super::{band, level_count, level_size, overlaps};
 use crate::pixels::{Pixels, RgbImage};
 use glam::DVec3;
 
-/// Every level, from the image itself down to 1 x 1; each is made from the level above.
+/// Computes every level, from the image itself down to 1 x 1, each from the level above.
 pub fn chain(image: &RgbImage) -> Vec<Pixels<DVec3>> {
     let mut levels = vec![image.map(|radiance| DVec3::from_array(radiance.map(f64::from)))];
     let size = [image.width, image.height];
@@ -15,7 +15,7 @@ pub fn chain(image: &RgbImage) -> Vec<Pixels<DVec3>> {
     levels
 }
 
-/// The map resampled to `size`, no larger than the source: means over solid angle.
+/// Resamples the map to `size`, no larger than the source, by means over solid angle.
 pub fn downsample(source: &Pixels<DVec3>, size: [u32; 2]) -> Pixels<DVec3> {
     Pixels::from_fn(size[0], size[1], |x, y| {
         let (mut sum, mut total) = (DVec3::ZERO, 0.0);

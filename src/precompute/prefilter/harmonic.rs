@@ -1,8 +1,9 @@
-//! Levels without samples: the prefiltered map is a convolution, `P(r, alpha) = (K * L)(r)` with the kernel `K(γ) = D(γ/2) w(cos γ)` over
-//! its integral. In spherical harmonics it is a product, `P_lm = k_l L_lm`.
+//! Prefiltering without samples. The prefiltered map is a convolution, `P(r, alpha) = (K * L)(r)` with the kernel `K(γ)
+//! = D(γ/2) w(cos γ)` over its integral; in spherical harmonics it is a product, `P_lm = k_l L_lm`.
 //!
-//! Tails of GGX are the longest: `k_l` falls as `exp(-2 alpha l)`, and degrees up to 8/alpha leave 1e-7 of it. Lobes are cut off
-//! at the horizon, the wider the harder: from there `k_l` of wide ones falls as a power of l. docs/estimators.md has what is left.
+//! GGX has the longest tails: `k_l` falls as `exp(-2 alpha l)`, and degrees up to 8/alpha leave 1e-7 of it. Lobes end
+//! at the horizon, the more abruptly the wider they are: for wide ones `k_l` falls as a power of l. docs/estimators.md
+//! has the remaining errors.
 
 use super::Kernel;
 use crate::brdf::Brdf;
@@ -16,40 +17,41 @@ use std::f64::consts::TAU;
 
 /// Highest degree of a map's coefficients.
 pub const DEGREE_MAX: usize = 1024;
-/// Narrower lobes reach beyond that degree: it would leave more than `exp(-10)` of them.
+/// Narrower lobes need higher degrees: `exp(-10)` of them would be lost.
 pub const ALPHA_MIN: f64 = 5.0 / DEGREE_MAX as f64;
 
-/// Up to which degree a lobe of that width counts: for the tail of a narrow one, and for the edge at the horizon of a wide one.
+/// Returns the degree up to which a lobe of that width matters: for the tail of narrow lobes, for the edge at the
+/// horizon of wide ones.
 pub fn degree(alpha: f64) -> usize {
     let counts = f64::max(8.0 / alpha, 192.0 * alpha.sqrt());
     (counts.ceil() as usize).clamp(128, DEGREE_MAX)
 }
 
-/// Up to which degree a map counts whose narrowest level has this width; the widest has 1.
+/// Returns the degree up to which a map matters whose levels have widths from `alpha` to 1.
 pub fn degree_of_map(alpha: f64) -> usize {
     degree(alpha).max(degree(1.0))
 }
 
-/// The coefficients of an environment up to a degree.
+/// Computes the coefficients of an environment up to a degree.
 pub fn harmonics(environment: &RgbImage, degree: usize) -> Harmonics {
     let [width, height] = [environment.width, environment.height].map(|side| side as usize);
     Harmonics::new(width, height, degree, |x, y| environment.get(x as u32, y as u32))
 }
 
-/// `k_l` for l up to a degree: the mean of `P_l(cos γ)` over the kernel.
+/// Computes `k_l` for l up to a degree: the mean of `P_l(cos γ)` over the kernel.
 pub fn factors(kernel: Kernel, alpha: f64, degree: usize) -> Vec<f64> {
     factors_of(kernel.brdf, alpha, degree, |n_dot_l| kernel.weight(alpha, n_dot_l))
 }
 
-/// The same of the kernel `D w(n·l)`.
+/// Computes `k_l` of the kernel `D w(n·l)`.
 pub fn factors_of(brdf: &dyn Brdf, alpha: f64, degree: usize, weight: impl Fn(f64) -> f64) -> Vec<f64> {
     let integrals = integrals(brdf, alpha, degree, weight);
     integrals.iter().map(|integral| integral / integrals[0]).collect()
 }
 
-/// `∫ D w P_l dl` for l up to a degree, at least 1.
+/// Integrates `∫ D w P_l dl` for l up to a degree, at least 1.
 pub fn integrals(brdf: &dyn Brdf, alpha: f64, degree: usize, weight: impl Fn(f64) -> f64) -> Vec<f64> {
-    // In t = ln tan(γ/2), where a lobe of any width has the same shape; below it holds 4e-11.
+    // In t = ln tan(γ/2), where lobes of any width have the same shape; 4e-11 of it lies below `low`.
     let low = alpha.ln() - 12.0;
     const NODES: usize = 6;
     let rule = GaussLegendre::<NODES>::new();
@@ -60,7 +62,7 @@ pub fn integrals(brdf: &dyn Brdf, alpha: f64, degree: usize, weight: impl Fn(f64
     while high > low {
         // Panels no longer than a radian and a half of the highest degree: dγ = sin γ dt.
         let step = f64::min(0.25, 1.5 * high.cosh() / degree as f64);
-        // The nodes of a panel side by side: a recurrence alone waits for itself.
+        // The nodes of a panel side by side: a single recurrence would wait for itself.
         let (mut cosines, mut values) = ([0.0; NODES], [0.0; NODES]);
         for k in 0..NODES {
             let t = high - 0.5 * step * (1.0 + rule.nodes[k]);
@@ -83,8 +85,8 @@ pub fn integrals(brdf: &dyn Brdf, alpha: f64, degree: usize, weight: impl Fn(f64
     sums
 }
 
-/// `k_l` of the cosine lobe in closed form: 1, 2/3, 0 for other odd l, `2 (-1)^(l/2-1) l! / ((l + 2)(l - 1) 2^l (l/2)!²)` for even l
-/// [Ramamoorthi01, eq. 19].
+/// Computes `k_l` of the cosine lobe in closed form: 1, 2/3, 0 for other odd l, `2 (-1)^(l/2-1) l! / ((l + 2)(l - 1)
+/// 2^l (l/2)!²)` for even l [Ramamoorthi01, eq. 19].
 pub fn cosine_factors(degree: usize) -> Vec<f64> {
     // l!/(2^l (l/2)!²) with the sign, by its ratio.
     let mut central = -1.0;
@@ -101,9 +103,9 @@ pub fn cosine_factors(degree: usize) -> Vec<f64> {
     (0..=degree).map(&mut of).collect()
 }
 
-/// The texels of what a kernel of these `k_l` makes of a map, face after face.
+/// Computes the texels of a map convolved with a kernel of these `k_l`, face by face.
 pub fn texels(harmonics: &Harmonics, factors: &[f64], layout: &MapLayout, size: [u32; 2]) -> Vec<[f32; 4]> {
-    // The sum of a series may ring below 0 by rounding.
+    // A series may ring below 0 by rounding.
     let texel = |value: DVec3| value.max(DVec3::ZERO).as_vec3().extend(1.0).to_array();
     if layout.is_environments() {
         let [width, height] = size.map(|side| side as usize);
@@ -122,7 +124,7 @@ pub fn texels(harmonics: &Harmonics, factors: &[f64], layout: &MapLayout, size: 
     rows.par_iter().flat_map_iter(row).collect()
 }
 
-/// The texels of a level.
+/// Computes the texels of a level.
 pub fn level(harmonics: &Harmonics, kernel: Kernel, alpha: f64, layout: &MapLayout, size: [u32; 2]) -> Vec<[f32; 4]> {
     texels(harmonics, &factors(kernel, alpha, degree(alpha).min(harmonics.degree())), layout, size)
 }

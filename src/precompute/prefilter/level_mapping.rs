@@ -1,24 +1,23 @@
-//! Which perceptual roughness each level of a prefiltered map holds. The twin of `shaders/lib/prefilter_mapping.glsl`.
+//! The perceptual roughness of each level of a prefiltered map. The twin of `shaders/lib/prefilter_mapping.glsl`.
 //!
-//! Level k of n holds the roughness r with `m(r) = k / (n - 1)`, alpha = r², and a lookup reads the level `(n - 1) m(r)`. Every mapping
-//! here is the parabola through 0 and 1 that is bent by b in [0, 1],
+//! Level k of n holds the roughness r with `m(r) = k / (n - 1)`, alpha = r², and a lookup reads level `(n - 1) m(r)`.
+//! Every mapping is the parabola through 0 and 1 with bend b in [0, 1],
 //!
-//! `m(r) = r (1 + b (1 - r))`, and its inverse `r = 2 u / (1 + b + sqrt((1 - b)² + 4 b (1 - u)))`:
+//! `m(r) = r (1 + b (1 - r))`, with inverse `r = 2 u / (1 + b + sqrt((1 - b)² + 4 b (1 - u)))`:
 //!
-//! the more it is bent, the more levels hold smooth surfaces.
+//! a larger bend gives smooth surfaces more levels.
 
 use crate::brdf::{alpha_from_perceptual_roughness, perceptual_roughness_from_alpha};
 use crate::spelling::listed;
 
-/// A mapping by name.
 #[derive(Debug)]
 pub struct LevelMapping {
     pub name: &'static str,
     /// One sentence for `splitsum list level-mappings`.
     pub about: &'static str,
-    /// b of the module's text.
+    /// b, in [0, 1].
     pub bend: f64,
-    /// Levels that its engine counts on, however many a cube has.
+    /// Number of levels that the engine assumes for any cube.
     pub engine_levels: Option<u32>,
 }
 
@@ -53,20 +52,20 @@ impl PartialEq for LevelMapping {
 }
 
 impl LevelMapping {
-    /// Microfacet width that level `mip` (real, for lookups between levels) holds. Inverse: [`Self::mip_from_alpha`].
+    /// Returns the microfacet width of level `mip`, which may be fractional. Inverse: [`Self::mip_from_alpha`].
     pub fn alpha_from_mip(&self, mip: f64, level_count: u32) -> f64 {
         let (b, u) = (self.bend, mip / last_mip(level_count));
         alpha_from_perceptual_roughness(2.0 * u / (1.0 + b + ((1.0 - b).powi(2) + 4.0 * b * (1.0 - u)).sqrt()))
     }
 
-    /// The real level that a lookup for `alpha` reads.
+    /// Returns the fractional level that a lookup for `alpha` reads.
     pub fn mip_from_alpha(&self, alpha: f64, level_count: u32) -> f64 {
         let r = perceptual_roughness_from_alpha(alpha);
         r * (1.0 + self.bend * (1.0 - r)) * last_mip(level_count)
     }
 }
 
-/// A chain of one level would have no rough end to divide by.
+/// Index of the last level. A chain of one level has no rough end.
 fn last_mip(level_count: u32) -> f64 {
     assert!(level_count >= 2, "a prefiltered map needs at least 2 levels, not {level_count}");
     f64::from(level_count - 1)

@@ -4,8 +4,8 @@
 //!
 //! `P(r, alpha) = ∫ L(l) D(h) w(l) dl / ∫ D(h) w(l) dl`, `h = normalize(r + l)`,
 //!
-//! since half vectors of density `D n_dot_h` give l of density `D n_dot_h / (4 v·h) = D/4` at `v = n`. There is one map for each model.
-//! Which roughness a level holds is its [`LevelMapping`]; level 0 is the mirror, the environment itself.
+//! since half vectors of density `D n_dot_h` give l of density `D n_dot_h / (4 v·h) = D/4` at `v = n`. Each model has a
+//! map. Its [`LevelMapping`] gives the roughness of a level; level 0 is the mirror, the environment itself.
 
 pub mod harmonic;
 pub mod level_bias;

@@ -1,4 +1,4 @@
-//! The device pass: one dispatch a level, part of it and range of points.
+//! The device pass: one dispatch per level, part of it and range of points.
 
 use super::{Kernel, LevelMapping, harmonic};
 use crate::brdf::{Brdf, MaskingShadowing};
@@ -11,7 +11,7 @@ use crate::precompute::PrecomputeSettings;
 use crate::precompute::points::Points;
 use std::time::Instant;
 
-/// Name of the pass of each level. Levels halve a side of at most 4096 texels, so there are no more.
+/// Pass names of the levels. Levels halve a side of at most 4096 texels, so there are no more.
 const PASSES: [&str; 12] = [
     "prefilter mip 0",
     "prefilter mip 1",
@@ -27,22 +27,20 @@ const PASSES: [&str; 12] = [
     "prefilter mip 11",
 ];
 
-/// The shader that makes the levels.
 pub fn shader(brdf: &dyn Brdf, layout: &MapLayout) -> String {
     format!("precompute/prefilter.comp:{}:{}", brdf.name(), layout.name)
 }
 
-/// A map to fill.
 pub fn map(gpu: &Gpu, layout: &MapLayout, size: [u32; 2], level_count: u32) -> Result<Image, GpuError> {
     gpu.faced_image("prefiltered map", size, layout.face_count, level_count, Format::Rgba32Float)
 }
 
-/// What the levels of a map hold.
+/// What the levels of a map contain.
 #[derive(Clone, Copy, Debug)]
 pub struct Recipe {
     pub kernel: Kernel,
     pub mapping: &'static LevelMapping,
-    /// Levels added to the level of each sample's lookup.
+    /// Added to the level of each sample's lookup.
     pub lod_bias: f32,
 }
 
@@ -69,7 +67,7 @@ pub fn run(
     Ok(total)
 }
 
-/// As [`run`], but all levels beyond the mirror are synthesised on the host, whose time they report.
+/// As [`run`], with all levels but the mirror synthesised on the host; reports the host's time.
 pub fn run_harmonic(
     gpu: &Gpu,
     recipe: Recipe,
@@ -91,7 +89,7 @@ pub fn run_harmonic(
     Ok(total)
 }
 
-/// Fills a level by one dispatch a part of it and range of points, each of which adds to the sums in its texels.
+/// Fills a level, one dispatch per part and range of points; each adds to the sums in its texels.
 fn sample(
     gpu: &Gpu,
     recipe: Recipe,

@@ -9,7 +9,7 @@ use crate::math::quadrature::{Bounded, GaussLegendre, Tolerance};
 use glam::{DVec2, DVec3};
 use std::f64::consts::TAU;
 
-/// `P(r, alpha)` for the unit vector `r` and `alpha` in (0, 1].
+/// Integrates `P(r, alpha)` for the unit vector `r` and `alpha` in (0, 1].
 pub fn prefilter(
     environment: &EquirectQuadrature,
     kernel: Kernel,
@@ -27,8 +27,8 @@ pub fn prefilter(
         .combine([DVec3::splat(1.0 / density_integral(kernel, alpha))])
 }
 
-/// The device's estimate of the same from half vectors at `points`: each lookup reads the level at which a texel covers the solid angle of
-/// the sample, `1/(N p_l)`, and `lod_bias` levels more. Some sample must lie above the horizon.
+/// Estimates it as the device does, from half vectors at `points`. Each lookup reads the level whose texels cover the
+/// solid angle of the sample, `1/(N p_l)`, plus `lod_bias`. At least one sample must lie above the horizon.
 pub fn estimate(
     environment: &FilteredMap,
     kernel: Kernel,
@@ -60,9 +60,11 @@ fn density(kernel: Kernel, l_local: DVec3, alpha: f64) -> f64 {
     }
 }
 
-/// `∫ D(h) w(l) dl` over the hemisphere, in `t = ln tan(θ_l/2)`, where a lobe of any width has the same shape.
+/// Integrates `∫ D(h) w(l) dl` over the hemisphere, in `t = ln tan(θ_l/2)`, where lobes of any width have the same
+/// shape.
 fn density_integral(kernel: Kernel, alpha: f64) -> f64 {
-    // θ_l below 2 exp(-20) holds 1e-11 of the lobe at alpha 0.001; panels of 1/4 leave the 6-point rule at rounding.
+    // θ_l below 2 exp(-20) holds 1e-11 of the lobe at alpha 0.001; with panels of 1/4 the 6-point rule is exact to
+    // rounding.
     const T_LOW: f64 = -20.0;
     const PANEL_COUNT: u32 = 80;
     let rule = GaussLegendre::<6>::new();

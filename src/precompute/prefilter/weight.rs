@@ -1,20 +1,19 @@
-//! What a direction counts in the mean radiance of a lobe. The twin of `shaders/lib/prefilter_weight.glsl`.
+//! The weight of a direction in the mean radiance of a lobe. The twin of `shaders/lib/prefilter_weight.glsl`.
 
 use crate::brdf::{Brdf, MaskingShadowing, g1};
 use crate::glsl::constants::{PREFILTER_WEIGHT_COSINE, PREFILTER_WEIGHT_MASKING, PREFILTER_WEIGHT_NONE};
 use crate::spelling::listed;
 
-/// A weight by name.
 #[derive(Debug)]
 pub struct Weight {
     pub name: &'static str,
     /// One sentence for `splitsum list prefilter-weights`.
     pub about: &'static str,
-    /// What shaders call it.
+    /// Value of the specialization constant.
     pub code: u32,
-    /// Whether it hangs on the masking-shadowing.
+    /// Whether it depends on the masking-shadowing.
     pub uses_masking: bool,
-    /// The weight of a direction above the horizon, of kernel, alpha and n·l.
+    /// Weight of a direction above the horizon, by kernel, alpha and n·l.
     value: fn(&Kernel, f64, f64) -> f64,
 }
 
@@ -51,12 +50,12 @@ impl PartialEq for Weight {
     }
 }
 
-/// By what a prefiltered map averages: `D(h) w(l)`.
+/// The kernel that a prefiltered map averages with: `D(h) w(l)`.
 #[derive(Clone, Copy, Debug)]
 pub struct Kernel {
     pub brdf: &'static dyn Brdf,
     pub weight: &'static Weight,
-    /// The default where the weight does not hang on it, so that equal maps have equal kernels.
+    /// The default if the weight does not depend on it, so that equal maps have equal kernels.
     pub masking: MaskingShadowing,
 }
 
@@ -65,12 +64,12 @@ impl Kernel {
         Self { brdf, weight, masking: if weight.uses_masking { masking } else { MaskingShadowing::default() } }
     }
 
-    /// That of the default weight.
+    /// Makes the kernel of the default weight.
     pub fn cosine(brdf: &'static dyn Brdf) -> Self {
         Self::new(brdf, &WEIGHTS[0], MaskingShadowing::default())
     }
 
-    /// The weight of a direction by its cosine to n; 0 below the horizon.
+    /// Returns the weight of a direction by its cosine to n; 0 below the horizon.
     pub fn weight(&self, alpha: f64, n_dot_l: f64) -> f64 {
         if n_dot_l > 0.0 { (self.weight.value)(self, alpha, n_dot_l) } else { 0.0 }
     }

@@ -5,18 +5,17 @@ use crate::glsl::layout::{Sh9Params, SharedStruct};
 use crate::gpu::{Bind, Buffer, Gpu, GpuError, Image, Report, Sampler};
 use glam::DVec3;
 
-/// Groups of the first dispatch: enough to fill a large GPU, few enough that adding their sums is nothing.
+/// Groups of the first dispatch: enough for a large GPU, few enough that adding their sums takes no time.
 const GROUP_COUNT: u32 = 128;
 
-/// The shaders that make the coefficients.
 pub const SHADERS: [&str; 2] = ["precompute/sh9.comp", "precompute/sh9_reduce.comp"];
 
-/// A buffer for the coefficients: SH9_COUNT vec4, radiance, w = 0.
+/// Makes a buffer for the coefficients: SH9_COUNT vec4 of radiance, w = 0.
 pub fn coefficients(gpu: &Gpu) -> Result<Buffer, GpuError> {
     gpu.buffer("SH9 coefficients", u64::from(16 * SH9_COUNT))
 }
 
-/// Writes coefficients that the host has made.
+/// Writes coefficients computed on the host.
 pub fn upload(gpu: &Gpu, radiance: &[DVec3], coefficients: &Buffer) -> Result<Report, GpuError> {
     let channels = radiance.iter().flat_map(|c| c.extend(0.0).as_vec4().to_array());
     gpu.write_buffer(coefficients, &channels.flat_map(f32::to_le_bytes).collect::<Vec<u8>>())?;

@@ -8,20 +8,20 @@ use crate::pixels::RgbImage;
 use glam::{DVec2, DVec3};
 use std::f64::consts::PI;
 
-/// Coefficients of radiance, linear RGB each.
+/// Nine coefficients of radiance, linear RGB.
 pub type Sh9 = [DVec3; COUNT];
 
-/// `Σ L Y sin θ 2π²/(W H)` at texel centres: the sum of source document 0.
+/// Sums `Σ L Y sin θ 2π²/(W H)` at texel centres [Kim22].
 pub fn project_texel_centers(image: &RgbImage) -> Sh9 {
     project(image, &GaussLegendre::<1>::new())
 }
 
-/// Texels as constant patches: `Σ L ∫_texel Y dω`, by a 6 x 6 point rule in each texel.
+/// Integrates texels as constant patches, `Σ L ∫_texel Y dω`, by a 6 x 6 point rule in each.
 pub fn project_texel_areas(image: &RgbImage) -> Sh9 {
     project(image, &GaussLegendre::<6>::new())
 }
 
-/// The bilinear map that lookups see. The kernels are smooth, so the bound of 1e-9 is soon met.
+/// Integrates the bilinear map of lookups. The kernels are smooth, so the bound of 1e-9 is soon met.
 pub fn project_bilinear(environment: &EquirectQuadrature) -> Sh9 {
     project_bilinear_bounded(environment).value
 }
@@ -31,7 +31,7 @@ pub fn project_bilinear_bounded(environment: &EquirectQuadrature) -> Estimate<CO
     environment.integrate(basis, &[], Tolerance { relative: 1e-9, max_part_count: 100_000 })
 }
 
-/// `Σ_texels L Σ_points weight Y sin θ 2π²/(W H)`.
+/// Sums `Σ_texels L Σ_points weight Y sin θ 2π²/(W H)`.
 fn project<const N: usize>(image: &RgbImage, rule: &GaussLegendre<N>) -> Sh9 {
     let size = DVec2::new(f64::from(image.width), f64::from(image.height));
     let mut coefficients = [DVec3::ZERO; COUNT];
