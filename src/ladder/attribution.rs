@@ -1,58 +1,58 @@
-//! From the radiance of coalitions to what each step makes of the error.
+//! Computes the effect of each step on the error, from the radiance of coalitions.
 //!
-//! With r the radiance of nobody, the reference, `e_S = E_S - r` and `w = 1/(r² + ε)`, the value of a coalition is its `relmse`,
-//! `v(S) = mean of w e_S²`. For the steps δ_i of the ladder's order, which sum to e, the covariance share is `Σ w δ_i e / Σ w e²`.
+//! With r the radiance of the empty coalition, the reference, `e_S = E_S - r` and `w = 1/(r² + ε)`, the value of a
+//! coalition is its `relmse`, `v(S) = mean of w e_S²`. For the steps δ_i in the ladder's order, which sum to e, the
+//! covariance share is `Σ w δ_i e / Σ w e²`.
 //!
-//! Rungs that are drawn share their K scrambles. So a step has K estimates δ_ik of its own, and its standard error
-//! `se² = Σ_k (δ_ik - δ_i)² / (K (K - 1))` is far below that of either rung.
+//! Drawn rungs share their K scrambles. So a step has K estimates δ_ik, and its standard error `se² = Σ_k (δ_ik - δ_i)²
+//! / (K (K - 1))` is far smaller than either rung's.
 
 use super::Ladder;
 use super::game::{Coalition, before, coalitions, shapley, without};
 use crate::metrics::Epsilon;
 use glam::DVec3;
 
-/// The numbers of one step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StepNumbers {
     pub step: &'static str,
-    /// Covariance share in the ladder's order; shares sum to 1, a negative one cancels error of the others.
+    /// Covariance share in the ladder's order. Shares sum to 1; a negative one cancels error of the others.
     pub share: f64,
-    /// `relmse` of the rung, after this step and all before it.
+    /// `relmse` of the rung after this step and all before it.
     pub error: f64,
-    /// `relmse` that the step adds when it is made first, after those that it needs.
+    /// `relmse` that the step adds if made first, after the steps that it needs.
     pub first_in: f64,
-    /// `relmse` that goes away when it alone, with those that need it, is made exact.
+    /// `relmse` removed by making the step exact, with those that need it.
     pub last_out: f64,
-    /// The mean of what it adds over all orders; they sum to the error of the split sum.
+    /// Mean increase over all orders; these sum to the error of the split sum.
     pub shapley: f64,
-    /// Standard error of the step over the step, each as the root of the weighted mean square over pixels; 0 for a step that is not drawn
-    /// or does nothing.
+    /// Standard error of the step over the step, each as the root of the weighted mean square over pixels; 0 for a step
+    /// that is not drawn or has no effect.
     pub step_error: f64,
-    /// Standard error of the share, by leaving each scramble out in turn \[Efron79\].
+    /// Standard error of the share, by leaving out each scramble in turn \[Efron79\].
     pub share_error: f64,
 }
 
 /// The error of a term over some pixels, by steps.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Attribution {
-    /// Ends of n·v.
+    /// Range of n·v.
     pub seen_at: [f64; 2],
     pub pixel_count: usize,
     /// `relmse` of all approximations together.
     pub error: f64,
-    /// `relmse` that an exact image would have, from the reference's standard error.
+    /// `relmse` of an exact image, from the reference's standard error.
     pub noise: f64,
     /// In the ladder's order.
     pub steps: Vec<StepNumbers>,
 }
 
-/// What attributions are made of.
+/// Input of [`attributions`].
 pub struct Case<'a> {
     pub ladder: &'static Ladder,
     pub n_dot_v: &'a [f64],
-    /// Radiance of a feasible coalition, pixel by pixel.
+    /// Returns the radiance of a feasible coalition by pixel.
     pub radiance: &'a dyn Fn(Coalition) -> Vec<DVec3>,
-    /// The same as each scramble drew it; none where it is exact.
+    /// Returns the same as each scramble drew it; empty if it is exact.
     pub scrambles: &'a dyn Fn(Coalition) -> Vec<Vec<DVec3>>,
     pub epsilon: Epsilon,
 }
@@ -61,7 +61,7 @@ fn squared(x: DVec3) -> DVec3 {
     x * x
 }
 
-/// The covariance share of a step, `Σ w δ e / Σ w e²`, over the weight, the step and the error of each pixel; 0 where nothing errs.
+/// Computes a step's covariance share, `Σ w δ e / Σ w e²`, from each pixel's weight, step and error; 0 without error.
 pub fn covariance_share(pixels: impl Iterator<Item = [DVec3; 3]>) -> f64 {
     let add = |[of_step, whole]: [DVec3; 2], [w, step, error]: [DVec3; 3]| {
         [of_step + w * step * error, whole + w * error * error]
@@ -70,16 +70,17 @@ pub fn covariance_share(pixels: impl Iterator<Item = [DVec3; 3]>) -> f64 {
     if whole > 0.0 { of_step / whole } else { 0.0 }
 }
 
-/// Where an image lies above its mean in each scramble.
+/// Difference of an image from its mean in each scramble.
 type Deviations = Vec<Vec<DVec3>>;
 
-/// Those of `to` less those of `from`; an exact image has none.
+/// Returns the deviation of `to` minus the one of `from`; exact images have none.
 fn difference(to: &Deviations, from: &Deviations, pixel: usize, scramble: usize) -> DVec3 {
     let of = |image: &Deviations| image.get(scramble).map_or(DVec3::ZERO, |image| image[pixel]);
     of(to) - of(from)
 }
 
-/// Over all pixels and then over those of each band of n·v; bands without pixels or without error are left out.
+/// Computes attributions over all pixels, then over each band of n·v; bands without pixels or without error are
+/// omitted.
 pub fn attributions(case: &Case, bands: &[[f64; 2]]) -> Vec<Attribution> {
     let steps = case.ladder.steps;
     let (needs, everybody) = (case.ladder.needs(), (1 << steps.len()) - 1);
@@ -98,7 +99,7 @@ pub fn attributions(case: &Case, bands: &[[f64; 2]]) -> Vec<Attribution> {
         let sum: DVec3 = pixels[band].iter().map(|&pixel| weights[pixel] * term(pixel)).sum();
         sum.element_sum() / (3 * pixels[band].len()) as f64
     };
-    // By band, of every coalition.
+    // By band, for every coalition.
     let mut values = vec![vec![0.0; 1 << steps.len()]; bands.len()];
     let mut chain = vec![reference.clone()];
     for coalition in coalitions(&needs) {
@@ -106,7 +107,7 @@ pub fn attributions(case: &Case, bands: &[[f64; 2]]) -> Vec<Attribution> {
         for (band, values) in values.iter_mut().enumerate() {
             values[coalition as usize] = mean(band, &|pixel| squared(image[pixel] - reference[pixel]));
         }
-        // Rungs are the coalitions of the first so many steps: in ascending order, as here.
+        // Rungs are the coalitions of the first steps, met in ascending order.
         if coalition + 1 == 1 << chain.len() {
             chain.push(image);
         }

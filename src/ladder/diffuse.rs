@@ -1,11 +1,12 @@
 //! The radiance of every coalition of a diffuse term's steps.
 //!
-//! With E the irradiance, c the albedo and `f0 A + B` the directional albedo of the specular lobe, the outgoing radiance is `c T E / π`:
+//! With E the irradiance, c the albedo and `f0 A + B` the directional albedo of the specular lobe, the outgoing
+//! radiance is `c T E / π`:
 //!
-//! - T is the share of the irradiance that enters the surface. Exact it is `∫ (1 - F(v·h)) n·l L dl / ∫ n·l L dl`, so that nobody's radiance
-//!   is the diffuse integral. With Fresnel approximated it is `1 - (f0 A + B)`, A and B by quadrature, and then as looked up in the table.
-//!   Beside no specular term it is 1.
-//! - E is exact, or what stands for it after the coalition's other steps ([`Irradiance`]).
+//! - T is the share of irradiance that enters the surface. Exactly, it is `∫ (1 - F(v·h)) n·l L dl / ∫ n·l L dl`, so
+//!   that the empty coalition's radiance is the diffuse integral. With Fresnel approximated it is `1 - (f0 A + B)`,
+//!   with A and B by quadrature or from the table. Without a specular term it is 1.
+//! - E is exact, or approximated by the coalition's other steps ([`Irradiance`]).
 //!
 //! Nothing is drawn: both integrals are known within 1e-5.
 
@@ -20,17 +21,17 @@ use rayon::prelude::*;
 use std::f64::consts::PI;
 use std::sync::Arc;
 
-/// Steps of the irradiance, by their place in either ladder.
+/// Steps of the irradiance, by position in either ladder.
 const FIRST: usize = 1;
 const SECOND: usize = 2;
 const THIRD: usize = 3;
 const TABLE: usize = 4;
 
-/// What stands for the irradiance.
+/// Approximations of the irradiance.
 pub enum Irradiance {
     /// Nine coefficients: exact, and as the device sums them.
     Sh9(Box<[[DVec3; COUNT]; 2]>),
-    /// Maps of irradiance over π, exact and as the device makes them; each in f32, and as stored.
+    /// Maps of irradiance over π, exact and as the device makes them; each in f32 and as stored.
     Map([[FilteredMap; 2]; 2]),
 }
 
@@ -43,20 +44,20 @@ pub struct Radiance<'a> {
     pub frames: &'a [[DVec3; 2]],
     pub exact: Arc<Vec<Integrals>>,
     pub irradiance: Irradiance,
-    /// (A, B) by pixel, exact and as looked up; none beside no specular term.
+    /// (A, B) by pixel, exact and from the table; `None` without a specular term.
     pub albedos: Option<[Vec<DVec2>; 2]>,
     pub f0: DVec3,
-    /// Albedo, times what multiplies the environment's radiance.
+    /// Albedo times the factor of the environment's radiance.
     pub scale: DVec3,
 }
 
-/// Those of each pixel.
+/// Computes the integrals of each pixel.
 pub fn integrals(environment: &EquirectQuadrature, frames: &[[DVec3; 2]]) -> Vec<Integrals> {
     frames.par_iter().map(|[n, v]| diffuse(environment, *n, *v, TOLERANCE).value).collect()
 }
 
 impl Radiance<'_> {
-    /// Radiance of a feasible coalition by pixel.
+    /// Returns the radiance of a feasible coalition by pixel.
     pub fn of(&self, coalition: Coalition) -> Vec<DVec3> {
         let acts = |step: usize| coalition >> step & 1 == 1;
         let entering = |pixel: usize| {

@@ -1,10 +1,10 @@
 //! Where the error of image-based lighting comes from: its approximations as players of a game.
 //!
-//! Between an integral of a surface's term and what is rendered in its place stand some approximations: the steps of a [`Ladder`]. Any
-//! *coalition* of them that makes sense is an estimator of its own ([`radiance`], [`diffuse`]). In the order of the list they are the
-//! ladder's rungs. What each costs depends on which others were made before, so that a step has four numbers ([`attribution`]): its
-//! covariance share in the ladder's order, the error that it brings first and takes away last, and the mean over all orders, its Shapley
-//! value.
+//! Between the integral of a surface's term and what is rendered lie some approximations, the steps of a [`Ladder`].
+//! Each feasible *coalition* of steps is an estimator ([`radiance`], [`diffuse`]); in the list's order these are the
+//! ladder's rungs. The cost of a step depends on the steps made before it, so each has four numbers ([`attribution`]):
+//! its covariance share in the ladder's order, the error that it adds first and removes last, and the mean over all
+//! orders, its Shapley value.
 
 pub mod attribution;
 pub mod diffuse;
@@ -14,27 +14,26 @@ pub mod radiance;
 pub use attribution::{Attribution, StepNumbers};
 
 use crate::metrics::VIEWS;
-use crate::shade::method::{ladder as rungs, ladder_texels, split_sum};
+use crate::shade::method::{ladder as rungs, split_sum};
 use crate::shade::{Diffuse, Method};
 use game::Coalition;
 
-/// The approximations of one term in the order in which they are told.
+/// The approximations of one term, in display order.
 #[derive(Debug)]
 pub struct Ladder {
     pub steps: &'static [Step],
 }
 
-/// One approximation.
 #[derive(Clone, Copy, Debug)]
 pub struct Step {
     pub name: &'static str,
-    /// The method whose frame is the rung after the step, where there is one.
+    /// The method whose frame is the rung after the step, if any.
     pub rung: Option<&'static Method>,
-    /// The steps that must have been made before, as a coalition.
+    /// The steps that must be made before, as a coalition.
     pub needs: Coalition,
 }
 
-/// Bands of n·v by which steps are told beside all views: its ends, and what lies between.
+/// Bands of n·v reported besides all views: both ends, and the range between.
 pub const BANDS: [[f64; 2]; 3] = [VIEWS[0], [VIEWS[0][1], VIEWS[VIEWS.len() - 1][0]], VIEWS[VIEWS.len() - 1]];
 
 pub const FRESNEL: usize = 0;
@@ -46,41 +45,41 @@ pub const SAMPLES: usize = 5;
 pub const STORAGE: usize = 6;
 pub const TABLE: usize = 7;
 
-/// From the specular integral to the split sum. Only what depends on one direction alone can be tabulated: levels, texels, samples and
-/// storage need n = v = r.
+/// From the specular integral to the split sum. Only functions of one direction can be tabulated: levels, texels,
+/// samples and storage need n = v = r.
 pub static SPLIT_SUM: Ladder = Ladder {
     steps: &[
         // Fresnel's factor leaves the integral: f0 A + B times a mean.
         Step { rung: Some(&rungs::FRESNEL), ..step("Fresnel", &[]) },
-        // The weight of the prefiltered map, n·l by default, for masking-shadowing.
+        // The weight of the prefiltered map, n·l by default, replaces masking-shadowing.
         Step { rung: Some(&rungs::MASKING), ..step("masking", &[]) },
-        // The view, n = v = r: the lobe about r of a view along it.
+        // n = v = r: the lobe about r of a view along it.
         Step { rung: Some(&rungs::VIEW), ..step("view", &[]) },
-        // A linear blend of the widths of two levels for the width.
+        // A linear blend of two level widths replaces the width.
         Step { rung: Some(&rungs::LEVELS), ..step("levels", &[VIEW]) },
-        // Linear filtering between texels for the direction.
-        Step { rung: Some(&ladder_texels::TEXELS), ..step("texels", &[VIEW]) },
-        // The finite prefilter for the integral in each texel.
-        Step { rung: Some(&ladder_texels::SAMPLES), ..step("samples", &[VIEW]) },
-        // The format in which texels are kept.
-        Step { rung: Some(&ladder_texels::STORAGE), ..step("storage", &[VIEW]) },
-        // The DFG table as looked up for A and B.
+        // Linear filtering between texels replaces the direction.
+        Step { rung: Some(&rungs::TEXELS), ..step("texels", &[VIEW]) },
+        // The finite prefilter replaces the integral in each texel.
+        Step { rung: Some(&rungs::SAMPLES), ..step("samples", &[VIEW]) },
+        // The number format of the texels.
+        Step { rung: Some(&rungs::STORAGE), ..step("storage", &[VIEW]) },
+        // The table, as looked up, replaces A and B.
         Step { rung: Some(&split_sum::METHOD), ..step("table", &[]) },
     ],
 };
 
-/// From the diffuse integral to nine coefficients. The first and the last step are those of the irradiance map, too.
+/// From the diffuse integral to nine coefficients. The irradiance map shares the first and the last step.
 pub static SH9: Ladder = Ladder {
     steps: &[
-        // 1 - (f0 A + B) for 1 - F inside the integral.
+        // 1 - (f0 A + B) replaces 1 - F inside the integral.
         step("Fresnel", &[]),
-        // Radiance of degree 2 for all of it.
+        // Degree 2 replaces the whole radiance.
         step("truncation", &[]),
-        // Negative irradiance is set to 0.
+        // Negative irradiance becomes 0.
         step("clamp", &[1]),
-        // The sum over texels for the integrals of the coefficients.
+        // The sum over texels replaces the integrals of the coefficients.
         step("quadrature", &[1]),
-        // The DFG table as looked up for A and B.
+        // The table, as looked up, replaces A and B.
         step("table", &[0]),
     ],
 };
@@ -89,7 +88,7 @@ pub static SH9: Ladder = Ladder {
 pub static IRRADIANCE_MAP: Ladder = Ladder {
     steps: &[
         step("Fresnel", &[]),
-        // Linear filtering between texels for the normal.
+        // Linear filtering between texels replaces the normal.
         step("texels", &[]),
         // The map as the device makes it.
         step("samples", &[1]),
@@ -109,18 +108,16 @@ const fn step(name: &'static str, after: &[usize]) -> Step {
 }
 
 impl Ladder {
-    /// What each step needs.
     pub fn needs(&self) -> Vec<Coalition> {
         self.steps.iter().map(|step| step.needs).collect()
     }
 }
 
-/// The ladder of what a surface reflects: of its diffuse term where that has one, else of its specular term.
+/// Returns the ladder of the diffuse term if it has one, else of the specular term.
 pub fn ladder_of(method: &Method, diffuse: &Diffuse) -> Option<&'static Ladder> {
     of_diffuse(diffuse).or(method.has_ladder.then_some(&SPLIT_SUM))
 }
 
-/// That of a diffuse term.
 pub fn of_diffuse(diffuse: &Diffuse) -> Option<&'static Ladder> {
     match () {
         () if !diffuse.has_ladder => None,

@@ -1,19 +1,19 @@
 //! The radiance of every coalition of the split sum's steps.
 //!
-//! Let K be the coalition's kernel, `<K, L> = ∫ K L dl / ∫ K dl`, A and B the directional albedo, exact or from the table, and F Schlick's
-//! factor `f0 (1 - Fc) + Fc`, `Fc = (1 - v·h)⁵`. The outgoing radiance is
+//! Let K be the coalition's kernel, `<K, L> = ∫ K L dl / ∫ K dl`, A and B the directional albedo, exact or from the
+//! table, and F Schlick's factor `f0 (1 - Fc) + Fc`, `Fc = (1 - v·h)⁵`. The outgoing radiance is
 //!
-//! - with Fresnel approximated `(f0 A + B) <K, L>`,
-//! - else `(f0 A + B) <K F, L>`, which is the specular integral when nothing else is approximated. For f0 = 1 the two are one.
+//! - with Fresnel approximated, `(f0 A + B) <K, L>`,
+//! - else `(f0 A + B) <K F, L>`, the specular integral if nothing else is approximated. For f0 = 1 both are equal.
 //!
-//! K is `D G2 / (4 n·v)`, or with masking approximated `D n·h / (4 v·h) w(l)`; with n = v = r it is `D/4` times G1(l) or w(l). Before n = v = r
-//! the means are drawn by the reference's passes. After it K is isotropic about r, so that a mean is a convolution, exact by spherical
-//! harmonics, `m(r, alpha)`. Then, in this order, whichever is approximated:
+//! K is `D G2 / (4 n·v)`, or with masking approximated `D n·h / (4 v·h) w(l)`; with n = v = r it is `D/4` times G1(l)
+//! or w(l). Before n = v = r the reference's passes draw the means. After it K is isotropic about r, so a mean is a
+//! convolution `m(r, alpha)`, exact by spherical harmonics. Approximations then apply in this order:
 //!
-//! - samples: `m` is the prefilter's estimate, for whatever direction and width;
-//! - storage: `m` is rounded to the format;
-//! - texels: `m` is linear between the texels of a level, both levels around alpha by their shares, else taken at r;
-//! - levels: a level has its own width, else each has alpha.
+//! - samples: `m` is the prefilter's estimate, for any direction and width;
+//! - storage: `m` is rounded to the number format;
+//! - texels: `m` is linear between the texels of a level, both levels around alpha by their shares; else taken at r;
+//! - levels: a level has its own width; else each has alpha.
 
 use super::game::Coalition;
 use super::{FRESNEL, LEVELS, MASKING, SAMPLES, STORAGE, TABLE, TEXELS, VIEW};
@@ -42,15 +42,15 @@ pub struct Setting<'a> {
     pub environment: &'a Environment,
     /// Multiplies the environment's radiance.
     pub scale: f64,
-    /// Of the environment, to the degree of the narrowest lobe.
+    /// Of the environment, up to the degree of the narrowest lobe.
     pub harmonics: &'a Harmonics,
-    /// What the prefilter reads.
+    /// The prefilter's input.
     pub filtered: &'a FilteredMap,
-    /// (A, B) as looked up in the DFG table, by pixel.
+    /// (A, B) from the DFG table, by pixel.
     pub table: Vec<DVec2>,
     /// Normal and view of each pixel in the environment's frame.
     pub frames: &'a [[DVec3; 2]],
-    /// What each scramble drew.
+    /// Radiance of each scramble.
     pub drawn: Vec<Drawn>,
 }
 
@@ -59,7 +59,7 @@ pub type Drawn = [[Vec<DVec3>; 2]; 2];
 
 /// `<K, L>`, `<K (1 - Fc), L>` and `<K Fc, L>`.
 type Means = [DVec3; 3];
-/// `∫ K (1 - Fc)` and `∫ K Fc`, but for a common factor.
+/// `∫ K (1 - Fc)` and `∫ K Fc`, up to a common factor.
 type Split = DVec2;
 /// The means of both kernels: masking exact, then approximated.
 type Stored = [Means; 2];
@@ -72,9 +72,9 @@ pub struct Radiance {
     /// With masking approximated.
     weighted: Vec<Split>,
     scrambles: Vec<Drawn>,
-    /// Their mean.
+    /// Mean of the scrambles.
     drawn: Drawn,
-    /// Both levels after n = v = r, by which of [`TABULATED`] are approximated.
+    /// Both levels after n = v = r, by the approximated steps of [`TABULATED`].
     tabulated: HashMap<Coalition, [Looked; 2]>,
 }
 
@@ -83,11 +83,11 @@ struct Looked {
     share: f64,
     /// Of each kernel at the level's width.
     splits: [Split; 2],
-    /// By pixel; empty for a level of no share.
+    /// By pixel; empty for a level without a share.
     means: Vec<Stored>,
 }
 
-/// `<K F, L>`, or `<K, L>` with Fresnel approximated.
+/// Returns `<K F, L>`, or `<K, L>` with Fresnel approximated.
 fn mean([whole, below, grazing]: Means, split: Split, f0: DVec3, is_outside: bool) -> DVec3 {
     if is_outside { whole } else { (f0 * split.x * below + split.y * grazing) / (f0 * split.x + split.y) }
 }
@@ -114,12 +114,12 @@ impl Radiance {
         }
     }
 
-    /// Radiance of a feasible coalition by pixel.
+    /// Returns the radiance of a feasible coalition by pixel.
     pub fn of(&self, coalition: Coalition, f0: DVec3) -> Vec<DVec3> {
         self.by(&self.drawn, coalition, f0)
     }
 
-    /// The same as each scramble drew it; none after n = v = r, where it is exact.
+    /// Returns the same as each scramble drew it; empty after n = v = r, where it is exact.
     pub fn scrambles(&self, coalition: Coalition, f0: DVec3) -> Vec<Vec<DVec3>> {
         let drawn = self.scrambles.iter().filter(|_| !has(coalition, VIEW));
         drawn.map(|drawn| self.by(drawn, coalition, f0)).collect()
@@ -139,7 +139,7 @@ impl Radiance {
             let of_pixel = |pixel| levels.clone().map(|level| of_level(level, pixel)).sum::<DVec3>();
             return pixels.map(|pixel| self.scale * reflectance(pixel) * of_pixel(pixel)).collect();
         }
-        // Drawn are `B <K Fc, L>` and `(A + B) <K, L>`.
+        // `B <K Fc, L>` and `(A + B) <K, L>` are drawn.
         let [grazing, white] = &drawn[usize::from(has(coalition, MASKING))];
         let splits = if has(coalition, MASKING) { &self.weighted } else { &self.exact };
         let of_pixel = |pixel: usize| {
@@ -161,14 +161,14 @@ fn mean_of(scrambles: &[Drawn]) -> Drawn {
     })
 }
 
-/// What is looked up at a pixel: which of some directions, and their shares.
+/// Indices into a place's directions, with weights.
 type Stencil = Vec<(usize, f64)>;
 
-/// Directions of lookups, and what each pixel makes of them.
+/// Directions of lookups, and the lookups of each pixel.
 struct Place {
     directions: Vec<DVec3>,
     stencils: Vec<Stencil>,
-    /// Whether they are texels of a level, with faces of `size`; else they are r.
+    /// Whether they are texels of a level with faces of `size`; otherwise they are r.
     is_level: bool,
     size: [u32; 2],
 }
@@ -214,7 +214,7 @@ impl<'a> Tables<'a> {
         Self { setting, kernels, places, levels: [level(1), level(2)] }
     }
 
-    /// By the steps that act.
+    /// Computes both levels for every subset of the steps.
     fn all(&self) -> HashMap<Coalition, [Looked; 2]> {
         let mut known = HashMap::new();
         let subsets = (0..1 << TABULATED.len()).map(|bits: usize| {
@@ -248,11 +248,11 @@ impl<'a> Tables<'a> {
         })
     }
 
-    /// The means in the directions of a place.
+    /// Computes the means in the directions of a place.
     fn stored(&self, alpha: f64, place: &Place, by_samples: bool) -> Vec<Stored> {
         let (setting, is_sampled) = (self.setting, self.setting.tables.prefilter == PrefilterBy::Sampled);
         match (alpha == 0.0, by_samples) {
-            // A texel of the mirror's level is the map filtered to its size, whatever makes the others.
+            // The mirror's level is the map filtered to its size, however the others are made.
             (true, _) if place.is_level => {
                 let sides = |[width, height]: [u32; 2]| f64::from(width) * f64::from(height);
                 let lod = 0.5 * (sides(setting.filtered.size()) / sides(place.size)).log2();
@@ -267,7 +267,7 @@ impl<'a> Tables<'a> {
         }
     }
 
-    /// By spherical harmonics.
+    /// Computes means by spherical harmonics.
     fn convolved(&self, alpha: f64, directions: &[DVec3]) -> Vec<Stored> {
         let harmonics = self.setting.harmonics;
         let degree = harmonic::degree(alpha).min(harmonics.degree());
@@ -279,7 +279,7 @@ impl<'a> Tables<'a> {
         directions.par_iter().map(|d| maps.each_ref().map(|maps| maps.each_ref().map(|map| map.value(*d)))).collect()
     }
 
-    /// By the prefilter's samples.
+    /// Computes means by the prefilter's samples.
     fn sampled(&self, alpha: f64, directions: &[DVec3]) -> Vec<Stored> {
         let (setting, model) = (self.setting, self.setting.model);
         let count = setting.tables.prefilter_sample_count;
@@ -316,7 +316,7 @@ impl<'a> Tables<'a> {
     }
 }
 
-/// That of a kernel at n = v; a mirror has no grazing part.
+/// Returns the split of a kernel at n = v; a mirror has no grazing part.
 fn split(kernel: Kernel, alpha: f64) -> Split {
     if alpha == 0.0 {
         return DVec2::X;
@@ -331,18 +331,18 @@ fn split(kernel: Kernel, alpha: f64) -> Split {
 /// 1, 1 - Fc and Fc by n·l at n = v.
 const PARTS: [fn(f64) -> f64; 3] = [|_| 1.0, |n_dot_l| 1.0 - grazing(n_dot_l), grazing];
 
-/// Fc at n = v: `v·h = cos(θ_l/2)`.
+/// Returns Fc at n = v: `v·h = cos(θ_l/2)`.
 fn grazing(n_dot_l: f64) -> f64 {
     schlick_weight((0.5 * (1.0 + n_dot_l)).sqrt())
 }
 
-/// In half precision, as tables are stored.
+/// Rounds to half precision, as tables are stored.
 pub fn rounded(value: DVec3) -> DVec3 {
     let half = |x: f64| f64::from(half::from_bits(half::to_bits((x as f32).min(HALF_MAX))));
     DVec3::new(half(value.x), half(value.y), half(value.z))
 }
 
-/// The texels of a level that lookups at these directions read.
+/// Collects the texels of a level that lookups in these directions read.
 fn texels(tables: &PrecomputeSettings, r: &[DVec3], size: [u32; 2]) -> Place {
     let (mut places, mut directions) = (HashMap::new(), Vec::new());
     let extent = DVec2::new(size[0].into(), size[1].into());

@@ -1,4 +1,4 @@
-//! Image-based lighting: the methods that turn a g-buffer and an environment into radiance.
+//! Image-based lighting: turns a g-buffer and an environment into radiance.
 
 pub mod diffuse;
 pub mod method;
@@ -12,10 +12,10 @@ pub mod twin;
 
 /// Name of the unbiased method, specular and diffuse.
 pub const REFERENCE: &str = "reference";
-/// Name of the method that leaves its term out, specular and diffuse.
+/// Name of the method that omits its term, specular and diffuse.
 pub const NONE: &str = "none";
 
-/// Name of the split sum with exact factors: what tables approximate.
+/// Name of the split sum with exact factors, which tables approximate.
 pub const EXACT_SPLIT: &str = "ladder-view";
 
 pub use crate::glsl::constants::FILE_PREFIX;

@@ -1,4 +1,4 @@
-//! The device passes of every method but the reference: specular, diffuse, analytic lights, background.
+//! The device passes of all methods but the reference: specular, diffuse, analytic lights, background.
 
 use super::{Method, Shading};
 use crate::brdf::{Brdf, MaskingShadowing};
@@ -11,22 +11,22 @@ use crate::precompute::points::{PointRange, Points};
 use crate::scene::{Camera, Light, Projection};
 use glam::DVec3;
 
-/// The environment's tables on the device, as the shading passes bind them.
+/// An environment's tables on the device.
 #[derive(Clone)]
 pub struct Tables {
     pub environment: Image,
-    /// The environment's levels by the layout of the maps.
+    /// The environment's levels in the layout of the maps.
     pub filtered: Image,
     pub prefiltered: Image,
     pub dfg: Image,
-    /// Where lobes point and how wide they are.
+    /// Directions and widths of lobes.
     pub lobe_shapes: Image,
     pub irradiance_map: Image,
     pub sh9: Buffer,
     pub points: Points,
 }
 
-/// What the passes of one frame read, and the radiance that each adds to.
+/// Inputs of one frame's passes, and the radiance that each adds to.
 #[derive(Clone, Copy)]
 pub struct Passes<'a> {
     pub shading: &'a Shading,
@@ -34,7 +34,7 @@ pub struct Passes<'a> {
     pub light_count: u32,
     pub tables: &'a Tables,
     pub gbuffer: &'a GbufferImages,
-    /// A vec4 a pixel.
+    /// A vec4 per pixel.
     pub radiance: &'a Buffer,
 }
 
@@ -46,7 +46,7 @@ fn eye(camera: &Camera) -> [f32; 4] {
     }
 }
 
-/// The lights as the pass reads them.
+/// Packs the lights for the pass.
 pub fn light_data(lights: &[Light]) -> Vec<u8> {
     let data = |light: &Light| {
         let [r, g, b] = light.color;
@@ -58,32 +58,30 @@ pub fn light_data(lights: &[Light]) -> Vec<u8> {
     lights.iter().flat_map(|light| data(light).to_bytes()).collect()
 }
 
-/// The lookups of the DFG table.
+/// Sampler of the DFG table.
 pub(super) const TABLE: Sampler = Sampler(Filter::Linear, Wrap::CLAMP);
 
-/// The g-buffer at bindings 0 to 3, then `rest`.
+/// Binds the g-buffer at 0 to 3, then `rest`.
 pub(super) fn with_gbuffer<'a>(gbuffer: &'a GbufferImages, rest: &[Bind<'a>]) -> Vec<Bind<'a>> {
     let attachments = gbuffer.attachments.iter().map(|image| Bind::Sample(image, Sampler::TEXELS));
     attachments.chain(rest.iter().cloned()).collect()
 }
 
-/// The shader of the background.
 pub const BACKGROUND_SHADER: &str = "shade/background.comp";
 
-/// The shader of a method's specular pass; one that does not use the model has none for each.
+/// Names the shader of a method's specular pass. Methods that do not use the model have one shader for all models.
 pub fn specular_shader(layout: &MapLayout, method: &Method, brdf: &dyn Brdf) -> String {
     let general = format!("shade/specular.comp:{}:{}", layout.name, method.shader.unwrap_or(method.name));
     let special = format!("{general}:{}", brdf.name());
     if has_shader(&special) { special } else { general }
 }
 
-/// The shader of analytic lights.
 pub fn lights_shader(brdf: &dyn Brdf) -> String {
     format!("shade/lights.comp:{}", brdf.name())
 }
 
 impl Passes<'_> {
-    /// Push constants for rows from `first_row` on.
+    /// Returns the push constants for rows from `first_row` on.
     pub(super) fn params(&self, first_row: u32) -> ShadeParams {
         let Self { shading, camera, light_count, tables, gbuffer, .. } = *self;
         let rows = shading.placement.environment_from_world().transpose();
@@ -113,7 +111,7 @@ impl Passes<'_> {
         }
     }
 
-    /// Dispatches a pass; `rest` follows the g-buffer and precedes the radiance.
+    /// Dispatches a pass; `rest` is bound after the g-buffer and before the radiance.
     fn dispatch(
         &self,
         recorder: &mut Recorder,
@@ -127,7 +125,7 @@ impl Passes<'_> {
         recorder.dispatch(shader, constants, &with_gbuffer(self.gbuffer, &rest), push, part.groups)
     }
 
-    /// Adds what `points` give of the specular image-based radiance of a part of the image.
+    /// Adds the specular image-based radiance of `points` to a part of the image.
     pub fn specular(&self, recorder: &mut Recorder, points: PointRange<'_>, part: Part) -> Result<(), GpuError> {
         let Shading { method, brdf, precompute, .. } = *self.shading;
         let shader = specular_shader(precompute.layout, method, brdf);
@@ -163,7 +161,7 @@ impl Passes<'_> {
         self.dispatch(recorder, &lights_shader(self.shading.brdf), &constants, &rest, &push, part)
     }
 
-    /// Shows the environment where nothing is hit.
+    /// Shows the environment in pixels where nothing is hit.
     pub fn background(&self, recorder: &mut Recorder, part: Part) -> Result<(), GpuError> {
         let ([width, height], camera) = (self.gbuffer.size, self.camera);
         let turn = self.shading.placement.environment_from_world();

@@ -1,4 +1,4 @@
-//! Exact shading in f64: the integrals that every method of this stage approximates, with error bounds.
+//! Exact shading in f64, with error bounds: the integrals that all methods approximate.
 //!
 //! For one point with normal n, view v and an environment's bilinear map L, over the l with `n_dot_l > 0`:
 //!
@@ -7,7 +7,7 @@
 //!
 //! Schlick's `F = f0 + (1 - f0) (1 - v·h)⁵` is linear in `f0`, so two integrals of each kind serve every `f0`.
 //!
-//! One point under constant light of 2, which a mirror-like surface of f0 = 1 gives back but for what single scattering loses:
+//! A point under constant light of 2. A mirror-like surface of f0 = 1 returns it, less what single scattering loses:
 //!
 //! ```
 //! use glam::DVec3;
@@ -40,7 +40,6 @@ pub struct Surface {
     pub alpha: f64,
     /// Reflectance at normal incidence, linear RGB.
     pub f0: DVec3,
-    /// Normal.
     pub n: DVec3,
     /// Direction to the viewer.
     pub v: DVec3,
@@ -62,12 +61,12 @@ pub struct Answer {
 /// A relative error bound of 1e-5. True errors are a tenth to a thousandth of the bound.
 pub const TOLERANCE: Tolerance = Tolerance { relative: 1e-5, max_part_count: 100_000 };
 
-/// The answers for many points, in parallel, in order.
+/// Integrates many points in parallel; answers are in order.
 pub fn integrate_all(environment: &EquirectQuadrature, surfaces: &[Surface], tolerance: Tolerance) -> Vec<Answer> {
     surfaces.par_iter().map(|surface| integrate(environment, surface, tolerance)).collect()
 }
 
-/// The answers for one point.
+/// Integrates one point.
 pub fn integrate(environment: &EquirectQuadrature, surface: &Surface, tolerance: Tolerance) -> Answer {
     let Surface { model, masking, alpha, f0, n, v } = *surface;
     let specular = specular(environment, model, masking, alpha, [n, v], tolerance);
@@ -80,7 +79,7 @@ pub fn integrate(environment: &EquirectQuadrature, surface: &Surface, tolerance:
     }
 }
 
-/// `∫ f L n·l dl` with F = 1 and with `F = Fc = (1 - v·h)⁵`, for a normal and a view.
+/// Integrates `∫ f L n·l dl` with F = 1 and with `F = Fc = (1 - v·h)⁵`.
 pub fn specular(
     environment: &EquirectQuadrature,
     model: &'static dyn Brdf,
@@ -100,12 +99,12 @@ pub fn specular(
         let f = model.d(h, alpha) * g2(model, v_local.z, l_local.z, alpha, masking) / (4.0 * v_local.z);
         [f, f * schlick_weight(v_local.dot(h))]
     };
-    // The lobe about the mirror direction is narrowest across the plane of incidence: 2 alpha (v·h).
+    // Across the plane of incidence the lobe about the mirror direction is narrowest: 2 alpha (v·h).
     let focus = Focus { direction: reflect(v, n), radius: alpha * v_local.z.max(alpha) };
     environment.integrate(kernel, &[focus], tolerance)
 }
 
-/// `∫ n·l L dl / π` and `∫ Fc n·l L dl / π`, `Fc = (1 - v·h)⁵`.
+/// Integrates `∫ n·l L dl / π` and `∫ Fc n·l L dl / π`, `Fc = (1 - v·h)⁵`.
 pub fn diffuse(environment: &EquirectQuadrature, n: DVec3, v: DVec3, tolerance: Tolerance) -> Estimate<2> {
     let kernel = |l: DVec3| {
         let n_dot_l = n.dot(l);

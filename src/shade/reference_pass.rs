@@ -1,4 +1,5 @@
-//! The device passes of the reference: dispatches over parts of the nets and of the image, then one that adds the term to the image.
+//! The device passes of the reference: dispatches over parts of the nets and of the image, then one that adds the term
+//! to the image.
 
 use super::Shading;
 use super::pass::{Passes, TABLE, with_gbuffer};
@@ -7,6 +8,7 @@ use crate::environment::distribution::EnvironmentDistribution;
 use crate::glsl::constants::{GROUP_SIDE, SCRAMBLE_COUNT};
 use crate::glsl::layout::{ShadeParams, SharedStruct};
 use crate::gpu::{Bind, Buffer, Gpu, GpuError, Report, Sampler};
+use crate::metrics::Epsilon;
 use crate::pixels::GrayImage;
 use crate::precompute::PrecomputeSettings;
 use std::ops::Range;
@@ -14,18 +16,16 @@ use std::ops::Range;
 /// Most samples of a pixel that one dispatch takes.
 const DISPATCH_SAMPLES_MAX: u32 = 4096;
 
-/// The term of the surface that a reference integrates, by the name of its lobe.
+/// The term that a reference integrates, by the name of its lobe.
 #[derive(Clone, Copy, Debug)]
 pub enum Lobe {
-    /// The lobe of a method.
     Specular(&'static str),
-    /// The lobe of a diffuse method.
     Diffuse(&'static str),
 }
 
 impl Lobe {
-    /// The specialization constants: masking, whether the driver filters in f32, the bend of the levels' mapping, the weight, none, the
-    /// compensation, the axes of the DFG table.
+    /// Specialization constants: masking, whether the driver filters in f32, bend of the level mapping, weight, unused,
+    /// compensation, axes of the DFG table.
     fn constants(self, gpu: &Gpu, shading: &Shading) -> [u32; 7] {
         let PrecomputeSettings { level_mapping, prefilter_weight, .. } = shading.precompute;
         let mut constants = shading.table_constants(MaskingShadowing::default());
@@ -38,7 +38,7 @@ impl Lobe {
         constants
     }
 
-    /// The shaders that take the samples and that add the term to the image.
+    /// Names the shaders that take the samples and that add the term to the image.
     pub fn shaders(self, brdf: &dyn Brdf) -> [String; 2] {
         let permutation = match self {
             Self::Specular(lobe) => format!("{lobe}:{}", brdf.name()),
@@ -47,7 +47,6 @@ impl Lobe {
         ["reference", "reference_resolve"].map(|entry| format!("shade/{entry}.comp:{permutation}"))
     }
 
-    /// The timed pass.
     fn pass_name(self) -> &'static str {
         match self {
             Self::Specular(_) => "shade-specular",
@@ -56,10 +55,11 @@ impl Lobe {
     }
 }
 
-/// Samples of one pair in each of the [`SCRAMBLE_COUNT`] scrambles: what every count is a multiple of.
+/// One pair of samples in each of the [`SCRAMBLE_COUNT`] scrambles: every sample count is a multiple of this.
 const SAMPLES_PER_PAIR: u32 = 2 * SCRAMBLE_COUNT;
 
-/// Pairs of samples in each scramble's net for exactly `sample_count` samples a pixel, or the counts next to it that are drawn.
+/// Returns the pairs of samples per scramble for exactly `sample_count` samples a pixel; the error suggests counts that
+/// are possible.
 pub fn pair_count(sample_count: u32) -> Result<u32, PartPair> {
     let pairs = sample_count / SAMPLES_PER_PAIR;
     if pairs > 0 && sample_count.is_multiple_of(SAMPLES_PER_PAIR) {
@@ -69,42 +69,42 @@ pub fn pair_count(sample_count: u32) -> Result<u32, PartPair> {
     Err(PartPair { asked: sample_count, below, above: (u64::from(pairs) + 1) * u64::from(SAMPLES_PER_PAIR) })
 }
 
-/// A number of samples that whole pairs do not draw: a row that names it would show more.
+/// The sample count is not a whole number of pairs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{asked} samples a pixel: the reference draws pairs in {SCRAMBLE_COUNT} scrambles, so multiples of {SAMPLES_PER_PAIR}; \
     expected {}{above}",
     below.map_or_else(String::new, |below| format!("{below} or ")))]
 pub struct PartPair {
     pub asked: u32,
-    /// The next smaller count that is drawn.
+    /// The next smaller possible count.
     pub below: Option<u32>,
     /// The next larger one.
     pub above: u64,
 }
 
-/// Samples of the first look at the error of a reference that stops by it.
+/// Samples before the error is first checked.
 const PILOT_SAMPLES: u32 = 64;
-/// The variance of scrambled nets falls with about this power of the count (measured between 256 and 11,520 samples: 1.39, 1.55).
+/// The variance of scrambled nets falls with about this power of the count (measured from 256 to 11,520 samples: 1.39,
+/// 1.55).
 const VARIANCE_EXPONENT: f64 = 1.4;
 
 /// When a reference stops.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stop {
-    /// Samples a pixel: exactly so many ([`pair_count`]), or at most so many when `relative_error` is given.
+    /// Samples a pixel: exactly this many ([`pair_count`]), or at most this many if `relative_error` is set.
     pub sample_count: u32,
     /// Stops earlier, once the relative standard error of every term is at most this.
     pub relative_error: Option<f64>,
 }
 
 impl Stop {
-    /// Samples to start with.
     fn first(self) -> u32 {
         self.relative_error.map_or(self.sample_count, |_| self.sample_count.min(PILOT_SAMPLES))
     }
 
-    /// Samples to go on to after `done` of them left `error`; `None` when that is good enough or all there is.
+    /// Returns the next sample count after `done` samples left `error`; `None` if that suffices or is all.
     ///
-    /// Nets of a power of two of points are the best ones, so that the count doubles, as often as the error suggests.
+    /// Nets of a power of two of points are best, so the count doubles, as often as the error suggests.
     fn next(self, done: u32, error: f64) -> Option<u32> {
         let wanted = self.relative_error.filter(|wanted| error > *wanted && done < self.sample_count)?;
         let doublings = (2.0 / VARIANCE_EXPONENT * (error / wanted).log2()).round().max(1.0);
@@ -119,13 +119,14 @@ pub struct Convergence {
     pub term: &'static str,
     /// Samples a pixel.
     pub sample_count: u64,
-    /// `sqrt(mean of se² / (mean² + ε))` with the ε of the metric `relmse`, over the masked pixels and channels, se the standard error of the pixel's mean.
+    /// `sqrt(mean of se² / (mean² + ε))` with the ε of the metric `relmse`, over masked pixels and channels; se is the
+    /// standard error of the pixel's mean.
     pub relative_error: f64,
-    /// Whether the requested relative error was reached (or the sample count, where none was requested).
+    /// Whether the requested relative error was reached; always true without one.
     pub is_met: bool,
 }
 
-/// The sums of every scramble of the term at work: two vec4 a pixel and scramble.
+/// Sums of every scramble of the current term: two vec4 per pixel and scramble.
 pub struct Sums(Buffer);
 
 impl Sums {
@@ -134,8 +135,8 @@ impl Sums {
         Ok(Self(gpu.buffer("reference sums", bytes)?))
     }
 
-    /// [`Convergence::relative_error`] of what the sums hold now, where an estimate is `scale` times its sum.
-    fn relative_error(&self, gpu: &Gpu, mask: &GrayImage, scale: f64, epsilon: f64) -> Result<f64, GpuError> {
+    /// Computes [`Convergence::relative_error`] of the current sums; an estimate is `scale` times its sum.
+    fn relative_error(&self, gpu: &Gpu, mask: &GrayImage, scale: f64, epsilon: Epsilon) -> Result<f64, GpuError> {
         let sums: Vec<[[f32; 4]; 2]> = gpu.read_buffer(&self.0)?;
         let scrambles = f64::from(SCRAMBLE_COUNT);
         let (mut sum, mut count) = (0.0, 0u64);
@@ -145,7 +146,7 @@ impl Sums {
                 let of = |[high, low]: &[[f32; 4]; 2]| (f64::from(high[channel]) + f64::from(low[channel])) * scale;
                 let mean = estimates.iter().map(of).sum::<f64>() / scrambles;
                 let squared = estimates.iter().map(|estimate| (of(estimate) - mean).powi(2)).sum::<f64>();
-                sum += squared / (scrambles * (scrambles - 1.0)) / (mean.powi(2) + epsilon);
+                sum += epsilon.relative(squared / (scrambles * (scrambles - 1.0)), mean);
             }
             count += 3;
         }
@@ -171,18 +172,18 @@ impl DistributionBuffers {
     }
 }
 
-/// What one term of the reference reads and writes.
+/// Inputs and outputs of one reference term.
 pub struct ReferenceRun<'a> {
     pub passes: Passes<'a>,
     pub stop: Stop,
-    /// Keeps the relative error of dark pixels from ruling: beside squared radiance.
-    pub epsilon: f64,
+    /// ε of `relmse`.
+    pub epsilon: Epsilon,
     pub seed: u32,
-    /// 1 where a surface is hit.
+    /// 1 if a surface is hit.
     pub mask: &'a GrayImage,
     pub distribution: &'a DistributionBuffers,
     pub sums: &'a Sums,
-    /// Sum of the squared standard errors of the terms: a vec4 a pixel.
+    /// Sum of the squared standard errors of the terms: a vec4 per pixel.
     pub squared_error: &'a Buffer,
 }
 
@@ -212,7 +213,7 @@ impl ReferenceRun<'_> {
         Ok((total, convergence))
     }
 
-    /// What each scramble makes of the term, by scramble and pixel, at exactly `pair_count` pairs: the same points for every lobe.
+    /// Returns the term by scramble and pixel, at exactly `pair_count` pairs: the same points for every lobe.
     pub fn scrambles(&self, gpu: &Gpu, lobe: Lobe, pair_count: u32) -> Result<Vec<Vec<[f32; 4]>>, GpuError> {
         self.integrate(gpu, lobe, 0..pair_count)?;
         self.resolve(gpu, lobe, pair_count)?;
@@ -221,7 +222,7 @@ impl ReferenceRun<'_> {
         Ok((0..count).map(|k| weighed.iter().skip(k).step_by(count).map(|[high, _]| *high).collect()).collect())
     }
 
-    /// Adds these pairs of every scramble's net to the sums, which start afresh at pair 0.
+    /// Adds these pairs of every scramble's net to the sums. Pair 0 resets them.
     fn integrate(&self, gpu: &Gpu, lobe: Lobe, pairs: Range<u32>) -> Result<Report, GpuError> {
         let Passes { shading, tables, gbuffer, .. } = self.passes;
         let [width, height] = gbuffer.size;
@@ -237,7 +238,7 @@ impl ReferenceRun<'_> {
         ];
         let binds = with_gbuffer(gbuffer, &rest);
         let mut total = Report::default();
-        // Setting up a pixel costs as much as a few samples, so that a dispatch takes as many pairs as it may.
+        // Setting up a pixel costs as much as a few samples: a dispatch takes as many pairs as it may.
         let samples_per_band = u64::from(width * GROUP_SIDE * SAMPLES_PER_PAIR);
         let step = (gpu.submission_samples() / samples_per_band)
             .clamp(1, u64::from(DISPATCH_SAMPLES_MAX / SAMPLES_PER_PAIR)) as u32;
@@ -259,7 +260,7 @@ impl ReferenceRun<'_> {
         Ok(total)
     }
 
-    /// Adds the term that the sums of `pair_count` pairs hold to the image, and leaves there what each scramble makes of it.
+    /// Adds the term of `pair_count` pairs to the image, and leaves each scramble's radiance in the sums.
     fn resolve(&self, gpu: &Gpu, lobe: Lobe, pair_count: u32) -> Result<Report, GpuError> {
         let Passes { shading, tables, gbuffer, radiance, .. } = self.passes;
         let rest = [

@@ -1,4 +1,4 @@
-//! The parameters of one image: method, model, light's placement, points and tables.
+//! The parameters of one image: method, model, placement of the light, points and tables.
 
 use super::{Diffuse, Method, NONE};
 use crate::brdf::{Brdf, Compensation, Ggx, MaskingShadowing};
@@ -7,7 +7,7 @@ use crate::math::sequence::{PixelPoints, SEQUENCES, Sequence};
 use crate::precompute::PrecomputeSettings;
 use crate::spelling::Listed;
 
-/// How an image is shaded, whatever scene, camera and environment it shows.
+/// How an image is shaded, for any scene, camera and environment.
 #[derive(Clone, Copy, Debug)]
 pub struct Shading {
     pub placement: Placement,
@@ -18,14 +18,13 @@ pub struct Shading {
     pub compensation: Compensation,
     pub method: &'static Method,
     pub diffuse: &'static Diffuse,
-    /// Samples per pixel of a sampled method.
+    /// Samples a pixel of a sampled method.
     pub samples: u32,
-    /// The points of a sampled method.
     pub sequence: &'static Sequence,
-    /// Set of the sequence: 0 is the plain one, k > 0 are randomised copies.
+    /// Set of the sequence: 0 is plain, k > 0 are randomised copies.
     pub point_set: u32,
     pub pixel_points: PixelPoints,
-    /// Levels added to the mip level of a filtered method.
+    /// Added to the mip level of a filtered method.
     pub lod_bias: f32,
     pub precompute: PrecomputeSettings,
 }
@@ -52,12 +51,12 @@ impl Default for Shading {
 }
 
 impl Shading {
-    /// Settings of the tables that are made for the method.
+    /// Returns the settings of the tables that the method gets.
     pub fn tables(&self) -> PrecomputeSettings {
         self.method.tables(self.precompute)
     }
 
-    /// Specialization constants of the specular pass.
+    /// Returns the specialization constants of the specular pass.
     pub fn constants(&self) -> [u32; 7] {
         let mut constants = self.table_constants(self.masking_shadowing);
         constants[2] = (self.precompute.level_mapping.bend as f32).to_bits();
@@ -65,9 +64,9 @@ impl Shading {
         constants
     }
 
-    /// Specialization constants of passes that read no map of the lobe.
+    /// Returns the specialization constants of passes that read no map of the lobe.
     pub(super) fn table_constants(&self, masking: MaskingShadowing) -> [u32; 7] {
-        // The second and the fourth one are the reference's.
+        // The second and the fourth belong to the reference.
         [masking as u32, 0, 0, 0, 0, self.compensation as u32, self.precompute.dfg_axes as u32]
     }
 }

@@ -1,8 +1,8 @@
-//! The f64 twins of the methods: what they are given, and what a frame is held to.
+//! The f64 twins of the methods: their inputs, and what frames are compared with.
 //!
-//! An estimator's twin computes the same sum from the same tables and the same points, so that only f32 and the filter of the device
-//! part the two: a wrong level, weight or exponent shows at any sample count. A method that draws random points is held to the
-//! mean of its estimator, within its standard error.
+//! The twin of an estimator computes the same sum from the same tables and points: only f32 and the device's filter
+//! differ, so a wrong level, weight or exponent shows at any sample count. A method that draws random points is
+//! compared with the mean of its estimator, within its standard error.
 
 use super::reference::Surface;
 use crate::brdf::reflect;
@@ -25,58 +25,53 @@ use glam::{DVec2, DVec3};
 pub enum Twin<Estimator> {
     /// The same estimator.
     Estimator(Estimator),
-    /// The mean of an unbiased estimator; of the settings only the widths of levels count.
+    /// The mean of an unbiased estimator. Only the level widths of the settings matter.
     Mean(fn(&EquirectQuadrature, &Surface, &PrecomputeSettings, Tolerance) -> Bounded),
 }
 
-/// Outgoing specular radiance of a point, for environment radiance as stored.
+/// Returns the outgoing specular radiance of a point, for environment radiance as stored.
 pub type SpecularTwin = Twin<fn(&Surface, &Light, &Samples) -> DVec3>;
 
-/// Irradiance over π at a unit normal in the environment's frame.
+/// Returns irradiance over π at a unit normal in the environment's frame.
 pub type DiffuseTwin = Twin<fn(DVec3, &Light) -> DVec3>;
 
 /// The tables of one environment, model and masking, as the device reads them.
 #[derive(Clone, Debug)]
 pub struct Light {
-    /// Radiance with its mips, as it came: finest level first.
+    /// Radiance with its mips, finest level first, equirectangular.
     pub environment: Vec<Pixels<DVec3>>,
-    /// Radiance by the layout.
+    /// Radiance in the layout.
     pub filtered: FilteredMap,
     /// Mean radiance of the lobe, smoothest level first.
     pub prefiltered: FilteredMap,
-    /// Which roughness each of its levels holds.
     pub level_mapping: &'static LevelMapping,
-    /// The DFG table: what scales f0, and what is added.
+    /// (A, B) of the DFG table.
     pub dfg: Pixels<DVec2>,
-    /// Where its texels lie.
     pub dfg_axes: DfgAxes,
-    /// (A, B) by n·v, exact.
+    /// Exact (A, B) by n·v.
     pub albedos: Albedos,
-    /// The table of lobe shapes.
     pub lobe_shapes: LobeTable,
     /// Irradiance over π.
     pub irradiance_map: FilteredMap,
     /// Coefficients of radiance as the device sums them.
     pub sh9: [DVec3; COUNT],
-    /// Their integrals.
+    /// The same as integrals.
     pub exact_sh9: [DVec3; COUNT],
 }
 
-/// The points of a sampled method, and what moves the level of its lookups.
+/// The points of a sampled method, and the bias of its lookups.
 #[derive(Clone, Copy, Debug)]
 pub struct Samples {
     pub count: u32,
     pub sequence: &'static Sequence,
-    /// Which set of the sequence.
     pub set: u32,
-    /// The pixel that scrambles it; none where pixels share it.
+    /// The pixel that scrambles the set; `None` if pixels share it.
     pub pixel: Option<[u32; 2]>,
-    /// Levels added.
     pub lod_bias: f64,
 }
 
 impl Samples {
-    /// The points in the unit square.
+    /// Returns the points in the unit square.
     pub fn points(&self) -> impl Iterator<Item = DVec2> {
         (0..self.count).map(|i| {
             let point = (self.sequence.point)(i, self.count, self.set);
@@ -86,51 +81,51 @@ impl Samples {
 }
 
 impl Light {
-    /// Width and height of the environment's finest level.
+    /// Returns width and height of the environment's finest level.
     pub fn environment_size(&self) -> [u32; 2] {
         [self.environment[0].width, self.environment[0].height]
     }
 
-    /// Radiance from a direction at a real level of the environment's own mips, which is clamped to the chain.
+    /// Returns the radiance from a direction at a level of the environment's own mips, clamped to the chain.
     pub fn radiance(&self, direction: DVec3, lod: f64) -> DVec3 {
         trilinear(&self.environment, uv_from_direction(direction), lod, Wrap::EQUIRECT, |texel| texel)
     }
 
-    /// Mean radiance of the lobe of width `alpha` about `r`, from the prefiltered map.
+    /// Returns the mean radiance of the lobe of width `alpha` about `r`, from the prefiltered map.
     pub fn mean_radiance(&self, r: DVec3, alpha: f64) -> DVec3 {
         self.prefiltered.value(r, self.level_mapping.mip_from_alpha(alpha, self.prefiltered.levels.len() as u32))
     }
 
-    /// (A, B) of the DFG table: the lobe reflects `f0 A + B` of constant radiance.
+    /// Returns (A, B) of the DFG table: the lobe reflects `f0 A + B` of constant radiance.
     pub fn dfg(&self, n_dot_v: f64, alpha: f64) -> DVec2 {
         self.dfg_axes.lookup(&self.dfg, n_dot_v, alpha)
     }
 
-    /// The split sum by a lookup of that direction and width: `P(direction, width) (f0 A + B)`.
+    /// Computes the split sum with a lookup of that direction and width: `P(direction, width) (f0 A + B)`.
     pub fn split_sum(&self, surface: &Surface, direction: DVec3, width: f64) -> DVec3 {
         let pair = self.dfg(surface.n.dot(surface.v), surface.alpha);
         self.mean_radiance(direction, width) * (surface.f0 * pair.x + pair.y)
     }
 
-    /// The same at alpha along `normalize(mix(n, r, t))`, t by n·v and alpha.
+    /// Computes the split sum at alpha along `normalize(mix(n, r, t))`, with t by n·v and alpha.
     pub fn split_sum_between(&self, surface: &Surface, share_of_r: fn(f64, f64) -> f64) -> DVec3 {
         let Surface { n, v, alpha, .. } = *surface;
         self.split_sum(surface, n.lerp(reflect(v, n), share_of_r(n.dot(v), alpha)).normalize(), alpha)
     }
 
-    /// The split sum along the first moment of the lobe at alpha, colours by their mean.
+    /// Computes the split sum at alpha along the lobe's first moment; a colour counts by its mean.
     pub fn moment_split_sum(&self, surface: &Surface) -> DVec3 {
         let direction = self.lobe_shapes.direction([surface.n, surface.v], surface.alpha, self.share_of_f90(surface));
         self.split_sum(surface, direction, surface.alpha)
     }
 
-    /// The same at the width of an objective.
+    /// Computes the split sum along the first moment at the width of an objective.
     pub fn fitted_split_sum(&self, surface: &Surface, objective: Objective) -> DVec3 {
         let (direction, width) = self.fitted_lobe(surface, self.share_of_f90(surface), objective);
         self.split_sum(surface, direction, width)
     }
 
-    /// One for each part of the lobe, at the width of least relative error.
+    /// Sums one lookup for each part of the lobe, at the width of least relative error.
     pub fn parted_split_sum(&self, surface: &Surface) -> DVec3 {
         let of_part = |share| {
             let (direction, width) = self.fitted_lobe(surface, share, Objective::Relative);
@@ -140,19 +135,18 @@ impl Light {
         surface.f0 * pair.x * of_part(0.0) + pair.y * of_part(1.0)
     }
 
-    /// Direction and width of a lobe whose part of weight Fc has that share.
+    /// Returns direction and width of a lobe whose part of weight Fc has the share `share`.
     fn fitted_lobe(&self, surface: &Surface, share: f64, objective: Objective) -> (DVec3, f64) {
         let Surface { n, v, alpha, .. } = *surface;
         (self.lobe_shapes.direction([n, v], alpha, share), self.lobe_shapes.width(n.dot(v), alpha, share, objective))
     }
 
-    /// How much of what the lobe reflects has the weight Fc.
+    /// Returns the share of the reflected light that has the weight Fc.
     fn share_of_f90(&self, surface: &Surface) -> f64 {
         let pair = self.dfg(surface.n.dot(surface.v), surface.alpha);
         pair.y / (surface.f0.element_sum() / 3.0 * pair.x + pair.y)
     }
 
-    /// Irradiance over π from the irradiance map.
     pub fn irradiance_over_pi(&self, n: DVec3) -> DVec3 {
         self.irradiance_map.value(n, 0.0)
     }

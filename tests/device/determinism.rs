@@ -15,6 +15,7 @@ use splitsum::gbuffer::pass::{self, GbufferImages, SceneData};
 use splitsum::glsl::constants::GROUP_SIDE;
 use splitsum::gpu::{Format, Gpu, Groups, Part, image_groups};
 use splitsum::math::sequence::PixelPoints;
+use splitsum::metrics::Epsilon;
 use splitsum::pipeline::{Pipeline, RenderRequest};
 use splitsum::pixels::RgbImage;
 use splitsum::precompute::points::Points;
@@ -206,7 +207,7 @@ fn the_reference_reads_nothing_it_has_not_written() {
                     radiance: &radiance,
                 },
                 stop: Stop { sample_count: 64, relative_error: None },
-                epsilon: 0.01,
+                epsilon: Epsilon::ABSOLUTE,
                 seed: 1,
                 mask: &mask,
                 distribution: &distribution,

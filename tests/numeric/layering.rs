@@ -15,8 +15,7 @@ use std::path::{Path, PathBuf};
 const ROWS: &[&[&[&str]]] = &[
     &[&["glsl", "spelling", "math", "color", "files", "pixels"]],
     &[&["brdf", "environment", "scene"], &["gpu"]],
-    &[&["precompute", "gbuffer", "shade", "tonemap"]],
-    &[&["metrics"], &["table", "figure"]],
+    &[&["precompute", "gbuffer", "tonemap", "metrics", "shade"], &["table", "figure"]],
     &[&["bakes"], &["ladder"]],
     &[&["pipeline"], &["oracle"], &["cost"]],
     &[&["experiment", "run"]],
@@ -164,7 +163,7 @@ const SEEN_BY_HOST: &[&str] = &[
     "brdf",
     "tonemap",
     "metrics::Epsilon",
-    "pipeline::ladder",
+    "ladder",
     "shade::METHODS",
     "shade::DIFFUSE",
     "shade::Method",

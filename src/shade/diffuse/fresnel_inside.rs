@@ -1,7 +1,7 @@
-//! The irradiance with Fresnel's weight inside the integral, `∫ (1 - F(v·h)) n·l/π L dl`, by the passes of the reference.
+//! Irradiance with Fresnel's weight inside the integral, `∫ (1 - F(v·h)) n·l/π L dl`, by the passes of the reference.
 //!
-//! The other diffuse methods weigh irradiance by `1 - (f0 A + B)`, which hangs on n·v only and keeps what both terms reflect below 1. This
-//! weight hangs on l, too, and takes its part whether or not the image has a specular term.
+//! The other diffuse methods weigh irradiance by `1 - (f0 A + B)`, which depends on n·v only and keeps the sum of both
+//! terms below 1. This weight depends on l too, and applies with or without a specular term.
 
 use super::Diffuse;
 use crate::shade::reference::integrate;

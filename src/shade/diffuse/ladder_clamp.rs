@@ -2,14 +2,14 @@
 //!
 //! | rung | irradiance over π | replaces |
 //! |---|---|---|
-//! | `fresnel-inside` | Fresnel's weight stands inside the integral | nothing |
+//! | `fresnel-inside` | with Fresnel's weight inside the integral | nothing |
 //! | `reference` | `E(n)/π` | Fresnel inside the integral |
-//! | | `Σ A_l L_lm Y_lm(n)/π` up to degree 2 | the light above degree 2 |
+//! | | `Σ A_l L_lm Y_lm(n)/π` up to degree 2 | light above degree 2 |
 //! | `ladder-clamp` | the same, at least 0 | negative irradiance |
 //! | `sh9` | the same, L_lm by a sum over texels | the integrals of the coefficients |
 //!
-//! From the second on, `1 - (f0 A + B)` weighs the irradiance, with A and B as looked up. The third has no image, since no radiance is
-//! negative; `crate::ladder` and the oracle have its numbers.
+//! From the second rung on, `1 - (f0 A + B)` weighs the irradiance, with A and B from the table. The third has no
+//! image, since radiance is not negative; `crate::ladder` and the oracle have its numbers.
 
 use super::Diffuse;
 use crate::math::quadrature::{Bounded, Estimate};
@@ -28,7 +28,7 @@ pub const DIFFUSE: Diffuse = Diffuse {
     )
 };
 
-/// Irradiance over π by nine coefficients of radiance, and its bound: `Σ |A_l Y_lm(n)| error_lm / π`.
+/// Returns irradiance over π from nine radiance coefficients, and its bound `Σ |A_l Y_lm(n)| error_lm / π`.
 pub fn truncated(sh9: &Estimate<COUNT>, n: DVec3) -> Bounded {
     let y = basis(n);
     let weight = |k: usize| (COSINE_LOBE[DEGREE[k]] * y[k]).abs() / PI;

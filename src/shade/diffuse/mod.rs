@@ -1,51 +1,61 @@
-//! The diffuse methods: what each is called, what changes its result, and its f64 twin.
+//! The diffuse methods: names, what changes their results, f64 twins.
 
 mod fresnel_inside;
 mod irradiance_map;
 pub mod ladder_clamp;
-mod none;
-mod reference;
 mod sh9;
 pub mod sh9_windowed;
 pub mod zh3;
 
-use super::NONE;
-use super::twin::DiffuseTwin;
+use super::reference::integrate;
+use super::twin::{DiffuseTwin, Twin};
+use super::{NONE, REFERENCE};
 use crate::precompute::sh9::Projection;
 use crate::spelling::listed;
+use glam::DVec3;
 
-/// How the diffuse irradiance is computed. The names are the shader file stems (with `-` for `_`).
+/// A way to compute the diffuse irradiance. Names are the stems of shader files (with `-` for `_`).
 #[derive(Clone, Copy, Debug)]
 pub struct Diffuse {
     pub name: &'static str,
     /// One sentence for `splitsum list`.
     pub about: &'static str,
-    /// What the device tests hold its frames to.
+    /// What the device tests compare its frames with.
     pub twin: DiffuseTwin,
     /// Whether the size and sample count of the irradiance map change its result.
     pub uses_irradiance_map: bool,
-    /// By what the spherical-harmonic coefficients are made that it reads.
+    /// How the spherical-harmonic coefficients that it reads are made.
     pub sh9: Option<Projection>,
-    /// Whether its error has the steps of a ladder (`crate::ladder`).
+    /// Whether its error has a ladder of steps (`crate::ladder`).
     pub has_ladder: bool,
-    /// The integrand, where the passes of the reference estimate the term without bias: a file of `shaders/shade/lobe/`.
+    /// The integrand if the passes of the reference estimate the term without bias: a file of `shaders/shade/lobe/`.
     pub lobe: Option<&'static str>,
 }
 
-/// Every diffuse method. Adding one: `shaders/shade/diffuse/<stem>.glsl`, its file here with its twin, and one line here.
+/// Every diffuse method. To add one: `shaders/shade/diffuse/<stem>.glsl`, its file here with its twin, and a line here.
 pub static DIFFUSE: &[Diffuse] = &[
     sh9::DIFFUSE,
     sh9_windowed::DIFFUSE,
     zh3::DIFFUSE,
     irradiance_map::DIFFUSE,
-    reference::DIFFUSE,
+    INTEGRATED,
     fresnel_inside::DIFFUSE,
     ladder_clamp::DIFFUSE,
-    none::DIFFUSE,
+    Diffuse::plain(NONE, "no diffuse term", Twin::Estimator(|_, _| DVec3::ZERO)),
 ];
 
+/// The unbiased estimator of irradiance, by many random samples of cosine and environment.
+const INTEGRATED: Diffuse = Diffuse {
+    lobe: Some("lambert"),
+    ..Diffuse::plain(
+        REFERENCE,
+        "unbiased: cosine and environment sampling combined, many samples",
+        Twin::Mean(|environment, surface, _, tolerance| integrate(environment, surface, tolerance).diffuse),
+    )
+};
+
 impl Diffuse {
-    /// A method that looks nothing up. Each file sets its flags beside it; no method goes without a twin.
+    /// A method without lookups. Each file sets its flags; every method has a twin.
     const fn plain(name: &'static str, about: &'static str, twin: DiffuseTwin) -> Self {
         Self { name, about, twin, uses_irradiance_map: false, sh9: None, has_ladder: false, lobe: None }
     }
@@ -55,12 +65,12 @@ impl Diffuse {
         self.lobe.is_some()
     }
 
-    /// Whether it leaves the term out.
+    /// Whether it omits the term.
     pub fn is_none(&self) -> bool {
         self.name == NONE
     }
 
-    /// Whether a shader of its own makes the term: the reference has other passes.
+    /// Whether it has its own shader; the reference has other passes.
     pub fn has_pass(&self) -> bool {
         !self.is_none() && !self.is_integrated()
     }

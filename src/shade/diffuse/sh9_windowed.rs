@@ -1,7 +1,8 @@
-//! Nine spherical-harmonic coefficients under a Hann window: degree l counts `(1 + cos(π l/w))/2`, w [`SH9_WINDOW`] \[Sloan08\].
+//! Nine spherical-harmonic coefficients under a Hann window: degree l has the weight `(1 + cos(π l/w))/2`, w =
+//! [`SH9_WINDOW`] \[Sloan08\].
 //!
-//! Opposite to a small lamp `sh9` rings to -3.7 % of its peak before it is floored at 0, this to -2.3 %. The price is blur: light linear in
-//! direction loses 1/15 of its slope.
+//! Opposite to a small lamp, `sh9` rings to -3.7 % of its peak before it is floored at 0, this method to -2.3 %. In
+//! return it blurs: light linear in direction loses 1/15 of its slope.
 
 use super::Diffuse;
 use crate::glsl::constants::SH9_WINDOW;
@@ -20,7 +21,7 @@ pub const DIFFUSE: Diffuse = Diffuse {
     )
 };
 
-/// Irradiance over π at a unit normal, not floored.
+/// Returns irradiance over π at a unit normal, not floored.
 pub fn irradiance_over_pi(radiance: &[DVec3; COUNT], n: DVec3) -> DVec3 {
     let window = |k: usize| 0.5 + 0.5 * (PI * DEGREE[k] as f64 / f64::from(SH9_WINDOW)).cos();
     irradiance(&std::array::from_fn(|k| window(k) * radiance[k]), n) / PI

@@ -1,8 +1,9 @@
-//! Four spherical-harmonic coefficients, and a quadratic zonal part that is guessed from them \[Roughton24\].
+//! Four spherical-harmonic coefficients, and a quadratic zonal part guessed from them \[Roughton24\].
 //!
-//! All channels share one axis, the direction of the linear part of luminance. With r the linear part of a channel along it over its
-//! constant part, the zonal coefficient is `L00 (0.08 r + 0.6 r²)`, a fit of the authors ("hallucinated": it is not stored). Of the nine
-//! coefficients it reads four. Constant light is exact; light linear in direction is not, since it gets a quadratic part that it does not have.
+//! All channels share one axis, the direction of the linear part of luminance. With r the ratio of a channel's linear
+//! part along it to its constant part, the zonal coefficient is `L00 (0.08 r + 0.6 r²)`, a fit by the authors. It reads
+//! four of the nine coefficients. Constant light is exact; light linear in direction is not, since it gets a quadratic
+//! part.
 
 use super::Diffuse;
 use crate::glsl::constants::{LUMINANCE_BLUE, LUMINANCE_GREEN, LUMINANCE_RED};
@@ -21,7 +22,7 @@ pub const DIFFUSE: Diffuse = Diffuse {
     )
 };
 
-/// Irradiance over π at a unit normal, not floored.
+/// Returns irradiance over π at a unit normal, not floored.
 pub fn irradiance_over_pi(radiance: &[DVec3; COUNT], n: DVec3) -> DVec3 {
     let luminance = DVec3::new(LUMINANCE_RED.into(), LUMINANCE_GREEN.into(), LUMINANCE_BLUE.into());
     // Columns along x, y, z: the slope of each channel.
@@ -32,7 +33,7 @@ pub fn irradiance_over_pi(radiance: &[DVec3; COUNT], n: DVec3) -> DVec3 {
     let zonal = along * (0.08 + 0.6 * along / constant.max(DVec3::splat(1e-30)));
     let at_n = basis(n);
     let first = COSINE_LOBE[0] * at_n[0] * constant + COSINE_LOBE[1] * (at_n[1] * y + at_n[2] * z + at_n[3] * x);
-    // The zonal function of degree 2 about the axis is that about z, of the cosine to the axis.
+    // The zonal function of degree 2 about the axis is the one about z at the cosine to the axis.
     let cosine = axis.dot(n);
     let about_axis = basis(DVec3::new((1.0 - cosine * cosine).max(0.0).sqrt(), 0.0, cosine))[6];
     (first + COSINE_LOBE[2] * about_axis * if axis == DVec3::ZERO { DVec3::ZERO } else { zonal }) / PI

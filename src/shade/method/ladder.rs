@@ -1,6 +1,7 @@
-//! The rungs of the ladder between the specular integral and the split sum: each replaces one exact step by its approximation.
+//! The rungs between the specular integral and the split sum: each replaces one exact step by its approximation.
 //!
-//! With `<K, L> = ∫ K L dl / ∫ K dl` over the l above the horizon, and A, B the exact directional albedo at (n·v, alpha):
+//! With `<K, L> = ∫ K L dl / ∫ K dl` over the l above the horizon, and A, B the exact directional albedo at (n·v,
+//! alpha):
 //!
 //! | rung | estimator | replaces |
 //! |---|---|---|
@@ -9,28 +10,29 @@
 //! | `ladder-masking` | `(f0 A + B) <D n·h / (4 v·h) w(l), L>` | masking by the weight of prefiltered maps, n·l by default |
 //! | `ladder-view` | `(f0 A + B) P(r, alpha)`: the same for n = v = r | the view |
 //! | `ladder-levels` | the linear blend of `P(r, alpha_k)` and `P(r, alpha_k+1)`; level 0 is L(r) | alpha by levels |
-//! | `ladder-texels` | the same as looked up in a map of exact texels | directions by texels |
+//! | `ladder-texels` | the same, looked up in a map of exact texels | directions by texels |
 //! | `ladder-samples` | texels as they are made: `prefilter` | the integral in a texel |
-//! | `ladder-storage` | texels as they are kept: `storage_format` | f32 |
+//! | `ladder-storage` | texels as they are stored: `storage_format` | f32 |
 //!
-//! From the last to `split-sum` the DFG table replaces A and B. The passes of the reference estimate `ladder-fresnel` to `ladder-levels` with
-//! their standard errors. These draw the same points, so that the difference of two is known far better than either.
+//! The last step, to `split-sum`, replaces A and B by the DFG table. The passes of the reference estimate
+//! `ladder-fresnel` to `ladder-levels` with standard errors. They draw the same points, so differences are far more
+//! precise than either rung.
 
 use super::Method;
 use crate::brdf::{g2, reflect, schlick_weight};
 use crate::math::equirect_quadrature::{EquirectQuadrature, Focus};
 use crate::math::frame::Frame;
 use crate::math::quadrature::{Bounded, Tolerance};
-use crate::precompute::PrecomputeSettings;
 use crate::precompute::dfg::reference::{Dfg, EXACT, dfg, weight_means};
 use crate::precompute::prefilter::Kernel;
 use crate::precompute::prefilter::reference::prefilter;
+use crate::precompute::{PrecomputeSettings, PrefilterBy, StorageFormat};
 use crate::shade::EXACT_SPLIT;
 use crate::shade::reference::Surface;
 use crate::shade::twin::{SpecularTwin, Twin};
 use glam::DVec3;
 
-/// A rung that the passes of the reference estimate.
+/// A rung estimated by the passes of the reference.
 const fn rung(name: &'static str, about: &'static str, twin: SpecularTwin) -> Method {
     Method { uses_samples: true, lobe: Some(name), ..Method::plain(name, about, twin) }
 }
@@ -65,7 +67,7 @@ pub const MASKING: Method = weighted(rung(
     }),
 ));
 
-/// No rung: masking approximated before Fresnel.
+/// Masking approximated before Fresnel. Not a rung.
 pub const MASKING_ALONE: Method = weighted(rung(
     "ladder-masking-alone",
     "the reference with the weight of prefiltered maps (n.l) for the masking, and its own albedo",
@@ -125,7 +127,7 @@ pub const LEVELS: Method = Method {
     ))
 };
 
-/// The mean radiance about r, blended from two levels.
+/// Returns the mean radiance about r, blended from two levels.
 fn blended(
     environment: &EquirectQuadrature,
     surface: &Surface,
@@ -144,7 +146,7 @@ fn blended(
     Bounded { value: smooth.value + rough.value, error: smooth.error + rough.error }
 }
 
-/// By what the prefiltered map of these settings averages.
+/// Returns the kernel of a prefiltered map with these settings.
 fn kernel(surface: &Surface, settings: &PrecomputeSettings) -> Kernel {
     Kernel::new(surface.model, settings.prefilter_weight, surface.masking)
 }
@@ -162,8 +164,34 @@ fn scaled(number: Bounded, factor: DVec3) -> Bounded {
     Bounded { value: number.value * factor, error: number.error * factor.abs() }
 }
 
-/// Where the lobe is narrow.
+/// The narrow region of the lobe.
 fn mirror_focus(surface: &Surface) -> Focus {
     let n_dot_v = surface.n.dot(surface.v);
     Focus { direction: reflect(surface.v, surface.n), radius: surface.alpha * n_dot_v.max(surface.alpha) }
 }
+
+/// A rung with its own map.
+const fn looked_up(name: &'static str, about: &'static str) -> Method {
+    let twin: SpecularTwin = Twin::Estimator(|surface, light, _| {
+        let albedo = light.albedos.exact(surface.n.dot(surface.v));
+        let r = reflect(surface.v, surface.n);
+        light.mean_radiance(r, surface.alpha) * (surface.f0 * albedo.x + albedo.y)
+    });
+    Method { lookups: 1, ..Method::plain(name, about, twin) }
+}
+
+pub const TEXELS: Method = Method {
+    prefilter: Some(PrefilterBy::Harmonic),
+    storage: Some(StorageFormat::F32),
+    ..looked_up("ladder-texels", "the split sum with exact A and B and a prefiltered map of exact texels")
+};
+
+/// Texels as they are made.
+pub const SAMPLES: Method = Method {
+    storage: Some(StorageFormat::F32),
+    ..looked_up("ladder-samples", "as ladder-texels, with texels as the setting prefilter makes them")
+};
+
+/// Texels as they are stored. Only A and B are exact.
+pub const STORAGE: Method =
+    looked_up("ladder-storage", "as ladder-samples, with texels in the numbers of storage_format; A and B are exact");

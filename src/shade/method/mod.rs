@@ -1,66 +1,60 @@
-//! The specular methods: what each is called, what changes its result, and its f64 twin.
+//! The specular methods: names, what changes their results, f64 twins.
 
 pub mod ladder;
-pub mod ladder_texels;
-mod none;
 pub mod own;
-mod reference;
 mod sampled;
 mod sampled_unfiltered;
 mod sampled_vndf;
 pub mod split_sum;
 mod split_sum_engines;
-mod split_sum_fitted;
-mod split_sum_moment;
-mod split_sum_parted;
-mod split_sum_relative;
+mod split_sum_lobes;
 
-use super::NONE;
 use super::diffuse::Diffuse;
-use super::twin::SpecularTwin;
+use super::reference::integrate;
+use super::twin::{SpecularTwin, Twin};
+use super::{NONE, REFERENCE};
 use crate::brdf::Compensation;
 use crate::precompute::{PrecomputeSettings, PrefilterBy, StorageFormat};
 use crate::spelling::listed;
+use glam::DVec3;
 
-/// How the specular term is computed. The names are the shader file stems (with `-` for `_`).
+/// A way to compute the specular term. Names are the stems of shader files (with `-` for `_`).
 ///
-/// The flags say what changes its result: an experiment has one cell, not many, along an axis that a method ignores.
+/// The flags say what changes its result: along an axis that a method ignores, an experiment has one cell.
 #[derive(Clone, Copy, Debug)]
 pub struct Method {
     pub name: &'static str,
     /// One sentence for `splitsum list`.
     pub about: &'static str,
-    /// What the device tests hold its frames to.
+    /// What the device tests compare its frames with.
     pub twin: SpecularTwin,
-    /// The sample count.
     pub uses_samples: bool,
-    /// The sequence of points and the choice among its sets (`math::sequence`).
+    /// Reads the points of a sequence and set (`math::sequence`).
     pub uses_point_set: bool,
-    /// The bias of the mip level.
     pub uses_lod_bias: bool,
-    /// How often a pixel looks the prefiltered map up.
+    /// Lookups of the prefiltered map per pixel.
     pub lookups: u32,
-    /// The DFG table, for the specular term itself; see [`Method::needs_dfg`].
+    /// Reads the DFG table for the specular term itself; see [`Method::needs_dfg`].
     pub uses_dfg: bool,
-    /// The table of lobe shapes.
     pub uses_lobe_shapes: bool,
-    /// The widths of the prefiltered map's levels, if not the map.
+    /// Depends on the widths of the prefiltered map's levels without reading the map.
     pub uses_levels: bool,
-    /// The weight of a prefiltered map, if not the map.
+    /// Depends on the weight of prefiltered maps without reading one.
     pub uses_weight: bool,
-    /// How the maps that are looked up filtered are made for it, whatever is asked.
+    /// Overrides how its filtered maps are made.
     pub prefilter: Option<PrefilterBy>,
-    /// In which numbers its tables are kept, whatever is asked.
+    /// Overrides the number format of its tables.
     pub storage: Option<StorageFormat>,
-    /// Whether its error has the steps of the ladder (`crate::ladder`).
+    /// Whether its error has a ladder of steps (`crate::ladder`).
     pub has_ladder: bool,
-    /// The part of its shader's name that stands for it, where not its own name: a method in a file.
+    /// Replaces its name in the name of its shader: for methods in files.
     pub shader: Option<&'static str>,
-    /// The integrand, where the passes of the reference estimate the term without bias: a file of `shaders/shade/lobe/`.
+    /// The integrand if the passes of the reference estimate the term without bias: a file of `shaders/shade/lobe/`.
     pub lobe: Option<&'static str>,
 }
 
-/// Every specular method. Adding one: `shaders/shade/method/<stem>.glsl` (or `lobe/`), its file here with its twin, and one line here.
+/// Every specular method. To add one: `shaders/shade/method/<stem>.glsl` (or `lobe/`), its file here with its twin, and
+/// a line here.
 pub static METHODS: &[Method] = &[
     sampled::METHOD,
     sampled_vndf::METHOD,
@@ -71,24 +65,35 @@ pub static METHODS: &[Method] = &[
     split_sum_engines::GODOT,
     split_sum_engines::NRD,
     split_sum_engines::UNITY,
-    split_sum_moment::METHOD,
-    split_sum_fitted::METHOD,
-    split_sum_relative::METHOD,
-    split_sum_parted::METHOD,
-    none::METHOD,
-    reference::METHOD,
+    split_sum_lobes::MOMENT,
+    split_sum_lobes::FITTED,
+    split_sum_lobes::RELATIVE,
+    split_sum_lobes::PARTED,
+    Method::plain(NONE, "no specular term", Twin::Estimator(|_, _, _| DVec3::ZERO)),
+    INTEGRATED,
     ladder::FRESNEL,
     ladder::MASKING,
     ladder::MASKING_ALONE,
     ladder::VIEW,
     ladder::LEVELS,
-    ladder_texels::TEXELS,
-    ladder_texels::SAMPLES,
-    ladder_texels::STORAGE,
+    ladder::TEXELS,
+    ladder::SAMPLES,
+    ladder::STORAGE,
 ];
 
+/// The unbiased estimator of the specular integral, by many random samples of BRDF and environment.
+const INTEGRATED: Method = Method {
+    uses_samples: true,
+    lobe: Some("specular"),
+    ..Method::plain(
+        REFERENCE,
+        "unbiased: BRDF and environment sampling combined, many samples, unfiltered",
+        Twin::Mean(|environment, surface, _, tolerance| integrate(environment, surface, tolerance).specular),
+    )
+};
+
 impl Method {
-    /// A method that depends on nothing but the scene. Each file sets its flags beside it; no method goes without a twin.
+    /// A method that depends on the scene only. Each file sets its flags; every method has a twin.
     const fn plain(name: &'static str, about: &'static str, twin: SpecularTwin) -> Self {
         Self {
             name,
@@ -110,7 +115,7 @@ impl Method {
         }
     }
 
-    /// The settings of its tables where those are asked for.
+    /// Returns the settings of its tables if `asked` is requested.
     pub fn tables(&self, asked: PrecomputeSettings) -> PrecomputeSettings {
         let (prefilter, storage) = (self.prefilter.unwrap_or(asked.prefilter), self.storage.unwrap_or(asked.storage));
         PrecomputeSettings { prefilter, storage, ..asked }
@@ -121,8 +126,8 @@ impl Method {
         self.lookups > 0
     }
 
-    /// How often a pixel looks an environment map up, prefiltered or not, at that sample count; nothing where another image is integrated, or
-    /// where a shader in a file may do so any number of times.
+    /// Returns how often a pixel looks up an environment map, prefiltered or not, at that sample count; `None` if
+    /// another image is integrated, or for a shader in a file.
     pub fn lookups_of_pixel(&self, samples: Option<u32>) -> Option<u32> {
         if self.shader.is_some() {
             return None;
@@ -136,17 +141,17 @@ impl Method {
         self.lobe.is_some()
     }
 
-    /// Whether it leaves the term out.
+    /// Whether it omits the term.
     pub fn is_none(&self) -> bool {
         self.name == NONE
     }
 
-    /// Whether a shader of its own makes the term: the reference has other passes.
+    /// Whether it has its own shader; the reference has other passes.
     pub fn has_pass(&self) -> bool {
         !self.is_none() && !self.is_integrated()
     }
 
-    /// Whether a frame reads the DFG table: for the specular term itself, or to weight what else the surface reflects beside it.
+    /// Whether a frame reads the DFG table: for the specular term itself, or to weigh the other terms.
     pub fn needs_dfg(&self, compensation: Compensation, diffuse: &Diffuse, has_lights: bool) -> bool {
         let is_compensated = compensation != Compensation::None;
         self.uses_dfg || (!self.is_none() && (is_compensated || !diffuse.is_none() || has_lights))

@@ -1,8 +1,9 @@
 //! Importance sampling of D with N fixed points, each lookup filtered by its solid angle [Colbert07, section 20.4].
 //!
-//! `1/N Σ_k f(v, l_k) n_dot_l_k / pdf_l(l_k) L(l_k, lod_k)`; m_k has density `D(m) n_dot_m` and `l_k = reflect(-v, m_k)`. The level is
-//! `lod_k = 1/2 log2(omega_s / omega_p) + lod_bias`: `omega_s = 1/(N pdf_l)` is the solid angle of the sample and `omega_p` that of
-//! a texel of level 0 at `l_k`. Directions below the horizon add 0 and count in N.
+//! `1/N Σ_k f(v, l_k) n_dot_l_k / pdf_l(l_k) L(l_k, lod_k)`; m_k has density `D(m) n_dot_m` and `l_k = reflect(-v,
+//! m_k)`. The level is `lod_k = 1/2 log2(omega_s / omega_p) + lod_bias`, with `omega_s = 1/(N pdf_l)` the solid angle
+//! of the sample and `omega_p` the one of a texel of level 0 at `l_k`. Directions below the horizon add 0 but count in
+//! N.
 
 use super::Method;
 use crate::brdf::{Brdf, eval, pdf_d_l, reflect};
@@ -19,31 +20,26 @@ pub const METHOD: Method = Method {
     ..Method::plain(
         "sampled",
         "per-pixel half-vector importance sampling, filtered by mip level",
-        Twin::Estimator(|surface, light, samples| importance_sampled(surface, light, samples, true)),
+        Twin::Estimator(|surface, light, samples| estimate(surface, light, samples, true, BY_D)),
     )
 };
 
-/// Half vector of a point, and density of the direction that it mirrors the view to.
+/// Draws a half vector; returns it and the density of the direction that mirrors the view.
 type Sampler = fn(&dyn Brdf, DVec2, DVec3, f64) -> (DVec3, f64);
 
-/// Of density `D n_dot_m`.
-const BY_D: Sampler = |model, xi, v_local, alpha| {
+/// Half vectors of density `D n_dot_m`.
+pub(super) const BY_D: Sampler = |model, xi, v_local, alpha| {
     let h = model.sample_d(xi, alpha);
     (h, pdf_d_l(model, v_local, h, alpha))
 };
 
-/// Among visible normals.
+/// Visible normals.
 pub(super) const BY_VNDF: Sampler = |model, xi, v_local, alpha| {
     let h = model.sample_vndf(xi, v_local, alpha);
     (h, model.pdf_vndf_l(v_local, h, alpha))
 };
 
-/// The sum of the module's text; from the environment itself when not `filtered`.
-pub fn importance_sampled(surface: &Surface, light: &Light, samples: &Samples, filtered: bool) -> DVec3 {
-    estimate(surface, light, samples, filtered, BY_D)
-}
-
-/// The same with another density of half vectors.
+/// Computes the sum in the module's documentation; reads the unfiltered environment unless `filtered`.
 pub(super) fn estimate(surface: &Surface, light: &Light, samples: &Samples, filtered: bool, draw: Sampler) -> DVec3 {
     let Surface { model, masking, alpha, f0, n, v } = *surface;
     let frame = Frame::from_normal(n);

@@ -1,15 +1,13 @@
-//! As `sampled`, but every lookup reads the finest level.
+//! As `sampled`, with all lookups in the finest level.
 
 use super::Method;
-use super::sampled::importance_sampled;
+use super::sampled::{self, BY_D, estimate};
 use crate::shade::twin::Twin;
 
 pub const METHOD: Method = Method {
-    uses_samples: true,
-    uses_point_set: true,
-    ..Method::plain(
-        "sampled-unfiltered",
-        "as sampled, always from the finest level",
-        Twin::Estimator(|surface, light, samples| importance_sampled(surface, light, samples, false)),
-    )
+    name: "sampled-unfiltered",
+    about: "as sampled, always from the finest level",
+    uses_lod_bias: false,
+    twin: Twin::Estimator(|surface, light, samples| estimate(surface, light, samples, false, BY_D)),
+    ..sampled::METHOD
 };

@@ -1,8 +1,8 @@
-//! As `sampled`, with half vectors among those that the view sees: each lookup is filtered by the density of its own direction.
+//! As `sampled`, with half vectors that the view sees: each lookup is filtered by the density of its own direction.
 //!
-//! The weight is `F G2 D / (4 n_dot_v pdf_l)`, at most `G2/G1(v)` where the half vectors are the model's visible normals. Those of GGX come
-//! from a cap that leaves out most of what would be lost below the horizon [Dupuy23, EtoTokuyoshi23], those of Beckmann by inversion
-//! [HeitzDeon14, Jakob14]. Phong's have no known sampler: it draws those of GGX and weighs by `D/D_ggx`, at most 4/e.
+//! The weight is `F G2 D / (4 n_dot_v pdf_l)`, at most `G2/G1(v)` for the model's own visible normals. GGX draws from a
+//! cap that excludes most samples below the horizon [Dupuy23, EtoTokuyoshi23], Beckmann by inversion [HeitzDeon14,
+//! Jakob14]. Phong has no known sampler: it draws the visible normals of GGX and weighs by `D/D_ggx`, at most 4/e.
 
 use super::Method;
 use super::sampled::{self, BY_VNDF, estimate};

@@ -1,11 +1,11 @@
-//! The split sum [Karis13, eq. 7, 8]: the mean radiance of the lobe for `n = v = r`, times what the lobe reflects of constant radiance,
-//! `P(r, alpha) (f0 A(n_dot_v, alpha) + B(n_dot_v, alpha))`. Both factors are tables.
+//! The split sum [Karis13, eq. 7, 8]: the mean radiance of the lobe for `n = v = r`, times its albedo for constant
+//! radiance, `P(r, alpha) (f0 A(n_dot_v, alpha) + B(n_dot_v, alpha))`. Both factors are tables.
 
 use super::Method;
 use crate::brdf::reflect;
 use crate::shade::twin::{SpecularTwin, Twin};
 
-/// A split sum by some lookup of the prefiltered map.
+/// A split sum with another lookup of the prefiltered map.
 pub(super) const fn shifted(name: &'static str, about: &'static str, twin: SpecularTwin) -> Method {
     Method { lookups: 1, uses_dfg: true, ..Method::plain(name, about, twin) }
 }

@@ -1,18 +1,20 @@
-//! The split sum as engines and a denoiser look it up: along `normalize(mix(n, r, t))`, t by n·v and alpha.
+//! The shifted split sums of engines and a denoiser: lookups along `normalize(mix(n, r, t))`, with t by n·v and alpha.
 
 use super::Method;
 use super::split_sum::shifted;
 use crate::brdf::perceptual_roughness_from_alpha;
 use crate::shade::twin::Twin;
 
-/// `getSpecularDominantDirection` of Filament (`shaders/src/surface_light_indirect.fs`), which is given alpha, not perceptual roughness.
+/// `getSpecularDominantDirection` of Filament (`shaders/src/surface_light_indirect.fs`), which takes alpha, not
+/// perceptual roughness.
 pub const FILAMENT: Method = shifted(
     "split-sum-filament",
     "Filament's shifted lookup: r to n by alpha^2",
     Twin::Estimator(|surface, light, _| light.split_sum_between(surface, |_, alpha| 1.0 - alpha * alpha)),
 );
 
-/// Frostbite's original [Lagarde14, listing 22]. Bevy has it as `radiance_sample_direction` (`light_probe/environment_map.wesl`, 2026).
+/// Frostbite's original [Lagarde14, listing 22]; also Bevy's `radiance_sample_direction`
+/// (`light_probe/environment_map.wesl`, 2026).
 pub const FROSTBITE: Method = shifted(
     "split-sum-frostbite",
     "Frostbite's shifted lookup [Lagarde14, listing 22]; Bevy's, too",
@@ -21,7 +23,7 @@ pub const FROSTBITE: Method = shifted(
     }),
 );
 
-/// three.js (`envmap_physical_pars_fragment.glsl.js`: the square of perceptual roughness), and Godot after it
+/// three.js (`envmap_physical_pars_fragment.glsl.js`: the square of perceptual roughness); Godot copied it
 /// (`scene_forward_clustered.glsl`).
 pub const GODOT: Method = shifted(
     "split-sum-godot",
@@ -29,8 +31,8 @@ pub const GODOT: Method = shifted(
     Twin::Estimator(|surface, light, _| light.split_sum_between(surface, |_, alpha| 1.0 - alpha)),
 );
 
-/// A fit to the peak of GGX with correlated masking [Lagarde14, listing 21], kept in NRD (`_NRD_GetSpecularDominantFactor`, `NRD.hlsli`), a
-/// denoiser that follows the reflected point by it. Its roughness is the perceptual one.
+/// A fit to the peak of GGX with correlated masking [Lagarde14, listing 21], used by the denoiser NRD to follow the
+/// reflected point (`_NRD_GetSpecularDominantFactor`, `NRD.hlsli`). Its roughness is perceptual.
 pub const NRD: Method = shifted(
     "split-sum-nrd",
     "the shift of NRD: a fit over n.v and roughness [Lagarde14, listing 21]",
@@ -43,8 +45,8 @@ pub const NRD: Method = shifted(
     }),
 );
 
-/// `GetSpecularDominantDir` of Unity (`com.unity.render-pipelines.core/ShaderLibrary/ImageBasedLighting.hlsl`). It is Frostbite's, bent
-/// further to the normal at grazing views; the original stays there behind `USE_FB_DSD`.
+/// `GetSpecularDominantDir` of Unity (`com.unity.render-pipelines.core/ShaderLibrary/ImageBasedLighting.hlsl`):
+/// Frostbite's, bent further to the normal at grazing views. The original is still there behind `USE_FB_DSD`.
 pub const UNITY: Method = shifted(
     "split-sum-unity",
     "the shifted lookup of Unity's high-definition pipeline",

@@ -1,4 +1,4 @@
-//! Reading a method's file and compiling it for the device.
+//! Reads a method's file and compiles it for the device.
 
 use super::super::Method;
 use super::{FUNCTION, absent, keep, of_names_read};
@@ -11,19 +11,19 @@ use std::path::Path;
 
 /// Largest file, bytes.
 const FILE_BYTES_MAX: u64 = 1 << 20;
-/// The pass that calls it.
+/// The pass that calls the method.
 const ENTRY: &str = "shade/specular.comp";
-/// Digits of the hash that stands for the text.
+/// Hex digits of the text's hash in a shader's name.
 const HASH_LENGTH: usize = 16;
 
-/// Reads and compiles the method of the name `file:PATH`, the path relative to `dir`, for every model and layout.
+/// Reads and compiles the method `file:PATH` for every model and layout; the path is relative to `dir`.
 ///
-/// Fails with `PATH:LINE: what the compiler says`.
+/// The error is `PATH:LINE: message of the compiler`.
 pub fn load(name: &str, dir: &Path) -> Result<&'static Method, String> {
     let path = dir.join(name.strip_prefix(FILE_PREFIX).unwrap_or(name));
     let fault = |what: String| format!("{}: {what}", path.display());
     let bytes = read_given(&path, FILE_BYTES_MAX).map_err(|e| fault(e.to_string()))?;
-    let text = String::from_utf8(bytes).map_err(|_| fault("it is no UTF-8 text".into()))?;
+    let text = String::from_utf8(bytes).map_err(|_| fault("not UTF-8 text".into()))?;
     let stem = format!("{FILE_PREFIX}{}", &blake3::hash(text.as_bytes()).to_hex()[..HASH_LENGTH]);
 
     let mut sources = shader_sources();
@@ -40,14 +40,15 @@ pub fn load(name: &str, dir: &Path) -> Result<&'static Method, String> {
     Ok(keep(of_names_read(absent(name.to_owned()), &reads, stem)))
 }
 
-/// The permutation's name with that of the method at its place: behind the layout, before the model.
+/// Inserts the method's name into a permutation's name: after the layout, before the model.
 fn shader_name(permutation: &str, stem: &str) -> String {
     let mut parts: Vec<&str> = permutation.split(':').collect();
     parts.insert(2, stem);
     parts.join(":")
 }
 
-/// The first fault of a compiler's log, as `PATH:LINE: what`. One in the pass around the method has its cause in what the file defines.
+/// Returns the first error of a compiler's log, as `PATH:LINE: message`. An error in the pass around the method is
+/// caused by the file's definitions.
 fn first_error(log: &str, path: &Path) -> String {
     let first = log.lines().find_map(|line| line.trim().strip_prefix("ERROR: ")).unwrap_or_else(|| log.trim());
     match first.starts_with("shaders/") {

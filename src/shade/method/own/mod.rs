@@ -1,8 +1,8 @@
-//! A method in a file of its user's: GLSL that defines `vec3 specular_radiance(Surface s)` as the files of `shaders/shade/method/` do,
-//! compiled when it is named.
+//! Methods in files of the user: GLSL that defines `vec3 specular_radiance(Surface s)` like the files of
+//! `shaders/shade/method/`, compiled when it is named.
 //!
-//! It may include all that they may (`lib/split_sum.glsl`, `lib/filtering.glsl`, `selected/brdf.glsl`, ...). What it reads of the
-//! bindings says on which parameters it depends.
+//! It may include what these include (`lib/split_sum.glsl`, `lib/filtering.glsl`, `selected/brdf.glsl`, ...). The
+//! bindings that it reads determine which parameters it depends on.
 
 #[cfg(feature = "gpu")]
 mod load;
@@ -17,17 +17,17 @@ use glam::DVec3;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::{PoisonError, RwLock};
 
-/// The function that the file defines.
+/// The function that the file must define.
 pub const FUNCTION: &str = "specular_radiance";
 
-/// Methods by the names that they were asked for by: `file:PATH`.
+/// Methods by name: `file:PATH`.
 static LOADED: RwLock<BTreeMap<String, &'static Method>> = RwLock::new(BTreeMap::new());
 
-/// The method `file:PATH` of that name, as it was loaded last. Where it was not, or does not compile, one that gives nothing stands for it:
-/// a name in a finished run may outlive its file.
+/// Returns the method `file:PATH` as loaded last. If it was never loaded or does not compile, returns one that gives
+/// nothing: a name in a finished run may outlive its file.
 pub fn loaded(name: &str) -> Option<&'static Method> {
     name.strip_prefix(FILE_PREFIX)?;
-    // A map is whole after a panic: entries are added in one step.
+    // A panic cannot leave the map half-changed: entries are added in one step.
     let known = LOADED.read().unwrap_or_else(PoisonError::into_inner).get(name).copied();
     Some(known.unwrap_or_else(|| keep(absent(name.to_owned()))))
 }
@@ -38,7 +38,7 @@ fn absent(name: String) -> Method {
     Method::plain(name, "a method in a file", Twin::Estimator(|_, _, _| DVec3::ZERO))
 }
 
-/// What a shader reads says on which parameters its method depends.
+/// Derives the flags of a method from the names that its shader reads.
 pub fn of_names_read(method: Method, reads: &BTreeSet<String>, stem: String) -> Method {
     let reads = |name: &str| reads.contains(name);
     Method {
@@ -46,7 +46,7 @@ pub fn of_names_read(method: Method, reads: &BTreeSet<String>, stem: String) -> 
         uses_samples: reads("sample_count"),
         uses_point_set: reads("Points"),
         uses_lod_bias: reads("lod_bias"),
-        // How often is not counted: a method that looks the map up more than once is told as one that does so once.
+        // Not counted: more than one lookup counts as one.
         lookups: reads("prefiltered").into(),
         uses_dfg: reads("dfg"),
         uses_lobe_shapes: reads("lobe_shapes"),
