@@ -1,10 +1,12 @@
-//! Surfaces whose normals and views fill the space of both evenly.
+//! Surfaces whose normals and views fill both spaces evenly.
 //!
-//! One sphere under one camera ties n·v to the place on the map: each n·v sees one ring of it. Here surface i of N has
+//! A sphere under one camera ties n·v to the position on the map: each n·v sees one ring of it. Instead, surface i of N
+//! has
 //!
-//! - the reflected direction r of the spherical Fibonacci lattice: `r.y = 1 - (2 i + 1)/N`, azimuth `2π i/φ`, φ the golden ratio;
-//! - `n·v = frac(1/2 + i/ρ)` and the azimuth `2π frac(1/2 + i/ρ²)` of the plane of incidence about r, ρ the plastic number: the R2 sequence
-//!   \[Roberts18\].
+//! - the reflected direction r of the spherical Fibonacci lattice: `r.y = 1 - (2 i + 1)/N`, azimuth `2π i/φ`, φ the
+//!   golden ratio;
+//! - `n·v = frac(1/2 + i/ρ)`, and the azimuth `2π frac(1/2 + i/ρ²)` of the plane of incidence about r, ρ the plastic
+//!   number: the R2 sequence \[Roberts18\].
 //!
 //! So r is even over the sphere, n·v is even over (0, 1), and every range of n·v sees the whole map.
 
@@ -14,7 +16,7 @@ use std::f64::consts::TAU;
 /// The real root of x³ = x + 1.
 const PLASTIC: f64 = 1.324_717_957_244_746;
 
-/// Normal and view of pixel `index` of `count`, unit vectors.
+/// Returns normal and view of pixel `index` of `count`, unit vectors.
 pub fn frame(index: u32, count: u32) -> [DVec3; 2] {
     let i = f64::from(index);
     let golden = 0.5 * (1.0 + 5f64.sqrt());

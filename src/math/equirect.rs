@@ -6,7 +6,7 @@
 use glam::{DVec2, DVec3};
 use std::f64::consts::{PI, TAU};
 
-/// Direction (any length but 0) to texture coordinates, u in [0, 1), v in [0, 1].
+/// Maps a direction (any length but 0) to texture coordinates, u in [0, 1), v in [0, 1].
 pub fn uv_from_direction(d: DVec3) -> DVec2 {
     let u = 0.5 - d.x.atan2(d.z) / TAU;
     // atan2 keeps full precision near the poles, where acos loses half of the digits.
@@ -14,35 +14,36 @@ pub fn uv_from_direction(d: DVec3) -> DVec2 {
     DVec2::new(u - u.floor(), v)
 }
 
-/// Texture coordinates to the unit direction.
+/// Maps texture coordinates to the unit direction.
 pub fn direction_from_uv(uv: DVec2) -> DVec3 {
     direction_from_angles(longitude(uv.x), polar_angle(uv.y))
 }
 
-/// `(sin φ, cos φ)` of a column.
+/// Returns `(sin φ, cos φ)` of a column.
 pub fn longitude(u: f64) -> (f64, f64) {
     (TAU * (0.5 - u)).sin_cos()
 }
 
-/// `(sin θ, cos θ)` of a row.
+/// Returns `(sin θ, cos θ)` of a row.
 pub fn polar_angle(v: f64) -> (f64, f64) {
     (PI * v).sin_cos()
 }
 
-/// The unit direction of a [`longitude`] and a [`polar_angle`].
+/// Returns the unit direction of a [`longitude`] and a [`polar_angle`].
 pub fn direction_from_angles((sin_phi, cos_phi): (f64, f64), (sin_theta, cos_theta): (f64, f64)) -> DVec3 {
     DVec3::new(sin_phi * sin_theta, cos_theta, cos_phi * sin_theta)
 }
 
-/// Exact solid angle (sr) of each texel of row `row` in a `width` x `height` map.
+/// Returns the exact solid angle (sr) of each texel of row `row` in a `width` x `height` map.
 pub fn texel_solid_angle(row: u32, width: u32, height: u32) -> f64 {
     let theta = |j: u32| PI * f64::from(j) / f64::from(height);
     TAU / f64::from(width) * (theta(row).cos() - theta(row + 1).cos())
 }
 
-/// Solid angle (sr) of a texel of a `width` x `height` map where the polar angle has this sine, `2π² sin θ/(W H)`.
+/// Returns the solid angle (sr) of a texel of a `width` x `height` map at a polar angle with this sine, `2π² sin θ/(W
+/// H)`.
 ///
-/// The sine is floored at its value half a texel from a pole: no texel is smaller than those of the first row.
+/// The sine is floored at its value half a texel from a pole: no texel is smaller than in the first row.
 pub fn texel_solid_angle_at(sin_theta: f64, width: u32, height: u32) -> f64 {
     let (width, height) = (f64::from(width), f64::from(height));
     2.0 * PI * PI * sin_theta.max(0.5 * PI / height) / (width * height)

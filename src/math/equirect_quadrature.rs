@@ -1,36 +1,38 @@
 //! Integrals `∫ L(l) k(l) dl` of a bilinear equirectangular map L against a smooth kernel k, with an error bound.
 //!
-//! The map is the rough factor (one texel may be a sun of 7e4 beside 0.1), the kernel the smooth one. So the map is integrated exactly,
-//! once, and only the kernel is approximated: on a rectangle R of the (u, v) plane the kernel is replaced by the polynomial
-//! through its values at the tensor Gauss-Legendre nodes `x_ij`, and
+//! The map is the rough factor (one texel may be a sun of 7e4 beside 0.1), the kernel the smooth one. So the map is
+//! integrated exactly, once, and only the kernel is approximated: on a rectangle R of the (u, v) plane, by the
+//! polynomial through its values at the tensor Gauss-Legendre nodes `x_ij`:
 //!
 //! `∫_R L k dω ≈ Σ k(x_ij) W_ij`, `W_ij = ∫_R L ℓ_i(u) ℓ_j(v) dω`, `dω = 2π² sin(π v) du dv`,
 //!
-//! where `ℓ` are the Lagrange polynomials of the nodes. The error is at most `max |k - polynomial| · ∫_R |L| dω`; the maximum is
-//! estimated at the corners, edge middles and centre of R, where an interpolant through Gauss nodes is worst. A quadtree holds the
-//! weights W of blocks of texels; a parent's follow from its children's, because its `ℓ` restricted to a child is a polynomial of
-//! the same degree. Rectangles below a leaf, down to parts of one bilinear cell, get theirs when asked.
+//! with `ℓ` the Lagrange polynomials of the nodes. The error is at most `max |k - polynomial| · ∫_R |L| dω`; the
+//! maximum is estimated at corners, edge middles and centre of R, where an interpolant through Gauss nodes is worst. A
+//! quadtree holds the weights W of blocks of texels; a parent's follow from its children's, since its `ℓ` restricted to
+//! a child is a polynomial of the same degree. Weights of smaller rectangles, down to parts of one bilinear cell, are
+//! computed on demand.
 
 use super::equirect::{direction_from_uv, uv_from_direction};
 use super::quadrature::{Estimate, NODE_COUNT, TensorRule, Tolerance, integrate_adaptively};
 use glam::{DVec2, DVec3};
 use std::f64::consts::PI;
 
-/// Leaves of the quadtree have at most this many bilinear cells a side: 12 halves to 6, and 8 (a power of two) plus the row
-/// that the poles' half cells add still fits.
+/// Most bilinear cells per side of a leaf of the quadtree: 12 halves to 6, and 8 (a power of two) plus the row that the
+/// poles' half cells add still fits.
 const LEAF_CELLS: usize = 12;
-/// The tree is entered at regions no larger than 1/8 of the width, so that no lobe of the hemisphere's size is missed.
+/// Regions at the start are at most 1/8 of the width, so that no lobe of the hemisphere's size is missed.
 const ROOT_WIDTH: f64 = 0.125;
 
 /// `W_ij` of a region, three channels.
 type Weights = [[DVec3; NODE_COUNT]; NODE_COUNT];
 
-/// A rectangle of the (u, v) plane, in units of texels: x in [-1/2, W - 1/2], y in [-1/2, H - 1/2], texel centres at integers.
+/// A rectangle of the (u, v) plane, in units of texels: x in [-1/2, W - 1/2], y in [-1/2, H - 1/2], texel centres at
+/// integers.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Region {
     low: DVec2,
     high: DVec2,
-    /// Index of the tree's node with this rectangle, if it has one.
+    /// Index of the tree's node with this rectangle, if any.
     node: Option<usize>,
 }
 
@@ -42,7 +44,7 @@ struct Node {
     children: Vec<Region>,
 }
 
-/// A direction about which a kernel is narrow: regions near it are split down to `radius` before any error is estimated.
+/// A direction about which a kernel is narrow: regions near it are split down to `radius` before errors are estimated.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Focus {
     pub direction: DVec3,
@@ -62,7 +64,7 @@ pub struct EquirectQuadrature {
 }
 
 impl EquirectQuadrature {
-    /// Prepares a map of `width` x `height` texels (row 0 at +y). Costs about 1 kB a leaf of 36 to 144 texels.
+    /// Prepares a map of `width` x `height` texels (row 0 at +y). Takes about 1 kB per leaf of 36 to 144 texels.
     pub fn new(width: u32, height: u32, texel: impl Fn(u32, u32) -> [f32; 3]) -> Self {
         let mut texels = Vec::with_capacity(width as usize * height as usize);
         texels.extend((0..height).flat_map(|y| (0..width).map(move |x| (x, y))).map(|(x, y)| texel(x, y)));
@@ -75,7 +77,7 @@ impl EquirectQuadrature {
         quadrature
     }
 
-    /// The bilinear map itself.
+    /// Looks up the bilinear map.
     pub fn radiance(&self, direction: DVec3) -> DVec3 {
         let place = uv_from_direction(direction) * DVec2::new(self.width as f64, self.height as f64) - 0.5;
         let (corner, t) = (place.floor(), place - place.floor());
@@ -87,7 +89,8 @@ impl EquirectQuadrature {
         texel(0.0, 0.0).lerp(texel(1.0, 0.0), t.x).lerp(texel(0.0, 1.0).lerp(texel(1.0, 1.0), t.x), t.y)
     }
 
-    /// `∫ L k dl` for `K` kernels at once; `error` bounds each number. Kernels need not be smooth, but kinks cost time.
+    /// Integrates `∫ L k dl` for `K` kernels at once; `error` bounds each number. Kernels need not be smooth, but kinks
+    /// cost time.
     pub fn integrate<const K: usize>(
         &self,
         kernel: impl Fn(DVec3) -> [f64; K],
@@ -97,7 +100,7 @@ impl EquirectQuadrature {
         let mut roots = Vec::new();
         let mut pending = vec![self.root];
         while let Some(region) = pending.pop() {
-            // A focus narrower than rounding would be split for ever; what is left is told by the bound of the error.
+            // A focus narrower than rounding would be split forever; the error bound covers the rest.
             if roots.len() + pending.len() < tolerance.max_part_count && self.must_split(&region, focus) {
                 pending.extend(self.split_towards_square(&region));
             } else {
@@ -123,12 +126,13 @@ impl EquirectQuadrature {
     fn extent(&self, region: &Region) -> DVec2 {
         let size = self.uv(region.high) - self.uv(region.low);
         let middle = self.uv(0.5 * (region.low + region.high));
-        // The widest row of a region bounds its width: within half its height of the middle.
+        // The widest row of a region, within half its height of the middle, bounds its width.
         let widest = (PI * ((middle.y - 0.5).abs() - 0.5 * size.y).max(0.0)).cos();
         PI * DVec2::new(2.0 * size.x * widest, size.y)
     }
 
-    /// Parts of a region that are nearer to squares on the sphere: at a pole quarters would be ever thinner needles.
+    /// Splits a region into parts closer to squares on the sphere: at a pole, quarters would become ever thinner
+    /// needles.
     fn split_towards_square(&self, region: &Region) -> Vec<Region> {
         let has_children = region.node.is_some_and(|index| !self.nodes[index].children.is_empty());
         let DVec2 { x: width, y: height } = self.extent(region);
@@ -141,7 +145,7 @@ impl EquirectQuadrature {
         vec![upper, Region { low: DVec2::new(region.low.x, y), node: None, ..*region }]
     }
 
-    /// Quarters of a region, along the edges of bilinear cells while it has several.
+    /// Splits a region into quarters, along the edges of bilinear cells if it has several.
     fn split(&self, region: &Region) -> Vec<Region> {
         if let Some(node) = region.node.map(|index| &self.nodes[index])
             && !node.children.is_empty()
@@ -194,7 +198,7 @@ impl EquirectQuadrature {
         (texel + 0.5) / DVec2::new(self.width as f64, self.height as f64)
     }
 
-    /// Nodes of a region and everything below it.
+    /// Counts the nodes of a region and everything below it.
     fn node_count(&self, region: &Region) -> usize {
         let below = if is_leaf(region) { Vec::new() } else { branches(region) };
         1 + below.iter().map(|child| self.node_count(child)).sum::<usize>()
@@ -213,7 +217,8 @@ impl EquirectQuadrature {
         Region { node: Some(self.nodes.len() - 1), ..region }
     }
 
-    /// The node over `children`: `W_ij = Σ_children Σ_kl ℓ_i(x_k) ℓ_j(y_l) W_kl`, with the child's nodes in the parent's coordinates.
+    /// Makes the node over `children`: `W_ij = Σ_children Σ_kl ℓ_i(x_k) ℓ_j(y_l) W_kl`, with the child's nodes in the
+    /// parent's coordinates.
     fn merge(&self, region: &Region, children: Vec<Region>) -> Node {
         let mut weights = [[DVec3::ZERO; NODE_COUNT]; NODE_COUNT];
         let mut mass = DVec3::ZERO;
@@ -241,7 +246,8 @@ impl EquirectQuadrature {
         Node { weights, mass, children }
     }
 
-    /// `W_ij` and `∫ |L| dω` of any region, exact: the hat functions of the texels and sin(π v) are integrated cell by cell.
+    /// Computes `W_ij` and `∫ |L| dω` of any region exactly: the texels' hat functions and sin(π v) are integrated cell
+    /// by cell.
     fn weights(&self, region: &Region) -> (Weights, DVec3) {
         let columns = self.hat_integrals(region.low.x, region.high.x, |_| 2.0 * PI / self.width as f64);
         let rows = self.hat_integrals(region.low.y, region.high.y, |y| {
@@ -251,7 +257,7 @@ impl EquirectQuadrature {
         let mut weights = [[DVec3::ZERO; NODE_COUNT]; NODE_COUNT];
         let mut mass = DVec3::ZERO;
         for row in &rows {
-            // Rows clamp: beyond the poles' last centres the map is constant in v.
+            // Rows clamp: beyond the last centres the map is constant in v.
             let y = row.texel.clamp(0, self.height as i64 - 1) as usize;
             let mut sums = [DVec3::ZERO; NODE_COUNT];
             for column in &columns {
@@ -271,7 +277,8 @@ impl EquirectQuadrature {
         (weights, mass)
     }
 
-    /// `∫ hat_t(x) ℓ_i(x) measure(x) dx` over `[low, high]` for every texel t whose hat function reaches into it.
+    /// Integrates `∫ hat_t(x) ℓ_i(x) measure(x) dx` over `[low, high]` for every texel t whose hat function reaches
+    /// into it.
     fn hat_integrals(&self, low: f64, high: f64, measure: impl Fn(f64) -> f64) -> Vec<HatIntegrals> {
         let gauss = &self.rule.gauss;
         let first = low.floor() as i64;
@@ -287,7 +294,7 @@ impl EquirectQuadrature {
             for q in 0..NODE_COUNT {
                 let x = 0.5 * (start + end) + half * gauss.nodes[q];
                 let weight = half * gauss.weights[q] * measure(x);
-                // Within one cell the nodes of the quadrature are those of the interpolant, where ℓ is 0 or 1.
+                // Within one cell the nodes of quadrature and interpolant coincide, so ℓ is 0 or 1.
                 let lagrange = if whole {
                     std::array::from_fn(|i| f64::from(u8::from(i == q)))
                 } else {
@@ -311,7 +318,7 @@ fn is_leaf(region: &Region) -> bool {
     (region.high - region.low).max_element() <= LEAF_CELLS as f64
 }
 
-/// The children of a node: halves of each axis that is longer than a leaf's. A map of one row has no leaves thinner than that row.
+/// Splits a node along each axis that is longer than a leaf. A map of one row has no thinner leaves.
 fn branches(region: &Region) -> Vec<Region> {
     let parts = |low: f64, high: f64| match high - low > LEAF_CELLS as f64 {
         true => vec![(low, middle_knot(low, high)), (middle_knot(low, high), high)],
@@ -325,13 +332,13 @@ fn branches(region: &Region) -> Vec<Region> {
     .collect()
 }
 
-/// The edge of bilinear cells nearest to the middle of an interval, or the middle when no edge is inside.
+/// Returns the edge of bilinear cells nearest to the middle of an interval, or the middle if no edge is inside.
 fn middle_knot(low: f64, high: f64) -> f64 {
     let knot = (0.5 * (low + high)).round();
     if knot > low && knot < high { knot } else { 0.5 * (low + high) }
 }
 
-/// Integrals of one texel's hat function, along one axis.
+/// Integrals of one texel's hat function along one axis.
 struct HatIntegrals {
     texel: i64,
     integrals: [f64; NODE_COUNT],

@@ -3,7 +3,8 @@
 use libm::erfc;
 use std::f64::consts::PI;
 
-/// The x with `erf x = y`, for y in (-1, 1); relative error about 1e-14, near 0 an absolute one of 1e-16. `complement` is `(1 - y)(1 + y)`, which keeps the digits of a tail.
+/// Returns the x with `erf x = y`, for y in (-1, 1); relative error about 1e-14, near 0 an absolute one of 1e-16.
+/// `complement` is `(1 - y)(1 + y)`, which keeps the digits of a tail.
 ///
 /// A published fit, then Newton's method on erf \[Giles12\].
 pub fn erf_inverse(y: f64, complement: f64) -> f64 {
@@ -33,9 +34,9 @@ pub fn erf_inverse(y: f64, complement: f64) -> f64 {
     let w = -complement.ln();
     let (terms, t) = if w < 5.0 { (CENTRE, w - 2.5) } else { (TAIL, w.sqrt() - 3.0) };
     let start = y * terms.iter().rev().fold(0.0, |sum, term| sum * t + term);
-    // Of the smaller tail, which has all digits: erfc |x| = complement / (1 + |y|).
+    // From the smaller tail, which has all digits: erfc |x| = complement / (1 + |y|).
     let tail = complement / (1.0 + y.abs());
     let step = |x: f64| x + (erfc(x) - tail) * 0.5 * PI.sqrt() * (x * x).exp();
-    // The fit is for f32: in the tails of f64 it is off by some hundredths.
+    // The fit is for f32: in the tails of f64 its error is some hundredths.
     (0..5).fold(start.abs(), |x, _| step(x)).copysign(y)
 }

@@ -12,7 +12,7 @@ pub struct Frame {
 }
 
 impl Frame {
-    /// The frame of the unit vector `n` \[Duff17\]. It jumps where `n.z` changes its sign, not elsewhere.
+    /// Makes the frame of the unit vector `n` \[Duff17\]. It jumps only where `n.z` changes sign.
     pub fn from_normal(n: DVec3) -> Self {
         let sign = 1f64.copysign(n.z);
         let a = -1.0 / (sign + n.z);
@@ -24,12 +24,10 @@ impl Frame {
         }
     }
 
-    /// Local to world coordinates.
     pub fn to_world(&self, local: DVec3) -> DVec3 {
         self.tangent * local.x + self.bitangent * local.y + self.n * local.z
     }
 
-    /// World to local coordinates.
     pub fn to_local(&self, world: DVec3) -> DVec3 {
         DVec3::new(self.tangent.dot(world), self.bitangent.dot(world), self.n.dot(world))
     }

@@ -1,4 +1,5 @@
-//! f64 mathematics that no renderer owns: frames, the equirectangular mapping, point sets, quadrature, spherical harmonics.
+//! f64 mathematics without rendering: frames, the equirectangular mapping, point sets, quadrature, spherical harmonics.
+
 pub mod design;
 pub mod equirect;
 pub mod equirect_quadrature;

@@ -5,7 +5,7 @@ use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 use std::f64::consts::PI;
 
-/// Nodes in (-1, 1), ascending, and weights of the `N`-point Gauss-Legendre rule; exact for polynomials of degree `2N - 1`.
+/// The `N`-point Gauss-Legendre rule: ascending nodes in (-1, 1) and weights; exact for polynomials of degree `2N - 1`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GaussLegendre<const N: usize> {
     pub nodes: [f64; N],
@@ -13,12 +13,12 @@ pub struct GaussLegendre<const N: usize> {
 }
 
 impl<const N: usize> GaussLegendre<N> {
-    /// The rule, by Newton's method on the Legendre polynomial.
+    /// Computes the rule by Newton's method on the Legendre polynomial.
     pub fn new() -> Self {
         const NEWTON_STEPS: u32 = 8;
         let mut rule = Self { nodes: [0.0; N], weights: [0.0; N] };
         for k in 0..N {
-            // Classical first guess (descending), close enough for quadratic convergence.
+            // The classical first guess (descending) is close enough for quadratic convergence.
             let mut x = (PI * (k as f64 + 0.75) / (N as f64 + 0.5)).cos();
             let mut slope = 0.0;
             for _ in 0..NEWTON_STEPS {
@@ -32,13 +32,13 @@ impl<const N: usize> GaussLegendre<N> {
         rule
     }
 
-    /// `∫ f` over `[low, high]`.
+    /// Integrates `f` over `[low, high]`.
     pub fn integrate(&self, low: f64, high: f64, f: impl Fn(f64) -> f64) -> f64 {
         let (center, half) = (0.5 * (low + high), 0.5 * (high - low));
         half * (0..N).map(|k| self.weights[k] * f(center + half * self.nodes[k])).sum::<f64>()
     }
 
-    /// Values at `x` of the `N` polynomials that are 1 at one node and 0 at the others.
+    /// Returns the values at `x` of the `N` polynomials that are 1 at one node and 0 at the others.
     pub fn lagrange(&self, x: f64) -> [f64; N] {
         std::array::from_fn(|k| {
             (0..N).filter(|&j| j != k).map(|j| (x - self.nodes[j]) / (self.nodes[k] - self.nodes[j])).product()
@@ -52,7 +52,7 @@ impl<const N: usize> Default for GaussLegendre<N> {
     }
 }
 
-/// `P_degree(x)` and `P_(degree - 1)(x)`.
+/// Returns `P_degree(x)` and `P_(degree - 1)(x)`.
 fn legendre_pair(degree: usize, x: f64) -> (f64, f64) {
     let (mut p, mut previous) = (x, 1.0);
     for k in 2..=degree {
@@ -62,7 +62,7 @@ fn legendre_pair(degree: usize, x: f64) -> (f64, f64) {
     (p, previous)
 }
 
-/// `K` integrals of three channels each, and an estimate of the absolute error of each number.
+/// `K` integrals of three channels each, with error estimates.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Estimate<const K: usize> {
     pub value: [DVec3; K],
@@ -70,7 +70,7 @@ pub struct Estimate<const K: usize> {
     pub error: [DVec3; K],
 }
 
-/// Three numbers (linear RGB in most uses) and a bound of the absolute error of each.
+/// Three numbers (mostly linear RGB) with error bounds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bounded {
     pub value: DVec3,
@@ -78,12 +78,13 @@ pub struct Bounded {
     pub error: DVec3,
 }
 
-/// When an adaptive integration stops.
+/// Stopping rule of an adaptive integration.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tolerance {
-    /// Error of each number relative to it; numbers below [`SCALE_FLOOR`] of the largest are held to the accuracy of that floor.
+    /// Error of each number relative to it; numbers below [`SCALE_FLOOR`] of the largest get the accuracy of that
+    /// floor.
     pub relative: f64,
-    /// Cap on the number of parts, against integrands that never converge. The estimate tells what was reached.
+    /// Most parts, for integrands that never converge. The estimate says what was reached.
     pub max_part_count: usize,
 }
 
@@ -107,19 +108,19 @@ impl<const K: usize> Estimate<K> {
         }
     }
 
-    /// `Σ factors[k] value[k]`, with the bound that follows.
+    /// Returns `Σ factors[k] value[k]` with its bound.
     pub fn combine(&self, factors: [DVec3; K]) -> Bounded {
         let sum = |numbers: &[DVec3; K], factor: &dyn Fn(usize) -> DVec3| (0..K).map(|k| numbers[k] * factor(k)).sum();
         Bounded { value: sum(&self.value, &|k| factors[k]), error: sum(&self.error, &|k| factors[k].abs()) }
     }
 
-    /// What each error is relative to.
+    /// Returns the number that each error is relative to.
     fn scale(&self) -> [DVec3; K] {
         let largest = self.value.iter().map(|value| value.abs().max_element()).fold(0.0, f64::max);
         self.value.map(|value| value.abs().max(DVec3::splat(SCALE_FLOOR * largest)))
     }
 
-    /// The largest error in units of `scale`; 0/0 counts as no error, and what is no number as an infinite one.
+    /// Returns the largest error relative to `scale`; 0/0 is no error, NaN an infinite one.
     fn relative_error(&self, scale: &[DVec3; K]) -> f64 {
         let channel = |error: f64, scale: f64| match error / scale {
             relative if !relative.is_nan() => relative.max(0.0),
@@ -131,7 +132,7 @@ impl<const K: usize> Estimate<K> {
     }
 }
 
-/// A part of the domain waiting to be split, ordered by its error.
+/// A part of the domain to be split, ordered by its error.
 struct Part<R, const K: usize> {
     priority: f64,
     region: R,
@@ -158,7 +159,8 @@ impl<R, const K: usize> Ord for Part<R, K> {
     }
 }
 
-/// Global adaptive cubature: splits the region with the largest error until the summed errors meet `tolerance`.
+/// Integrates by global adaptive cubature: splits the region with the largest error until the sum of errors meets
+/// `tolerance`.
 ///
 /// The sum of the regions' errors is an upper estimate of the total error if each region's is.
 pub fn integrate_adaptively<R, I: IntoIterator<Item = R>, const K: usize>(
@@ -191,18 +193,20 @@ pub fn integrate_adaptively<R, I: IntoIterator<Item = R>, const K: usize>(
         }
         scale = total.scale();
     }
-    // Summed afresh: the running total carries the rounding of every part that came and went.
+    // Summed again: the running total carries the rounding of all parts added and removed.
     let mut sum = Estimate::ZERO;
     parts.iter().for_each(|part| sum.add(&part.estimate));
     sum
 }
 
-/// Number of Gauss-Legendre nodes along each side of a region.
+/// Gauss-Legendre nodes along each side of a region.
 pub const NODE_COUNT: usize = 6;
-/// Where a region's interpolant is checked, along each side. The ends are outside the nodes, where an interpolant is worst.
+/// Positions along each side where a region's interpolant is checked. The ends lie outside the nodes, where an
+/// interpolant is worst.
 const CHECKS: [f64; 3] = [-1.0, 0.0, 1.0];
 
-/// Interpolation of a function on a rectangle by its values at the tensor Gauss-Legendre nodes, with a check of the interpolant.
+/// Interpolates a function on a rectangle by its values at the tensor Gauss-Legendre nodes, with a check of the
+/// interpolant.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TensorRule {
     pub gauss: GaussLegendre<NODE_COUNT>,
@@ -217,61 +221,40 @@ impl Default for TensorRule {
 }
 
 impl TensorRule {
-    /// Coordinates in [-1, 1] at which [`TensorRule::evaluate`] calls its function: the nodes, then the checks.
+    /// Returns the coordinates in [-1, 1] at which [`TensorRule::evaluate`] calls its function: the nodes, then the
+    /// checks.
     pub fn coordinates(&self) -> [f64; NODE_COUNT + CHECKS.len()] {
         std::array::from_fn(|k| if k < NODE_COUNT { self.gauss.nodes[k] } else { CHECKS[k - NODE_COUNT] })
     }
 
-    /// Values of `f` at the nodes, and the largest difference of `f` from its interpolant at the checks.
+    /// Returns the values of `K` functions at the nodes, and the largest difference of each from its interpolant at the
+    /// checks.
     ///
-    /// `f(i, j)` is the function at coordinate i along the first and j along the second side (see [`TensorRule::coordinates`]).
-    pub fn evaluate<V: Sample>(&self, f: impl Fn(usize, usize) -> V) -> ([[V; NODE_COUNT]; NODE_COUNT], V) {
-        let mut values = [[V::ZERO; NODE_COUNT]; NODE_COUNT];
+    /// `f(i, j)` gives the functions at coordinate i along the first and j along the second side (see
+    /// [`TensorRule::coordinates`]).
+    pub fn evaluate<const K: usize>(&self, f: impl Fn(usize, usize) -> [f64; K]) -> ([Line<K>; NODE_COUNT], [f64; K]) {
+        let mut values = [[[0.0; K]; NODE_COUNT]; NODE_COUNT];
         (0..NODE_COUNT).for_each(|i| (0..NODE_COUNT).for_each(|j| values[i][j] = f(i, j)));
-        let (mut residual, mut column) = (V::ZERO, [V::ZERO; NODE_COUNT]);
+        let (mut residual, mut column) = ([0.0_f64; K], [[0.0; K]; NODE_COUNT]);
         for (b, along_second) in self.lagrange_at_checks.iter().enumerate() {
-            (0..NODE_COUNT).for_each(|i| column[i] = V::combine(along_second, &values[i]));
+            (0..NODE_COUNT).for_each(|i| column[i] = combine(along_second, &values[i]));
             for (a, along_first) in self.lagrange_at_checks.iter().enumerate() {
-                let interpolated = V::combine(along_first, &column);
-                residual = residual.max_difference(f(NODE_COUNT + a, NODE_COUNT + b), interpolated);
+                let (found, interpolated) = (f(NODE_COUNT + a, NODE_COUNT + b), combine(along_first, &column));
+                (0..K).for_each(|k| residual[k] = residual[k].max((found[k] - interpolated[k]).abs()));
             }
         }
         (values, residual)
     }
 }
 
-/// What [`TensorRule`] interpolates.
-pub trait Sample: Copy {
-    const ZERO: Self;
-    /// `Σ weights[k] values[k]`.
-    fn combine(weights: &[f64; NODE_COUNT], values: &[Self; NODE_COUNT]) -> Self;
-    /// The larger of `self` and `|a - b|`, by component.
-    fn max_difference(self, a: Self, b: Self) -> Self;
-}
+/// `K` values at each node of a line.
+type Line<const K: usize> = [[f64; K]; NODE_COUNT];
 
-impl Sample for DVec3 {
-    const ZERO: Self = DVec3::ZERO;
-    fn combine(weights: &[f64; NODE_COUNT], values: &[Self; NODE_COUNT]) -> Self {
-        let mut sum = Self::ZERO;
-        (0..NODE_COUNT).for_each(|i| sum += weights[i] * values[i]);
-        sum
-    }
-    fn max_difference(self, a: Self, b: Self) -> Self {
-        self.max((a - b).abs())
-    }
-}
-
-impl<const K: usize> Sample for [f64; K] {
-    const ZERO: Self = [0.0; K];
-    fn combine(weights: &[f64; NODE_COUNT], values: &[Self; NODE_COUNT]) -> Self {
-        let mut sum = Self::ZERO;
-        (0..NODE_COUNT).for_each(|i| (0..K).for_each(|k| sum[k] += weights[i] * values[i][k]));
-        sum
-    }
-    fn max_difference(mut self, a: Self, b: Self) -> Self {
-        (0..K).for_each(|k| self[k] = self[k].max((a[k] - b[k]).abs()));
-        self
-    }
+/// Computes `Σ weights[k] values[k]`.
+fn combine<const K: usize>(weights: &[f64; NODE_COUNT], values: &Line<K>) -> [f64; K] {
+    let mut sum = [0.0; K];
+    (0..NODE_COUNT).for_each(|i| (0..K).for_each(|k| sum[k] += weights[i] * values[i][k]));
+    sum
 }
 
 /// An axis-parallel rectangle.
@@ -282,7 +265,7 @@ pub struct Rectangle {
 }
 
 impl Rectangle {
-    /// The four quarters about `middle`.
+    /// Splits into the four quarters about `middle`.
     pub fn split_at(&self, middle: DVec2) -> [Self; 4] {
         let Self { low, high } = *self;
         [
@@ -293,20 +276,19 @@ impl Rectangle {
         ]
     }
 
-    /// The middle.
     pub fn center(&self) -> DVec2 {
         0.5 * (self.low + self.high)
     }
 }
 
-/// `∫∫ f` over a rectangle, for three integrands at once. Kinks and cliffs cost time, not accuracy.
+/// Integrates three functions over a rectangle. Kinks and cliffs cost time, not accuracy.
 ///
 /// The error of a part is its area times the largest residual of its interpolant: pessimistic for smooth parts.
 pub fn integrate_rectangle(rectangle: Rectangle, tolerance: Tolerance, f: impl Fn(DVec2) -> DVec3) -> Bounded {
     integrate_columns(rectangle, tolerance, |x| x, |x, y| f(DVec2::new(*x, y)))
 }
 
-/// The same for `f(column(x), y)`: what depends on x alone is computed once for all y of a part.
+/// Integrates `f(column(x), y)`: what depends on x alone is computed once for all y of a part.
 pub fn integrate_columns<C>(
     rectangle: Rectangle,
     tolerance: Tolerance,
@@ -318,13 +300,13 @@ pub fn integrate_columns<C>(
     let estimate = |part: &Rectangle| {
         let (center, half) = (part.center(), 0.5 * (part.high - part.low));
         let columns = coordinates.map(|x| column(center.x + half.x * x));
-        let (values, residual) = rule.evaluate(|i, j| f(&columns[i], center.y + half.y * coordinates[j]));
+        let (values, residual) = rule.evaluate(|i, j| f(&columns[i], center.y + half.y * coordinates[j]).to_array());
         let weights = &rule.gauss.weights;
-        let mean = DVec3::combine(weights, &values.map(|column| DVec3::combine(weights, &column)));
+        let mean = DVec3::from(combine(weights, &values.map(|column| combine(weights, &column))));
         let area = half.x * half.y;
-        Estimate { value: [area * mean], error: [4.0 * area * residual] }
+        Estimate { value: [area * mean], error: [4.0 * area * DVec3::from(residual)] }
     };
-    // Sixteen roots: a single one could miss a feature that falls between its nodes.
+    // Sixteen roots: a single one could miss a feature between its nodes.
     let quarters = |part: &Rectangle| part.split_at(part.center());
     let roots = quarters(&rectangle).into_iter().flat_map(|part| quarters(&part));
     integrate_adaptively(roots, estimate, quarters, tolerance).combine([DVec3::ONE])

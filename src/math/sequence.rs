@@ -1,19 +1,19 @@
 //! Sequences of points in the unit square, and independent sets of each.
 //!
-//! Set 0 is the plain sequence where there is one. Set k > 0 is a randomised copy: sets of one sequence are repetitions that part bias
-//! from variance. No point has a coordinate 0 or 1, where lobes and level formulas are singular.
+//! Set 0 is the plain sequence if there is one; set k > 0 is a randomised copy. Sets of one sequence are repetitions
+//! that separate bias from variance. No coordinate is 0 or 1, where lobes and level formulas are singular.
 
 use super::sampling::hammersley;
 use crate::spelling::listed;
 use glam::{DVec2, DVec3};
 
-/// A way to place points; adding one is one entry of [`SEQUENCES`].
+/// A sequence of points. To add one: an entry of [`SEQUENCES`].
 #[derive(Clone, Copy, Debug)]
 pub struct Sequence {
     pub name: &'static str,
     /// One phrase for `splitsum list sequences`.
     pub about: &'static str,
-    /// Point `i` of `count` of a set.
+    /// Returns point `i` of `count` of a set.
     pub point: fn(i: u32, count: u32, set: u32) -> DVec2,
 }
 
@@ -52,57 +52,58 @@ pub static SEQUENCES: &[Sequence] = &[
 
 listed!(Sequence, "sequence", SEQUENCES);
 
-/// How a pixel comes by the points of a set. The discriminants are `glsl::constants::PIXEL_POINTS_*`.
+/// How a pixel gets the points of a set. The discriminants are `glsl::constants::PIXEL_POINTS_*`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum PixelPoints {
-    /// The set itself: errors of neighbours are alike, and show as ghosts and bands.
+    /// All pixels use the set: errors of neighbours are similar and show as ghosts and bands.
     #[default]
     Shared = 0,
-    /// Each pixel scrambles both coordinates of the set on its own: errors of neighbours are independent, and show as noise.
+    /// Each pixel scrambles both coordinates of the set: errors of neighbours are independent and show as noise.
     Owen = 1,
 }
 
 listed!(PixelPoints, "kind of pixel points", { "shared": Shared, "owen": Owen });
 
-/// The point of a set by which the pixel at column x and row y samples: nested uniform scrambles of both coordinates \[Owen97\] by hash
-/// \[Burley20\], each under a key of its own. The mean over pixels or sets is uniform, whatever the point was.
+/// Returns the point of a set as the pixel at column x and row y scrambles it: nested uniform scrambles of both
+/// coordinates \[Owen97\] by hash \[Burley20\], each with its own key. The mean over pixels or sets is uniform for any
+/// point.
 pub fn scrambled(point: DVec2, [x, y]: [u32; 2], set: u32) -> DVec2 {
-    /// Points of the reference have the streams 0 and 1.
+    /// The reference uses streams 0 and 1.
     const STREAM: u32 = 2;
     let seed = 0;
     let parts = [STREAM + 1, seed, set, y, x];
     let mut key = parts.iter().fold(0, |key: u32, part: &u32| hash(part.wrapping_add(key)));
     centre(point.as_vec2().to_array().map(|coordinate| {
         key = hash(key.wrapping_add(1));
-        // As in the table on the device: f32.
+        // f32, as in the table on the device.
         let fixed = (f64::from(coordinate) * 2f64.powi(32)) as u32;
         scramble_reversed(fixed.reverse_bits(), key).reverse_bits()
     }))
 }
 
-/// The fractions of the R2 sequence: 1/g and 1/g² for the root g of g³ = g + 1.
+/// Steps of the R2 sequence: 1/g and 1/g² for the root g of g³ = g + 1.
 const R2: DVec2 = DVec2::new(0.754_877_666_246_692_8, 0.569_840_290_998_053_3);
 
-/// The fractions of the R3 sequence: 1/g, 1/g² and 1/g³ for the root g of g⁴ = g + 1.
+/// Steps of the R3 sequence: 1/g, 1/g² and 1/g³ for the root g of g⁴ = g + 1.
 pub const R3: DVec3 = DVec3::new(0.819_172_513_396_164_5, 0.671_043_606_703_789_3, 0.549_700_477_901_970_1);
 
-/// Cells a side: the most for which f32 holds every centre.
+/// Cells per side: the most for which f32 holds every centre.
 const CELLS: f64 = (1u32 << 23) as f64;
 
-/// Fixed point to the open unit square: the centre of a cell.
+/// Maps fixed point to the open unit square: the centre of a cell.
 fn centre(fixed_point: [u32; 2]) -> DVec2 {
     let [x, y] = fixed_point.map(|bits| (f64::from(bits >> 9) + 0.5) / CELLS);
     DVec2::new(x, y)
 }
 
-/// Point `i` of a stream of independent uniform points.
+/// Returns point `i` of a stream of independent uniform points.
 fn random(stream: u32, i: u32) -> DVec2 {
     let key = hash(i.wrapping_add(hash(stream.wrapping_add(1))));
     let second = hash(key.wrapping_add(1));
     centre([key, second])
 }
 
-/// As `sobol_hash` of `shaders/lib/sobol.glsl` \[Wellons18\].
+/// Hashes as `sobol_hash` of `shaders/lib/sobol.glsl` \[Wellons18\].
 pub fn hash(mut x: u32) -> u32 {
     x ^= x >> 16;
     x = x.wrapping_mul(0x7feb_352d);
@@ -111,7 +112,7 @@ pub fn hash(mut x: u32) -> u32 {
     x ^ (x >> 16)
 }
 
-/// As in `shaders/lib/sobol.glsl`: the second Sobol dimension with its bits reversed; that of the first is the index itself.
+/// As in `shaders/lib/sobol.glsl`: the second Sobol dimension with its bits reversed. The first is the index itself.
 pub fn sobol_second_reversed(mut index: u32) -> u32 {
     index ^= index >> 16;
     index ^= (index & 0xff00_ff00) >> 8;
@@ -120,7 +121,8 @@ pub fn sobol_second_reversed(mut index: u32) -> u32 {
     index ^ ((index & 0xaaaa_aaaa) >> 1)
 }
 
-/// As `sobol_scramble_reversed` of `shaders/lib/sobol.glsl` [Burley20, Vegdahl21]: bit k is flipped by a function of the lower bits.
+/// As `sobol_scramble_reversed` of `shaders/lib/sobol.glsl` [Burley20, Vegdahl21]: a function of the lower bits flips
+/// bit k.
 pub fn scramble_reversed(mut x: u32, key: u32) -> u32 {
     x ^= x.wrapping_mul(0x3d20_adea);
     x = x.wrapping_add(key);

@@ -1,32 +1,33 @@
-//! The associated Legendre functions of many rows at once: orthonormal, by the recurrence in the degree.
+//! The associated Legendre functions of many rows at once: orthonormal, by recurrence in the degree.
 
 use glam::DVec3;
 use std::f64::consts::PI;
 
-/// Row pairs that one recurrence runs for.
+/// Row pairs per recurrence.
 pub(super) const LANES: usize = 4;
-/// What the recurrence of `P_lm` needs, for all rows alike.
+/// Constants of the recurrence of `P_lm`, the same for all rows.
 #[derive(Clone, Debug)]
 pub(super) struct Legendre {
-    /// Of order m: the logarithm of `P_mm / sin^m θ`, which may be as small as 1e-300.
+    /// By order m: logarithm of `P_mm / sin^m θ`, which may be as small as 1e-300.
     first: Vec<f64>,
-    /// Of order m and l from m on: a and b of `P_l+1 = a cos θ P_l - b P_l-1`.
+    /// By order m and l from m on: a and b of `P_l+1 = a cos θ P_l - b P_l-1`.
     steps: Vec<Vec<[f64; 2]>>,
 }
 
-/// Rows at θ and their mirrors at π - θ: sum and difference serve the degrees of even and of odd l + m.
+/// Rows at θ and their mirrors at π - θ: sum and difference serve even and odd l + m.
 pub(super) struct Block {
     cos: [f64; LANES],
     sin: [f64; LANES],
 }
 
-/// Rows with `m > degree sin θ` by this much have no part in an order: functions up to the degree are below 1e-12 there.
+/// Margin of the test `m > degree sin θ + margin`, beyond which rows have no part in order m: functions up to the
+/// degree are below 1e-12.
 pub fn margin(degree: usize) -> f64 {
     7.0 * (degree as f64).cbrt().max(4.0)
 }
 
 impl Block {
-    /// The northern rows of so many at `π (i + 1/2)/count`, to the equator; filled up with the last.
+    /// Makes blocks of the northern rows of `count` rows at `π (i + 1/2)/count`, to the equator; padded with the last.
     pub(super) fn all(count: usize) -> Vec<Self> {
         let pairs = count.div_ceil(2);
         let of = |first: usize| {
@@ -36,10 +37,8 @@ impl Block {
         };
         (0..pairs).step_by(LANES).map(of).collect()
     }
-}
 
-impl Block {
-    /// The rows of at most [`LANES`] unit directions; filled up with the last.
+    /// Makes a block of at most [`LANES`] unit directions; padded with the last.
     pub(super) fn at(directions: &[DVec3]) -> Self {
         let own: [DVec3; LANES] = std::array::from_fn(|lane| directions[lane.min(directions.len() - 1)]);
         Self { cos: own.map(|d| d.y), sin: own.map(|d| d.x.hypot(d.z).max(1e-12)) }
@@ -66,7 +65,7 @@ impl Legendre {
         Self { first: (0..=degree).map(first).collect(), steps: (0..=degree).map(of_order).collect() }
     }
 
-    /// `P_lm` for l = m to `degree` at the rows of a block; false where all are as good as 0.
+    /// Computes `P_lm` for l = m to `degree` at the rows of a block; false if all are practically 0.
     pub(super) fn fill(&self, m: usize, degree: usize, block: &Block, found: &mut Vec<[f64; LANES]>) -> bool {
         let reach = degree as f64;
         if block.sin.iter().all(|sin| m as f64 > reach * sin + margin(degree)) {

@@ -1,16 +1,19 @@
-//! Spherical-harmonic transform of a bilinear equirectangular map, and the synthesis of what a zonal kernel makes of it.
+//! Spherical-harmonic transform of a bilinear equirectangular map, and the synthesis of its convolution with a zonal
+//! kernel.
 //!
-//! A map with coefficients `L_lm`, convolved with a kernel that depends on the angle γ alone, has `k_l L_lm` with
+//! A map with coefficients `L_lm`, convolved with a kernel of the angle γ alone, has coefficients `k_l L_lm` with
 //! `k_l = 2π ∫ K(γ) P_l(cos γ) sin γ dγ` (the theorem of Funk and Hecke): no samples and no noise.
 //!
-//! Analysis is exact for the bilinear map. Columns: the real FFT of each row, times the tent's `sinc²(m/W)`. Rows: `L_lm = ∫ g P_lm sin θ dθ`
-//! with g linear between rows. On the whole circle of θ the function `g |sin θ|` has a Fourier series in closed form, from the FFT of the
-//! rows, and `P_lm` is a polynomial of degree l: only orders up to the degree count. The series cut there is summed on one row more than
-//! the degree, where the sum over rows is the integral.
+//! Analysis is exact for the bilinear map. Columns: the real FFT of each row, times the tent's `sinc²(m/W)`. Rows:
+//! `L_lm = ∫ g P_lm sin θ dθ` with g linear between rows. On the whole circle of θ, `g |sin θ|` has a Fourier series in
+//! closed form, from the FFT of the rows, and `P_lm` is a polynomial of degree l: only orders up to the degree matter.
+//! The series cut there is summed on one row more than the degree, where the sum over rows equals the integral.
 //!
-//! Synthesis: Legendre sums on rows, then the inverse FFT of each. Between rows Lagrange's interpolation of order 8, across the poles.
+//! Synthesis: Legendre sums on rows, then the inverse FFT of each. Between rows: Lagrange interpolation of order 8,
+//! across the poles.
 //!
-//! The functions are `P_lm(cos θ) exp(i m φ)`, orthonormal, with `φ = 2π u` and `θ = π v` of the map; orders m < 0 are conjugates.
+//! The functions are `P_lm(cos θ) exp(i m φ)`, orthonormal, with `φ = 2π u` and `θ = π v` of the map; orders m < 0 are
+//! conjugates.
 
 mod legendre;
 mod smooth_map;
@@ -34,12 +37,12 @@ type Sextet = [f64; 6];
 #[derive(Clone, Debug)]
 pub struct Harmonics {
     legendre: Legendre,
-    /// Of order m: degrees m to the highest.
+    /// By order m: degrees m to the highest.
     orders: Vec<Vec<Sextet>>,
 }
 
 impl Harmonics {
-    /// The coefficients of a map of `width` x `height` texels (row 0 at v = 0).
+    /// Computes the coefficients of a map of `width` x `height` texels (row 0 at v = 0).
     pub fn new(width: usize, height: usize, degree: usize, texel: impl Fn(usize, usize) -> [f32; 3] + Sync) -> Self {
         let legendre = Legendre::new(degree);
         let spectra = spectra(width, height, degree, texel);
@@ -71,8 +74,8 @@ impl Harmonics {
         self.orders.len() - 1
     }
 
-    /// The part of each degree up to `degree` at unit directions: `Σ_m L_lm Y_lm(d)` for l = 0 on. With it a convolution by any zonal kernel
-    /// is `Σ k_l` times these, so many kernels at few directions cost little.
+    /// Returns the part of each degree up to `degree` at unit directions: `Σ_m L_lm Y_lm(d)` for l = 0 on. A
+    /// convolution by a zonal kernel is `Σ k_l` times these, so many kernels at few directions cost little.
     pub fn bands(&self, degree: usize, directions: &[DVec3]) -> Vec<Vec<DVec3>> {
         let degree = degree.min(self.degree());
         let of_block = |own: &[DVec3]| {
@@ -97,25 +100,25 @@ impl Harmonics {
         directions.par_chunks(LANES).flat_map_iter(of_block).collect()
     }
 
-    /// What a kernel of these `k_l` makes of the map; `factors` has one for each degree that counts.
+    /// Convolves the map with a kernel of these `k_l`, one per degree from 0 on.
     pub fn convolved(&self, factors: &[f64]) -> SmoothMap {
-        // One and a half times the rate of the highest degree, which the kernel has all but taken away.
+        // One and a half times the rate of the highest degree, which the kernel has almost removed.
         let height = smooth_even((3 * factors.len().min(self.orders.len()) / 2).max(16));
         SmoothMap::new(2 * height, height, &self.synthesized(factors, 2 * height, height))
     }
 
-    /// The same at the texel centres of an equirectangular map.
+    /// As [`Self::convolved`], at the texel centres of an equirectangular map.
     pub fn synthesized(&self, factors: &[f64], width: usize, height: usize) -> Vec<DVec3> {
         let degree = self.degree().min(factors.len() - 1);
         let scaled = |m: usize| -> Vec<Sextet> {
             self.orders[m].iter().zip(&factors[m..]).map(|(value, factor)| value.map(|x| factor * x)).collect()
         };
         let scaled: Vec<_> = (0..=degree).map(scaled).collect();
-        // Centres of columns lie half a column on.
+        // Column centres lie half a column on.
         let turns: Vec<_> = (0..=degree).map(|m| Complex::from_polar(1.0, PI * m as f64 / width as f64)).collect();
         let inverse = RealFftPlanner::<f64>::new().plan_fft_inverse(width);
         let of_block = |block: &Block| {
-            // By order: sums over even and over odd l + m, of each lane.
+            // By order: sums over even and over odd l + m, by lane.
             let (mut sums, mut p) = (vec![[[[0.0; LANES]; 6]; 2]; degree + 1], Vec::new());
             for (m, sums) in sums.iter_mut().enumerate() {
                 if !self.legendre.fill(m, degree, block, &mut p) {
@@ -139,7 +142,7 @@ impl Harmonics {
                     for (m, ([even, odd], turn)) in sums.iter().zip(&turns).enumerate() {
                         let part = |i: usize| even[i][lane] + sign * odd[i][lane];
                         let value = Complex::new(part(channel), part(channel + 3)) * turn;
-                        // Orders beyond what the columns carry fold back, as point values do.
+                        // Orders beyond the columns' rate fold back, as point values do.
                         let bin = m % width;
                         match () {
                             () if m == 0 => spectrum[0].re += value.re,
@@ -160,12 +163,12 @@ impl Harmonics {
         let rows: Vec<_> = Block::all(height).par_iter().flat_map_iter(of_block).collect();
         let pairs = height.div_ceil(2);
         let north = rows[..pairs].iter().map(|[north, _]| north);
-        // The middle row of an odd number is its own mirror.
+        // The middle row of an odd number mirrors itself.
         north.chain(rows[..height / 2].iter().rev().map(|[_, south]| south)).flatten().copied().collect()
     }
 }
 
-/// The least even number from there on that FFTs like: of no prime above 5.
+/// Returns the smallest even number from `least` on without a prime factor above 5, for fast FFTs.
 fn smooth_even(least: usize) -> usize {
     let is_smooth = |n: &usize| {
         let mut rest = *n;
@@ -179,7 +182,7 @@ fn smooth_even(least: usize) -> usize {
     (least.next_multiple_of(2)..).step_by(2).find(is_smooth).expect("a power of two at the latest")
 }
 
-/// Of each row the integrals over φ against `exp(-i m φ)`, of the map that is linear between columns.
+/// Integrates each row over φ against `exp(-i m φ)`, with the map linear between columns.
 fn spectra(
     width: usize,
     height: usize,
@@ -214,7 +217,7 @@ fn sinc(x: f64) -> f64 {
     if x == 0.0 { 1.0 } else { x.sin() / x }
 }
 
-/// How the rows of a map become the rows of the quadrature.
+/// Converts the rows of a map to the rows of the quadrature.
 struct Rows {
     /// Rows of the map.
     height: usize,
@@ -222,11 +225,12 @@ struct Rows {
     count: usize,
     forward: std::sync::Arc<dyn rustfft::Fft<f64>>,
     inverse: std::sync::Arc<dyn rustfft::Fft<f64>>,
-    /// By order k up to one beyond the degree: from the FFT to the Fourier coefficients of what is linear between rows.
+    /// By order k up to one beyond the degree: factor from the FFT to the Fourier coefficients of the function linear
+    /// between rows.
     linear: Vec<Complex<f64>>,
-    /// The coefficient of a step at the pole that is constant up to the first row, beyond the ramp that is linear there.
+    /// Coefficient of the step at the pole that is constant up to the first row, beyond the linear ramp there.
     step: Vec<Complex<f64>>,
-    /// Half a row of the quadrature on.
+    /// Shift by half a row of the quadrature.
     turn: Vec<Complex<f64>>,
 }
 
@@ -248,7 +252,7 @@ impl Rows {
         }
     }
 
-    /// Of each row pair the weighted sum and difference of `g |sin θ|`, its series cut at the degree.
+    /// Returns the weighted sum and difference of `g |sin θ|` of each row pair, its series cut at the degree.
     fn halves(&self, m: usize, spectra: &[Vec<Sextet>]) -> Vec<[Sextet; 2]> {
         let (height, count) = (self.height, self.count);
         let value = |row: usize, channel: usize| {

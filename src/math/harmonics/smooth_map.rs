@@ -1,26 +1,27 @@
-//! A function that is smooth between the texels of an equirectangular map, by Lagrange's interpolation across seam and poles.
+//! A function that is smooth between the texels of an equirectangular map, by Lagrange interpolation across seam and
+//! poles.
 
 use crate::math::equirect::uv_from_direction;
 use glam::{DVec2, DVec3, DVec4};
 
-/// Points of the interpolation in each direction.
+/// Points of the interpolation per direction.
 const STENCIL: usize = 8;
 
-/// A function on rows of constant θ, between which it is smooth.
+/// A function on rows of constant θ, smooth between them.
 #[derive(Clone, Debug)]
 pub struct SmoothMap {
     width: usize,
     height: usize,
-    /// With half a stencil more on each side.
+    /// Padded by half a stencil on each side.
     texels: Vec<DVec4>,
 }
 
 impl SmoothMap {
-    /// Of an even number of columns and at least a stencil of both.
+    /// Takes an even number of columns, and at least a stencil of both.
     pub(super) fn new(width: usize, height: usize, texels: &[DVec3]) -> Self {
         const PAD: usize = STENCIL / 2;
         let texel = |y: usize, x: usize| {
-            // Beyond a pole the rows come back on the other side.
+            // Beyond a pole the rows continue on the other side.
             let (row, turn) = match y.checked_sub(PAD) {
                 Some(row) if row < height => (row, 0),
                 Some(row) => (2 * height - 1 - row, width / 2),
@@ -33,7 +34,6 @@ impl SmoothMap {
         Self { width, height, texels }
     }
 
-    /// The function in a direction.
     pub fn value(&self, direction: DVec3) -> DVec3 {
         let size = DVec2::new(self.width as f64, self.height as f64);
         let place = uv_from_direction(direction) * size - 0.5;
@@ -51,7 +51,8 @@ impl SmoothMap {
     }
 }
 
-/// First point, counted with the margin, and weights of Lagrange's interpolation at a place between whole numbers.
+/// Returns first point, counted with the margin, and weights of the Lagrange interpolation at a position between whole
+/// numbers.
 fn stencil(place: f64) -> (usize, [f64; STENCIL]) {
     /// `1 / Π (i - j)` over the other points.
     const SCALES: [f64; STENCIL] = {
