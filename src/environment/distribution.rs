@@ -1,60 +1,63 @@
 //! Importance sampling of an equirectangular map in proportion to the luminance of its *bilinear* interpolation.
 //!
-//! Long because the derivation stands beside the code that it explains.
+//! Long because the derivation is beside the code that it explains.
 //!
 //! # Derivation
 //!
-//! Texel centres cut the sphere into W columns (the last one crosses the seam) and H + 1 bands of constant width in v:
-//! band b lies between the centres of rows b - 1 and b; the first and the last band are half a texel high, because v clamps
-//! there. Give each texel the weight Y = max(luminance - threshold, 0) and let Y(u, v) be its bilinear interpolation in the place
-//! (s, t) in the cell.
-//! With s_b = mean of sin θ over band b, we sample
+//! Texel centres divide the sphere into W columns (the last one crosses the seam) and H + 1 bands of constant width in
+//! v: band b lies between the centres of rows b - 1 and b. The first and last band are half a texel high, since v
+//! clamps there. Each texel has the weight Y = max(luminance - threshold, 0); Y(u, v) is its bilinear interpolation at
+//! (s, t) in the cell. With s_b = mean of sin θ over band b, we sample
 //!
 //! ```text
 //! p(u, v) = Y(u, v) s_b / Z,    Z = Σ_b s_b Δv_b Σ_c (Y00 + Y10 + Y01 + Y11)_bc / 4 W
 //! ```
 //!
-//! and du dv = dω / (2π² sin θ) turns it into a density per solid angle
+//! and du dv = dω / (2π² sin θ) gives the density per solid angle
 //!
 //! ```text
 //! p_l = p(u, v) / (2π² sin θ) = Y(u, v) w_b / sin θ,    w_b = s_b / (2π² Z)
 //! ```
 //!
-//! which is proportional to Y up to s_b / sin θ, 1 within a fraction of a band. So the density of *any* direction costs little
-//! beyond the four texels that are looked up anyway. Sampling inverts p exactly: a band, a column of the band, and the place between
-//! the texels from the bilinear density: t from its linear marginal, then s from its linear conditional.
+//! It is proportional to Y up to s_b / sin θ, 1 within a fraction of a band. So the density of *any* direction costs
+//! little more than the four texels that are looked up anyway. Sampling inverts p exactly: a band, a column of the
+//! band, then the position between the texels from the bilinear density: t from its linear marginal, s from its linear
+//! conditional.
 //!
 //! # Guiding
 //!
-//! Most light is outside the lobe of one pixel. So the map is divided into [`CELL_COLUMNS`] x [`CELL_ROWS`] rectangles of texels,
-//! its cells. A [`Guide`] gives each cell a weight g, such as the density of a lobe at the mean direction of the cell's light. With the
-//! share M of all light that a cell holds, a cell is chosen with probability `P = M g / Σ M g`, and inside it the place by p / M:
+//! Most light is outside the lobe of one pixel. So the map is divided into [`CELL_COLUMNS`] x [`CELL_ROWS`] cells,
+//! rectangles of texels. A [`Guide`] gives each cell a weight g, such as the density of a lobe at the mean direction of
+//! the cell's light. A cell with the share M of all light is chosen with probability `P = M g / Σ M g`, and the
+//! position inside it by p / M:
 //!
 //! ```text
 //! p_guided(l) = p_l(l) P / M = p_l(l) g / Σ M g
 //! ```
 //!
-//! This is a step towards sampling the product of light and lobe, exact in its density whatever the weights \[Clarberg08\]. Next to a
-//! lobe sampler it needs no weight where the lobe is unlikely, but a floor keeps the tails of long-tailed lobes in reach.
+//! This is a step towards sampling the product of light and lobe, with an exact density for any weights \[Clarberg08\].
+//! Beside a lobe sampler it needs no weight where the lobe is unlikely, but a floor keeps the tails of long-tailed
+//! lobes in reach.
 //!
-//! With threshold 0 the density is positive wherever the radiance is (all three luminance weights are). Next to a lobe sampler
-//! that covers all directions a positive threshold stays unbiased and is better: the lobe serves dim light well, so that the
-//! environment's samples are for the bright light \[Karlik19\]. Their choice, the mean luminance, is best for some maps and worse
-//! than none for others; [`COMPENSATION`] of it was better than none on every map and alpha tried (relMSE 3 to 35 % lower).
+//! With threshold 0 the density is positive wherever the radiance is (all three luminance weights are). Beside a lobe
+//! sampler that covers all directions, a positive threshold is still unbiased and better: the lobe samples dim light
+//! well, so the environment's samples should go to bright light \[Karlik19\]. Their choice, the mean luminance, is best
+//! for some maps and worse than none for others; [`COMPENSATION`] of it was better than none on every map and alpha
+//! tried (relMSE 3 to 35 % lower).
 //!
-//! Source: the inversion method and the density of a product of light and Jacobian follow [PharrJakobHumphreys23, section
-//! 12.5]; they sample texels as constants, which leaves zeros of the density under non-zero radiance.
+//! Inversion and the density of a product of light and Jacobian follow [PharrJakobHumphreys23, section 12.5]. They
+//! sample texels as constants, which leaves zeros of the density under non-zero radiance.
 //!
 //! # Words
 //!
-//! The device reads one buffer of 32-bit words ([`EnvironmentDistribution::words`]): w_b of each band as f32; the cell of each
-//! slot; the slot of each cell (cells without light have none and share slot 0); then a block for each slot. A block holds the
-//! distribution over the cell's bands, then for each of them that over its columns. A distribution over n intervals is n + 1 starts
-//! in fixed point, 0 to 2^32 - 1, each exact to half a unit. Cells at the right and lower edge may be smaller: intervals past their
-//! end are empty.
+//! The device reads one buffer of 32-bit words ([`EnvironmentDistribution::words`]): w_b of each band as f32; the cell
+//! of each slot; the slot of each cell (cells without light have none and share slot 0); then a block per slot. A block
+//! has the distribution over the cell's bands, then for each band the one over its columns. A distribution over n
+//! intervals is n + 1 starts in fixed point, 0 to 2^32 - 1, each exact to half a unit. Cells at the right and lower
+//! edge may be smaller: intervals past their end are empty.
 //!
-//! The rounding of the starts moves a probability by at most 2^-32 of its cell's light, and the sums of a guide in f32 by 2^-24 of
-//! all light: that is the only difference between the sampled and the stated density.
+//! Sampled and stated density differ only by rounding: of the starts, at most 2^-32 of the cell's light, and of a
+//! guide's sums in f32, 2^-24 of all light.
 
 use crate::color;
 use crate::glsl::constants::{CELL_COLUMNS, CELL_ROWS, ENVIRONMENT_SIN_THETA_MIN};
@@ -68,31 +71,30 @@ use std::ops::Range;
 /// The end of the last interval of a fixed-point distribution.
 const FIXED_ONE: u32 = u32::MAX;
 
-/// Cells of a map.
 const CELL_COUNT: u32 = CELL_COLUMNS * CELL_ROWS;
 
 /// Largest side of a map.
 pub const SIDE_MAX: u32 = 1 << 16;
 
-/// Threshold of the weights in units of the map's mean luminance over the sphere.
+/// Threshold of the weights, relative to the map's mean luminance over the sphere.
 pub const COMPENSATION: f64 = 0.5;
 
-/// The sampling tables of one map, and the f64 twin of what the device does with them.
+/// The sampling tables of a map, and the f64 twin of the device's sampling.
 #[derive(Clone, Debug)]
 pub struct EnvironmentDistribution {
-    /// Luminance above the threshold, of each texel.
+    /// Luminance above the threshold, by texel.
     weights: Pixels<f32>,
-    /// w_b of each band; all 0 when no texel is above the threshold.
+    /// w_b of each band; all 0 if no texel is above the threshold.
     band_weights: Vec<f64>,
     /// Columns and bands of a cell.
     cell_size: [u32; 2],
     slots: Vec<Slot>,
     words: Vec<u32>,
-    /// The guide of weight 1 everywhere.
+    /// The guide with weight 1 everywhere.
     even: Guide,
 }
 
-/// A cell that holds light.
+/// A cell with light.
 #[derive(Clone, Copy, Debug)]
 struct Slot {
     cell: u32,
@@ -102,48 +104,51 @@ struct Slot {
     mass: f64,
 }
 
-/// How many samples each cell shall have; see the module's text.
+/// Weights of the cells; see the module's documentation.
 #[derive(Clone, Debug)]
 pub struct Guide {
     /// g of each slot.
     weights: Vec<f64>,
-    /// Sum of mass times weight up to each slot and with it.
+    /// Sum of mass times weight up to and including each slot.
     ends: Vec<f64>,
 }
 
-/// Four texels between whose centres a place lies: the weight at (s, t) = (0, 0), (1, 0), (0, 1), (1, 1).
+/// Weights of four neighbouring texel centres at (s, t) = (0, 0), (1, 0), (0, 1), (1, 1).
 struct Quad {
     corners: [f64; 4],
 }
 
-/// Weight of a texel of `image` by its radiance, `max(luminance - threshold, 0)` with a threshold of `compensation` times the mean
-/// luminance. The device holds them in the alpha channel of the environment.
+/// Returns the weight of a texel of `image` by its radiance: `max(luminance - threshold, 0)`, the threshold
+/// `compensation` times the mean luminance. The device holds it in the environment's alpha channel.
 fn sampling_weight(image: &RgbImage, compensation: f64) -> impl Fn([f32; 3]) -> f32 {
     let threshold = compensation * mean_luminance(image);
     move |texel| (color::luminance(texel) - threshold).max(0.0) as f32
 }
 
-/// The texels of level 0 as the device holds them: radiance, and the weight with which [`EnvironmentDistribution::new`] samples.
+/// Returns the texels of level 0 as the device holds them: radiance, and the sampling weight of
+/// [`EnvironmentDistribution::new`].
 pub fn weighted_texels(image: &RgbImage) -> Vec<[f32; 4]> {
     let weight = sampling_weight(image, COMPENSATION);
     image.data.iter().map(|&[r, g, b]| [r, g, b, weight([r, g, b])]).collect()
 }
 
 impl EnvironmentDistribution {
-    /// The tables of `image`, whose radiance must be finite and not negative, with the threshold that suits a lobe sampler beside it.
+    /// Makes the tables of `image`, whose radiance must be finite and not negative, with the threshold for sampling
+    /// beside a lobe sampler.
     pub fn new(image: &RgbImage) -> Self {
         Self::with_compensation(image, COMPENSATION)
     }
 
-    /// As [`Self::new`], with a threshold of `compensation` times the mean luminance; 0 for sampling without a lobe beside it.
+    /// As [`Self::new`], with a threshold of `compensation` times the mean luminance; 0 for sampling without a lobe
+    /// sampler.
     pub fn with_compensation(image: &RgbImage, compensation: f64) -> Self {
         let (width, height) = (image.width, image.height);
         assert!((1..=SIDE_MAX).contains(&width), "width {width} of an environment, 1 to {SIDE_MAX} expected");
         assert!((1..SIDE_MAX).contains(&height), "height {height} of an environment, 1 to {SIDE_MAX} - 1 expected");
-        // Rounded as the device holds them, so that both sample the same map.
+        // Rounded as on the device, so that both sample the same map.
         let weights = image.map(sampling_weight(image, compensation));
         let band_count = height as usize + 1;
-        // Light of the place right of each column in each band, from the texels that bound it.
+        // Light between a column and the next in a band, from the four texels around it.
         let light = |band: usize, column: u32| {
             let [above, below] = rows_of_band(band, height);
             let [top, bottom] = band_limits(band, height);
@@ -168,7 +173,7 @@ impl EnvironmentDistribution {
                 .collect();
             let band_masses: Vec<f64> = light_of_bands.iter().map(|band| band.iter().sum()).collect();
             let mass: f64 = band_masses.iter().sum();
-            // A black map has one slot, so that every index is good.
+            // A black map has one slot, so that every index is valid.
             if mass == 0.0 && (total > 0.0 || cell > 0) {
                 continue;
             }
@@ -186,7 +191,7 @@ impl EnvironmentDistribution {
                     light * equirect::direction_from_uv(uv)
                 })
                 .sum();
-            // Light of a cell that spans the sphere may have no mean direction; any will do.
+            // The light of a cell that spans the sphere may have no mean direction; any will do.
             let direction = moment.try_normalize().unwrap_or(DVec3::Y);
             slots.push(Slot { cell, direction, mass: if total > 0.0 { mass / total } else { 0.0 } });
         }
@@ -198,23 +203,23 @@ impl EnvironmentDistribution {
         Self { weights, band_weights, cell_size, slots, words, even }
     }
 
-    /// The buffer that `shaders/lib/environment_sampling.glsl` reads.
+    /// Returns the buffer that `shaders/lib/environment_sampling.glsl` reads.
     pub fn words(&self) -> &[u32] {
         &self.words
     }
 
-    /// Whether nothing can be sampled: no texel is above the threshold. Sampling then returns directions of density 0, which must
-    /// not be used.
+    /// Whether no texel is above the threshold. Sampling then returns directions of density 0, which must not be used.
     pub fn is_empty(&self) -> bool {
         self.band_weights[0] == 0.0
     }
 
-    /// Cells that hold light, one at least.
+    /// Counts the cells with light, at least one.
     pub fn slot_count(&self) -> u32 {
         self.slots.len() as u32
     }
 
-    /// Mean direction and mass of each slot, filled up to the uniform block that `shaders/shade/reference.comp` reads.
+    /// Returns mean direction and mass of each slot, padded to the uniform block that `shaders/shade/reference.comp`
+    /// reads.
     pub fn slot_texels(&self) -> Vec<[f32; 4]> {
         let texel = |slot: &Slot| slot.direction.extend(slot.mass).as_vec4().to_array();
         let mut texels: Vec<[f32; 4]> = self.slots.iter().map(texel).collect();
@@ -222,12 +227,13 @@ impl EnvironmentDistribution {
         texels
     }
 
-    /// The guide by the weight (> 0) of each direction.
+    /// Makes the guide with the weight (> 0) of each direction.
     pub fn guide(&self, weight: impl Fn(DVec3) -> f64) -> Guide {
         Guide::new(&self.slots, weight)
     }
 
-    /// Density (1/sr) with which [`Self::sample`] returns the unit direction `d`, in the environment's frame.
+    /// Returns the density (1/sr) with which [`Self::sample`] returns the unit direction `d`, in the environment's
+    /// frame.
     pub fn pdf(&self, d: DVec3) -> f64 {
         self.guided_pdf(&self.even, d)
     }
@@ -247,12 +253,12 @@ impl EnvironmentDistribution {
         self.density(self.quad(band, column).weight(texel - corner), band, d) * guide.factor(slot)
     }
 
-    /// A unit direction from `xi` in [0, 1)² and its density (1/sr): y selects cell and band, x the column.
+    /// Returns a unit direction from `xi` in [0, 1)² and its density (1/sr): y selects cell and band, x the column.
     pub fn sample(&self, xi: DVec2) -> (DVec3, f64) {
         self.guided_sample(&self.even, xi)
     }
 
-    /// As [`Self::sample`], guided.
+    /// As [`Self::sample`], with a guide.
     pub fn guided_sample(&self, guide: &Guide, xi: DVec2) -> (DVec3, f64) {
         let (width, height) = (self.weights.width, self.weights.height);
         let (slot, fraction) = guide.invert(xi.y);
@@ -299,15 +305,15 @@ impl Guide {
     }
 
     fn sum(&self) -> f64 {
-        *self.ends.last().expect("a distribution has one slot at least")
+        *self.ends.last().expect("a distribution has at least one slot")
     }
 
-    /// Guided over plain density in a slot's cell.
+    /// Returns the ratio of guided to plain density in a slot's cell.
     fn factor(&self, slot: usize) -> f64 {
         if self.sum() > 0.0 { self.weights[slot] / self.sum() } else { 0.0 }
     }
 
-    /// The slot that `xi` in [0, 1) falls in, and the place inside it, in [0, 1].
+    /// Returns the slot of `xi` in [0, 1), and the position inside it, in [0, 1].
     fn invert(&self, xi: f64) -> (usize, f64) {
         let place = xi * self.sum();
         let slot = self.ends.partition_point(|end| *end <= place).min(self.ends.len() - 1);
@@ -324,7 +330,7 @@ impl Quad {
         lerp(lerp(y00, y10, place.x), lerp(y01, y11, place.x), place.y)
     }
 
-    /// The place with density proportional to the weight from uniform `xi`.
+    /// Samples a position with density proportional to the weight, from uniform `xi`.
     fn invert(&self, xi: DVec2) -> DVec2 {
         let [y00, y10, y01, y11] = self.corners;
         let t = invert_linear(y00 + y10, y01 + y11, xi.y);
@@ -333,7 +339,7 @@ impl Quad {
     }
 }
 
-/// Mean luminance over the sphere, each texel by its solid angle.
+/// Returns the mean luminance over the sphere, each texel by its solid angle.
 fn mean_luminance(image: &RgbImage) -> f64 {
     let row_mean = |row: u32| {
         let texels = &image.data[row as usize * image.width as usize..][..image.width as usize];
@@ -343,33 +349,33 @@ fn mean_luminance(image: &RgbImage) -> f64 {
     (0..image.height).map(row_mean).sum::<f64>() / (4.0 * PI)
 }
 
-/// The texel rows whose centres bound a band.
+/// Returns the texel rows whose centres bound a band.
 fn rows_of_band(band: usize, height: u32) -> [u32; 2] {
     let band = band as u32;
     [band.saturating_sub(1), band.min(height - 1)]
 }
 
-/// v at the upper and the lower edge of a band.
+/// Returns v at the upper and the lower edge of a band.
 fn band_limits(band: usize, height: u32) -> [f64; 2] {
     let (band, height) = (band as f64, f64::from(height));
     [(band - 0.5).max(0.0) / height, (band + 0.5).min(height) / height]
 }
 
-/// Mean of sin θ over a band.
+/// Returns the mean of sin θ over a band.
 fn mean_sine(band: usize, height: u32) -> f64 {
     let [top, bottom] = band_limits(band, height).map(|v| v * PI);
     // The difference of the cosines as a product, which does not cancel near the poles.
     2.0 * (0.5 * (top + bottom)).sin() * (0.5 * (bottom - top)).sin() / (bottom - top)
 }
 
-/// Columns and bands of a cell; none past the edges of the map.
+/// Returns columns and bands of a cell; none past the edges of the map.
 fn cell_range(cell: u32, [cell_width, cell_height]: [u32; 2], [width, band_count]: [u32; 2]) -> [Range<u32>; 2] {
     let range = |index: u32, size: u32, count: u32| (index * size).min(count)..((index + 1) * size).min(count);
     [range(cell % CELL_COLUMNS, cell_width, width), range(cell / CELL_COLUMNS, cell_height, band_count)]
 }
 
-/// Appends the distribution over `count` intervals, of which the first have the given masses and the others none. Masses that are all
-/// 0 count as equal.
+/// Appends the distribution over `count` intervals: the first ones have the given masses, the others none. Masses that
+/// are all 0 count as equal.
 fn write_distribution(masses: &[f64], count: u32, words: &mut Vec<u32>) {
     let total: f64 = masses.iter().sum();
     let mut below = 0.0;
@@ -381,7 +387,7 @@ fn write_distribution(masses: &[f64], count: u32, words: &mut Vec<u32>) {
     words.extend(iter::repeat_n(FIXED_ONE, count as usize + 1 - masses.len()));
 }
 
-/// The interval of a distribution that holds `xi` in [0, 1], and the place inside it, in [0, 1].
+/// Returns the interval of a distribution that holds `xi` in [0, 1], and the position inside it, in [0, 1].
 fn invert(starts: &[u32], xi: f64) -> (usize, f64) {
     let position = xi * f64::from(FIXED_ONE);
     // The end of the last interval belongs to none.
@@ -391,10 +397,11 @@ fn invert(starts: &[u32], xi: f64) -> (usize, f64) {
     (interval, ((position - start) / (end - start)).clamp(0.0, 1.0))
 }
 
-/// Inverse of the distribution of x in [0, 1] whose density is linear from `p0` at 0 to `p1` at 1 (each ≥ 0, any scale).
+/// Inverts the distribution of x in [0, 1] whose density is linear from `p0` at 0 to `p1` at 1 (each ≥ 0, any scale).
 fn invert_linear(p0: f64, p1: f64, xi: f64) -> f64 {
     let total = p0 + p1;
-    // No light at either end: any place will do. And 0 goes to 0, also where the density there is 0 and the root would be 0/0.
+    // No light at either end: any position will do. And 0 maps to 0, even if the density is 0 there and the root would
+    // be 0/0.
     if total <= 0.0 || xi <= 0.0 {
         return xi;
     }

@@ -1,25 +1,22 @@
-//! Why an environment cannot be used.
+//! Errors of environments.
 
 use crate::pixels::PixelsError;
 
 /// The f32 sum of the squares of a million such values is still finite; the sun in cd/m² is 2e9.
 pub(super) const MAX_RADIANCE: f32 = 1e15;
 
-/// An environment that cannot be used.
 #[derive(Debug, thiserror::Error)]
 pub enum EnvironmentError {
     #[error("environment {0}")]
     Unreadable(#[from] PixelsError),
-    #[error(
-        "environment {spec}: {found}; expected finite values of at least 0 (or ask for --clamp-invalid, which sets these to 0)"
-    )]
+    #[error("environment {spec}: {found}; expected finite values of at least 0 (--clamp-invalid sets all others to 0)")]
     InvalidTexels { spec: String, found: String },
-    /// Anything else that was asked for and cannot be had; with what was expected.
+    /// Any other problem; `what` also says what was expected.
     #[error("environment {spec}: {what}")]
     Unusable { spec: String, what: String },
 }
 
-/// [`EnvironmentError::Unusable`].
+/// Makes [`EnvironmentError::Unusable`].
 pub(super) fn unusable(spec: &str, what: String) -> EnvironmentError {
     EnvironmentError::Unusable { spec: spec.to_owned(), what }
 }

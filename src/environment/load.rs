@@ -1,4 +1,4 @@
-//! From what the user wrote to a checked environment.
+//! Loads environments from files and formulas.
 
 use super::Environment;
 use super::builtin::{self, BUILTIN_PREFIX};
@@ -7,10 +7,10 @@ use crate::color::luminance;
 use crate::pixels::{Decoded, PixelsError, RgbImage, exr, radiance, read_bounded};
 use std::path::{Path, PathBuf};
 
-/// Decodes the bytes of the file at a path: its main image, or the layer of a name.
+/// Decodes the bytes of the file at a path: its main image, or the named layer.
 type Reader = fn(&Path, &[u8], Option<&str>) -> Result<Decoded, PixelsError>;
 
-/// An image format that an environment can be read from.
+/// An image format for environments.
 #[derive(Debug)]
 pub struct Format {
     pub name: &'static str,
@@ -22,13 +22,13 @@ pub struct Format {
 }
 
 impl Format {
-    /// The main image in the bytes of the file at `path`.
+    /// Decodes the main image in the bytes of the file at `path`.
     pub(crate) fn read(&self, path: &Path, bytes: &[u8]) -> Result<Decoded, PixelsError> {
         (self.read)(path, bytes, None)
     }
 }
 
-/// Every format; the extension of the file chooses.
+/// Every format; the file's extension selects one.
 pub static FORMATS: &[Format] = &[
     Format {
         name: "radiance",
@@ -44,10 +44,10 @@ pub static FORMATS: &[Format] = &[
     },
 ];
 
-/// How [`Environment::load`] treats what it finds.
+/// Options of [`Environment::load`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct LoadOptions {
-    /// Sets NaN, infinite and negative channels to 0 with a warning; without it they are an error.
+    /// Sets NaN, infinite and negative channels to 0 with a warning; otherwise they are an error.
     pub clamp_invalid: bool,
     /// Width and height of a builtin's map.
     pub builtin_size: [u32; 2],
@@ -59,18 +59,19 @@ impl Default for LoadOptions {
     }
 }
 
-/// Relative departure from 2:1 that rounding of a size can explain.
+/// Relative deviation from 2:1 that rounding of a size can explain.
 const ASPECT_TOLERANCE: f64 = 0.01;
 
 impl Environment {
-    /// Loads `builtin:NAME`, `builtin:NAME:PARAMETER=VALUE,...`, an image file or `FILE.exr#LAYER`; a relative path starts at `base_dir`.
+    /// Loads `builtin:NAME`, `builtin:NAME:PARAMETER=VALUE,...`, an image file or `FILE.exr#LAYER`. Relative paths
+    /// start at `base_dir`.
     pub fn load(spec: &str, base_dir: &Path, options: &LoadOptions) -> Result<Self, EnvironmentError> {
         if let Some(formula) = spec.strip_prefix(BUILTIN_PREFIX) {
             return Ok(Environment::from_image(spec, builtin::make(spec, formula, options.builtin_size)?));
         }
         let (path, layer) = file_and_layer(spec, base_dir);
         if spec.is_empty() || !path.exists() {
-            // What has a folder or an extension is meant as a file: a formula is no answer to a file that is not there.
+            // A name with a folder or an extension means a file: suggesting a formula would not help.
             let is_word = !spec.contains(['/', '\\']) && Path::new(spec).extension().is_none();
             let hint = match builtin::nearest(spec).filter(|_| is_word) {
                 Some(name) => format!("; did you mean {BUILTIN_PREFIX}{name}?"),
@@ -85,19 +86,19 @@ impl Environment {
         checked(spec, decoded, options)
     }
 
-    /// Loads `builtin:NAME` or an image file by default options; a relative path starts at the working directory.
+    /// Loads `builtin:NAME` or an image file with default options. Relative paths start at the working directory.
     pub fn open(spec: &str) -> Result<Self, EnvironmentError> {
         Self::load(spec, Path::new(""), &LoadOptions::default())
     }
 
-    /// The environment in the bytes of the image file at `path`, whose extension names the format. Nothing is read from disk.
+    /// Decodes the bytes of the image file at `path`, whose extension names the format. Nothing is read from disk.
     pub fn from_bytes(path: &Path, bytes: &[u8], options: &LoadOptions) -> Result<Self, EnvironmentError> {
         let spec = path.to_string_lossy();
         checked(&spec, (format_of(&spec, path)?.read)(path, bytes, None)?, options)
     }
 }
 
-/// The path of `NAME` or `FILE#LAYER`, and the layer. A file whose own name holds a number sign goes before.
+/// Splits `NAME` or `FILE#LAYER` into path and layer. A file whose own name contains `#` takes precedence.
 fn file_and_layer<'a>(spec: &'a str, base_dir: &Path) -> (PathBuf, Option<&'a str>) {
     let whole = base_dir.join(spec);
     if !whole.exists() {
@@ -146,7 +147,7 @@ fn checked(spec: &str, decoded: Decoded, options: &LoadOptions) -> Result<Enviro
     Ok(Environment { warnings, ..Environment::from_image(spec, image) })
 }
 
-/// Counts what no radiance can be and names the first place; `None` when every channel is finite and not negative.
+/// Counts values that cannot be radiance and names the first; `None` if every channel is finite and not negative.
 fn invalid_texels(image: &RgbImage) -> Option<String> {
     let (mut nan, mut infinite, mut negative) = (0u64, 0u64, 0u64);
     let mut first = None;
@@ -179,7 +180,7 @@ fn clamp_invalid(image: &mut RgbImage) {
     }
 }
 
-/// Warnings about a map of valid texels.
+/// Returns warnings about a map with valid texels.
 fn oddities(image: &RgbImage) -> Vec<String> {
     let mut warnings = Vec::new();
     let aspect = f64::from(image.width) / f64::from(image.height);

@@ -1,4 +1,4 @@
-//! How bright an environment is.
+//! Luminance of environments.
 
 use crate::color::luminance;
 use crate::pixels::RgbImage;
@@ -7,14 +7,14 @@ use std::f64::consts::PI;
 /// Luminance of an environment, in its own unit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Luminance {
-    /// Over the sphere of directions.
+    /// Mean over the sphere.
     pub mean: f64,
-    /// Of the brightest texel.
+    /// Brightest texel.
     pub peak: f64,
 }
 
 impl Luminance {
-    /// Measures a map. Rows of texels are weighted by sin(theta), their share of the sphere.
+    /// Measures a map. Rows are weighted by sin θ.
     pub fn of(image: &RgbImage) -> Self {
         let (mut sum, mut weights, mut peak) = (0.0, 0.0, 0.0f64);
         for (row, texels) in image.data.chunks(image.width as usize).enumerate() {
@@ -29,7 +29,7 @@ impl Luminance {
         Self { mean: sum / weights, peak }
     }
 
-    /// Dynamic range: log2 of peak over mean; `None` for a black environment.
+    /// Returns the dynamic range in stops, log2 of peak over mean; `None` for a black environment.
     pub fn range_stops(&self) -> Option<f64> {
         Some((self.peak / self.mean).log2()).filter(|stops| stops.is_finite())
     }

@@ -1,4 +1,4 @@
-//! Radiance by direction: environments from files and from formulas.
+//! Radiance by direction: environments from files and formulas.
 
 mod builtin;
 mod error;
@@ -23,18 +23,18 @@ pub mod layout;
 /// A distant environment: an equirectangular map of linear radiance (see `math::equirect`), looked up bilinearly.
 #[derive(Clone, Debug)]
 pub struct Environment {
-    /// What the user wrote: `builtin:sky` or the file's path.
+    /// As the user wrote it: `builtin:sky` or the file's path.
     pub name: String,
     pub image: RgbImage,
-    /// blake3 (hex) of the size and the pixels.
+    /// BLAKE3 (hex) of size and pixels.
     pub hash: String,
     pub luminance: Luminance,
-    /// Odd but usable facts about the input (aspect ratio not 2:1, clamped texels ...), one sentence each.
+    /// Warnings about unusual but usable input (aspect ratio not 2:1, clamped texels ...), one sentence each.
     pub warnings: Vec<String>,
 }
 
 impl Environment {
-    /// The environment of an image in memory, which must not be empty. Its texels are taken as they are.
+    /// Makes an environment from an image in memory, which must not be empty. Texels are not checked.
     pub fn from_image(name: impl Into<String>, image: RgbImage) -> Self {
         assert!(!image.data.is_empty(), "an environment has texels");
         let mut hasher = blake3::Hasher::new();
@@ -44,12 +44,13 @@ impl Environment {
         Self { name: name.into(), image, hash, luminance, warnings: Vec::new() }
     }
 
-    /// The environment with every channel cut off at `limit`, under the same name.
+    /// Returns a copy with every channel clipped at `limit`, under the same name.
     pub fn clipped(&self, limit: f32) -> Self {
         Self::from_image(self.name.clone(), self.image.map(|texel| texel.map(|x| x.min(limit))))
     }
 
-    /// Radiance from `direction` (any length but 0): bilinear between texel centres; u wraps, v clamps at the poles.
+    /// Looks up the radiance from `direction` (any length but 0), bilinearly between texel centres; u wraps, v clamps
+    /// at the poles.
     pub fn radiance(&self, direction: DVec3) -> DVec3 {
         let value = |texel: [f32; 3]| DVec3::from_array(texel.map(f64::from));
         bilinear(&self.image, equirect::uv_from_direction(direction), Wrap::EQUIRECT, value)

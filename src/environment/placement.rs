@@ -1,30 +1,30 @@
-//! Which way an environment is turned in the world.
+//! The orientation of an environment in the world.
 
 use crate::math::sequence::R3;
 use glam::{DMat3, DQuat, DVec3};
 use std::f64::consts::TAU;
 
-/// The turns of an environment, in the order in which they act.
+/// The rotations of an environment, in the order in which they are applied.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Placement {
-    /// Turns the map: 0 leaves it as the file has it, k > 0 is [`orientation`] k.
+    /// Rotates the map: 0 keeps the file's orientation, k > 0 is [`orientation`] k.
     pub orientation: u32,
-    /// Then turns it in the world, about +y, counter-clockwise seen from above.
+    /// Then rotates it in the world about +y, counter-clockwise seen from above, degrees.
     pub rotation_deg: f64,
 }
 
 impl Placement {
-    /// The largest index of an orientation.
+    /// Largest index of an orientation.
     pub const ORIENTATION_MAX: u32 = 4095;
 
-    /// Turns a world direction into the frame of the map.
+    /// Returns the rotation from world directions to the map's frame.
     pub fn environment_from_world(self) -> DMat3 {
         (DMat3::from_rotation_y(self.rotation_deg.to_radians()) * orientation(self.orientation)).transpose()
     }
 }
 
-/// Rotation k of a fixed set that fills SO(3) evenly, whole or in part: point k of R3 \[Roberts18\] as a uniform quaternion \[Shoemake92\]. 0 is
-/// the identity.
+/// Returns rotation k of a fixed set that fills SO(3) evenly, in whole or in part: point k of R3 \[Roberts18\] as a
+/// uniform quaternion \[Shoemake92\]. 0 is the identity.
 pub fn orientation(k: u32) -> DMat3 {
     if k == 0 {
         return DMat3::IDENTITY;

@@ -309,7 +309,7 @@ mod loading {
                 "builtin:cap:half_angle=3",
                 "builtin cap has no parameter \"half_angle\"; did you mean \"half_angle_deg\"?",
             ),
-            ("builtin:studio:x=1", "builtin studio has no parameter \"x\"; it takes none"),
+            ("builtin:studio:x=1", "builtin studio has no parameter \"x\"; it has no parameters"),
             ("builtin:cap:radiance=bright", "radiance is \"bright\"; expected a number from 0 to 1000000000"),
             ("builtin:cap:radiance=-1", "radiance is \"-1\"; expected a number from 0"),
             ("builtin:cap:radiance=nan", "radiance is \"nan\""),

@@ -1,6 +1,4 @@
 //! A uniform disc on an even ground: `L = radiance` within `half_angle_deg` of the centre, else `ambient`.
-//!
-//! The disc holds the solid angle `2π (1 - cos(half_angle))`.
 
 use super::{Builtin, parameter, raster};
 use crate::pixels::RgbImage;

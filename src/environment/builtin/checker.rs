@@ -3,7 +3,7 @@
 use super::{Builtin, parameter, raster};
 use glam::DVec3;
 
-/// An edge that crosses a texel is placed to 1/8 of it.
+/// Samples per texel side: edges that cross a texel are placed to 1/8 of it.
 const SAMPLES_PER_SIDE: u32 = 8;
 
 pub static CHECKER: Builtin = Builtin {

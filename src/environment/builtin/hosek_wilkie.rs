@@ -1,12 +1,12 @@
 //! The clear sky of Hosek and Wilkie \[HosekWilkie12\], RGB data set, in the f32 arithmetic of its authors.
 //!
-//! `L(θ, γ) = r (1 + A exp(B/(cos θ + 0.01))) (C + D exp(E γ) + F cos² γ + G χ(H, γ) + I √cos θ)` for each channel, θ the angle to the
-//! zenith, γ to the sun, and `χ(H, γ) = (1 + cos² γ)/(1 + H² - 2 H cos γ)^1.5`.
+//! `L(θ, γ) = r (1 + A exp(B/(cos θ + 0.01))) (C + D exp(E γ) + F cos² γ + G χ(H, γ) + I √cos θ)` for each channel, θ
+//! the angle to the zenith, γ to the sun, and `χ(H, γ) = (1 + cos² γ)/(1 + H² - 2 H cos γ)^1.5`.
 
 use std::f32::consts::FRAC_PI_2;
 
-/// Little-endian f32: the nine coefficients of red, green and blue, then r of each. Either is laid out by albedo (0 and 1), turbidity
-/// (1 to 10) and the six control points of a quintic Bézier curve.
+/// Little-endian f32: the nine coefficients of red, green and blue, then r of each. Each is ordered by albedo (0 and
+/// 1), turbidity (1 to 10) and the six control points of a quintic Bézier curve.
 static DATA: &[u8] = include_bytes!("../../../assets/hosek-wilkie/rgb.f32");
 
 const COEFFICIENTS: usize = 9;
@@ -14,7 +14,7 @@ const POINTS: usize = 6;
 const TURBIDITIES: usize = 10;
 const ALBEDOS: usize = 2;
 
-/// A sky of one elevation of the sun, turbidity and albedo.
+/// A sky for one elevation of the sun, turbidity and albedo.
 pub struct Sky {
     /// A to G, I, H, by channel.
     coefficients: [[f32; COEFFICIENTS]; 3],
@@ -22,7 +22,7 @@ pub struct Sky {
 }
 
 impl Sky {
-    /// The sky for an elevation in [0, π/2] (radians), a turbidity in [1, 10] and an albedo of the ground in [0, 1].
+    /// Computes the sky for an elevation in [0, π/2] (radians), a turbidity in [1, 10] and a ground albedo in [0, 1].
     pub fn new(elevation: f32, turbidity: f32, albedo: f32) -> Self {
         let data: Vec<f32> = DATA.as_chunks().0.iter().map(|word| f32::from_le_bytes(*word)).collect();
         let points = ALBEDOS * TURBIDITIES * POINTS;
@@ -36,7 +36,8 @@ impl Sky {
         }
     }
 
-    /// Radiance of red, green and blue at angles to the zenith and to the sun, radians. A channel may dip below 0 under a low sun.
+    /// Returns the radiance of red, green and blue at angles to the zenith and to the sun, radians. Under a low sun a
+    /// channel may be below 0.
     pub fn radiance(&self, theta: f32, gamma: f32) -> [f32; 3] {
         let (cos_gamma, cos_theta) = (gamma.cos(), theta.cos().abs());
         let rayleigh = cos_gamma * cos_gamma;
@@ -51,7 +52,7 @@ impl Sky {
     }
 }
 
-/// Coefficient `index` of `stride`, linear between albedos and turbidities, quintic in t.
+/// Interpolates coefficient `index` of `stride`: linearly between albedos and turbidities, by the Bézier curve in t.
 fn interpolated(data: &[f32], stride: usize, index: usize, turbidity: f32, albedo: f32, t: f32) -> f32 {
     let (whole, part) = (turbidity.trunc() as usize, turbidity.fract());
     let turbidities = [whole.saturating_sub(1), whole.min(TURBIDITIES - 1)];
@@ -65,7 +66,7 @@ fn interpolated(data: &[f32], stride: usize, index: usize, turbidity: f32, albed
     sum
 }
 
-/// The Bézier curve of six control points.
+/// Evaluates the Bézier curve of six control points.
 fn quintic(point: impl Fn(usize) -> f32, t: f32) -> f32 {
     let (t2, u) = (t * t, 1.0 - t);
     let (t3, t4, u2) = (t2 * t, t2 * t2, u * u);

@@ -1,4 +1,4 @@
-//! Environments from formulas, so that everything works with no download.
+//! Environments from formulas, which need no download.
 
 mod cap;
 mod checker;
@@ -13,27 +13,27 @@ use super::error::{EnvironmentError, unusable};
 use crate::pixels::{ENVIRONMENT_TEXELS_MAX, RgbImage};
 use crate::spelling;
 
-/// Marks a spec as the name of a formula.
+/// Prefix of the spec of a formula.
 pub const BUILTIN_PREFIX: &str = "builtin:";
 
-/// A number that shapes a builtin.
+/// A parameter of a builtin.
 #[derive(Debug)]
 pub struct Parameter {
     pub name: &'static str,
-    /// What it is, with its unit.
+    /// Meaning and unit.
     pub about: &'static str,
     pub default: f64,
-    /// Inclusive range.
+    /// Smallest allowed value.
     pub min: f64,
+    /// Largest allowed value.
     pub max: f64,
 }
 
-/// A parameter in one line.
 const fn parameter(name: &'static str, about: &'static str, default: f64, [min, max]: [f64; 2]) -> Parameter {
     Parameter { name, about, default, min, max }
 }
 
-/// An environment made by a formula.
+/// An environment computed by a formula.
 #[derive(Debug)]
 pub struct Builtin {
     pub name: &'static str,
@@ -43,21 +43,21 @@ pub struct Builtin {
     make: fn(&Values, [u32; 2]) -> RgbImage,
 }
 
-/// Every builtin. Adding one: its file here, one line here.
+/// Every builtin. To add one: its file here and a line here.
 pub static BUILTINS: &[&Builtin] =
     &[&constant::CONSTANT, &gradient::GRADIENT, &sky::SKY, &studio::STUDIO, &checker::CHECKER, &cap::CAP];
 
-/// The parameters of one builtin with checked values.
+/// Checked values of a builtin's parameters.
 struct Values(Vec<(&'static str, f64)>);
 
 impl Values {
     fn get(&self, name: &str) -> f64 {
         let found = self.0.iter().find(|(known, _)| *known == name);
-        found.map(|&(_, value)| value).expect("a formula asks only for the parameters of its list")
+        found.map(|&(_, value)| value).expect("a formula reads only its own parameters")
     }
 }
 
-/// The builtin whose name resembles `word`.
+/// Returns the builtin whose name resembles `word`.
 pub(super) fn nearest(word: &str) -> Option<&'static str> {
     spelling::nearest(word, &BUILTINS.iter().map(|builtin| builtin.name).collect::<Vec<_>>())
 }
@@ -65,7 +65,7 @@ pub(super) fn nearest(word: &str) -> Option<&'static str> {
 fn hint(word: &str, names: &[&'static str]) -> String {
     match spelling::nearest(word, names) {
         Some(name) => format!("did you mean {name:?}? Known: {}", names.join(", ")),
-        None if names.is_empty() => "it takes none".to_owned(),
+        None if names.is_empty() => "it has no parameters".to_owned(),
         None => format!("known: {}", names.join(", ")),
     }
 }

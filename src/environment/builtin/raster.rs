@@ -1,4 +1,4 @@
-//! From radiance formulas to texels.
+//! Computes texels from radiance formulas.
 
 use crate::math::equirect;
 use crate::pixels::RgbImage;
@@ -6,10 +6,10 @@ use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
-/// Latitudes a row over which a cap's coverage is integrated; the midpoint error of the energy is below 1e-5.
+/// Latitudes per row over which a cap's coverage is integrated; the midpoint error of the energy is below 1e-5.
 const CAP_LATITUDES: u32 = 256;
 
-/// Unit direction of an azimuth (from +z towards +x) and an elevation above the horizon, radians.
+/// Returns the unit direction of an azimuth (from +z towards +x) and an elevation above the horizon, radians.
 pub fn direction(azimuth: f64, elevation: f64) -> DVec3 {
     let (sin, cos) = azimuth.sin_cos();
     DVec3::new(sin * elevation.cos(), elevation.sin(), cos * elevation.cos())
@@ -21,7 +21,7 @@ pub fn at_centers(size: [u32; 2], radiance: impl Fn(DVec3) -> DVec3 + Sync) -> R
     by_texel(size, 1, |y, offset| (f64::from(y) + offset) / height, |_, d| radiance(d))
 }
 
-/// Averages a formula of (u, v) and of the direction, with edges, over each texel: an `n` x `n` grid of samples of equal solid angle.
+/// Averages a formula of (u, v) and direction, with edges, over each texel: `n` x `n` samples of equal solid angle.
 pub fn supersampled(size: [u32; 2], n: u32, radiance: impl Fn(DVec2, DVec3) -> DVec3 + Sync) -> RgbImage {
     let cos_theta = |row: u32| (PI * f64::from(row) / f64::from(size[1])).cos();
     let v = |y: u32, offset: f64| {
@@ -32,7 +32,8 @@ pub fn supersampled(size: [u32; 2], n: u32, radiance: impl Fn(DVec2, DVec3) -> D
     by_texel(size, n, v, radiance)
 }
 
-/// The mean of `n` x `n` samples a texel; `v` is that of a row at an offset in it. Sines and cosines are taken once a row and a column.
+/// Averages `n` x `n` samples per texel; `v` maps a row and an offset in it. Sines and cosines are computed once per
+/// row and column.
 fn by_texel(
     [width, height]: [u32; 2],
     n: u32,
@@ -59,12 +60,12 @@ fn by_texel(
     image
 }
 
-/// Calls `cover(texel index, share of the texel's solid angle inside the cap)` for every texel that touches the cap about the
-/// unit vector `center`.
+/// Calls `cover(texel index, share of the texel's solid angle inside the cap)` for every texel that touches the cap
+/// about the unit vector `center`.
 ///
-/// On the latitude θ the cap spans `|φ - φc| <= acos((cos a - cos θ cos θc) / (sin θ sin θc))` exactly; only θ is integrated
-/// numerically, over `θ = θc + a sin t`, which removes the square-root ends of the span. So the energy of a disc far smaller than
-/// a texel is as right as that of a large one.
+/// On the latitude θ the cap spans `|φ - φc| <= acos((cos a - cos θ cos θc) / (sin θ sin θc))` exactly. Only θ is
+/// integrated numerically, over `θ = θc + a sin t`, which removes the square roots at the ends of the span. So the
+/// energy of a disc far smaller than a texel is as accurate as a large one's.
 pub fn cover_cap([width, height]: [u32; 2], center: DVec3, half_angle: f64, mut cover: impl FnMut(usize, f64)) {
     let (columns, rows) = (f64::from(width), f64::from(height));
     let theta_center = center.x.hypot(center.z).atan2(center.y);
@@ -86,12 +87,12 @@ pub fn cover_cap([width, height]: [u32; 2], center: DVec3, half_angle: f64, mut 
             let weight = half_angle * t.cos() * theta.sin() * step;
             measure += weight;
             let cos_span = (half_angle.cos() - theta.cos() * theta_center.cos()) / (theta.sin() * theta_center.sin());
-            // Over a pole the quotient leaves [-1, 1] or is ±∞: the latitude is inside or outside as a whole.
+            // Over a pole the quotient leaves [-1, 1] or is ±∞: the whole latitude is inside or outside.
             let half_span_u = cos_span.clamp(-1.0, 1.0).acos() / TAU;
             add_span(&mut spans, (u_center - half_span_u) * columns, (u_center + half_span_u) * columns, weight);
         }
-        // The part of the row between the cap's first and last latitude is known exactly; this removes the midpoint error from
-        // texels that lie inside.
+        // The row's part between the first and last latitude of the cap is known exactly; this removes the midpoint
+        // error from texels inside.
         let exact = top.max(theta_center - half_angle).cos() - bottom.min(theta_center + half_angle).cos();
         let row = top.cos() - bottom.cos();
         for (x, &span) in spans.iter().enumerate().filter(|(_, span)| **span > 0.0) {

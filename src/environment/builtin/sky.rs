@@ -1,18 +1,19 @@
 //! A clear sky with the sun over a Lambertian ground.
 //!
 //! - Sky: the model of Hosek and Wilkie \[HosekWilkie12\], RGB data set.
-//! - Sun: a uniform disc (no limb darkening) of 0.53 degrees. Its irradiance on a surface that faces it is
-//!   `E_c = E0 exp(-m (τr(λc) + τa(λc)))` at the dominant wavelengths `λc` of the Rec.709 primaries, with the air mass of
-//!   \[KastenYoung89\], `m = 1 / (sin h + 0.50572 (h° + 6.07995)^-1.6364)`, and the optical depths of \[Preetham99\] (appendix):
-//!   Rayleigh `τr = 0.008735 λ^-4.08`, aerosols `τa = (0.04608 T - 0.04586) λ^-1.3`, λ in µm, T the turbidity. Ozone, water vapour
-//!   and mixed gases are left out: they remove a few per cent of visible light.
-//! - The extraterrestrial irradiance `E0` (grey) follows from an energy balance, because the sky data has no stated unit: half of
-//!   the light that the beam loses by scattering reaches the ground as skylight, `E_sky = E0 sin h (1 - T_beam) / 2` in luminance,
-//!   where `T_beam` is the transmitted share and `E_sky` the irradiance of the sky on the horizontal. At h = 35 degrees the
-//!   sun then gives the horizontal 4.8 (T = 2), 2.9 (T = 3) or 1.1 (T = 6) times the light of the sky, of the order of real skies.
+//! - Sun: a uniform disc (no limb darkening) of 0.53 degrees. Its irradiance on a surface facing it is `E_c = E0 exp(-m
+//!   (τr(λc) + τa(λc)))` at the dominant wavelengths `λc` of the Rec.709 primaries, with the air mass of
+//!   \[KastenYoung89\], `m = 1 / (sin h + 0.50572 (h° + 6.07995)^-1.6364)`, and the optical depths of \[Preetham99\]
+//!   (appendix): Rayleigh `τr = 0.008735 λ^-4.08`, aerosols `τa = (0.04608 T - 0.04586) λ^-1.3`, λ in µm, T the
+//!   turbidity. Ozone, water vapour and mixed gases are omitted: they remove a few per cent of visible light.
+//! - The extraterrestrial irradiance `E0` (grey) follows from an energy balance, since the sky data has no unit: half
+//!   of the light that the beam loses by scattering reaches the ground as skylight, `E_sky = E0 sin h (1 - T_beam) / 2`
+//!   in luminance, with `T_beam` the transmitted share and `E_sky` the irradiance of the sky on the horizontal. At h =
+//!   35 degrees the sun then gives the horizontal 4.8 (T = 2), 2.9 (T = 3) or 1.1 (T = 6) times the light of the sky,
+//!   similar to real skies.
 //! - Ground: `L = albedo (E_sky + E sin h) / π`, the same in every direction below the horizon.
 //!
-//! The whole map is scaled to a mean luminance of 1 over the sphere.
+//! The map is scaled to a mean luminance of 1 over the sphere.
 
 use super::hosek_wilkie::Sky;
 use super::{Builtin, Values, parameter, raster};
@@ -28,14 +29,14 @@ const SUN_HALF_ANGLE: f64 = 0.265 * PI / 180.0;
 /// Dominant wavelengths of the Rec.709 primaries, µm.
 const WAVELENGTHS_UM: DVec3 = DVec3::new(0.611, 0.549, 0.465);
 
-/// Within this of the horizon a texel centre lies on it (the middle row of an odd height).
+/// A texel centre this close to the horizon lies on it (the middle row of an odd height).
 const HORIZON_EPSILON: f64 = 1e-9;
 
 pub static SKY: Builtin = Builtin {
     name: "sky",
     about: "Hosek-Wilkie clear sky with a sun disc of exact energy over a Lambertian ground; mean luminance 1",
     parameters: &[
-        // Below about a degree the balance that sets the sun's energy divides by sin h -> 0.
+        // Below about a degree the energy balance of the sun divides by sin h -> 0.
         parameter("elevation_deg", "solar elevation", 35.0, [1.0, 90.0]),
         parameter("azimuth_deg", "solar azimuth, from +z towards +x", -45.0, [-360.0, 360.0]),
         parameter("turbidity", "haze: 2 very clear, 10 hazy", 3.0, [1.5, 10.0]),
@@ -88,7 +89,7 @@ fn make(values: &Values, size: [u32; 2]) -> RgbImage {
     RgbImage::new(width, height, radiance.iter().map(|&texel| (texel * scale).as_vec3().to_array()).collect())
 }
 
-/// Irradiance of the upper half of a map on the horizontal, per channel; exact for constant texels.
+/// Integrates the irradiance of the map's upper half on the horizontal, per channel; exact for constant texels.
 fn horizontal_irradiance(dome: &RgbImage) -> DVec3 {
     let mut irradiance = DVec3::ZERO;
     for row in 0..dome.height.div_ceil(2) {
@@ -101,7 +102,7 @@ fn horizontal_irradiance(dome: &RgbImage) -> DVec3 {
     irradiance
 }
 
-/// Irradiance of the sun on a surface that faces it, in the unit of `e_sky`, the skylight on the horizontal.
+/// Returns the sun's irradiance on a surface facing it, in the unit of `e_sky`, the skylight on the horizontal.
 fn sun_irradiance(elevation: f64, turbidity: f64, e_sky: DVec3) -> DVec3 {
     let air_mass = 1.0 / (elevation.sin() + 0.50572 * (elevation.to_degrees() + 6.07995).powf(-1.6364));
     let rayleigh = 0.008735 * WAVELENGTHS_UM.powf(-4.08);

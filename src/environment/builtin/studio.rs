@@ -1,14 +1,14 @@
-//! A dark room with softboxes and one bare lamp.
+//! A dark room with softboxes and a bare lamp.
 //!
-//! `L(d) = room(d.y) + Σ box_i(d)`, plus the lamp. A softbox with centre `c`, right `r`, up `t` and half sizes `(a, b)` (radians) is
-//! `radiance edge(|d.r / d.c| / tan a) edge(|d.t / d.c| / tan b)` for `d.c > 0`, where `edge` falls from 1 to 0 by a smoothstep over
-//! `1 ± EDGE`. The lamp is a uniform cap.
+//! `L(d) = room(d.y) + Σ box_i(d)`, plus the lamp, a uniform cap. A softbox with centre `c`, right `r`, up `t` and half
+//! sizes `(a, b)` (radians) is `radiance edge(|d.r / d.c| / tan a) edge(|d.t / d.c| / tan b)` for `d.c > 0`, where
+//! `edge` falls from 1 to 0 by a smoothstep over `1 ± EDGE`.
 
 use super::{Builtin, Values, raster};
 use crate::pixels::RgbImage;
 use glam::DVec3;
 
-/// Half of the width of a softbox's edge, as a share of its half size.
+/// Half width of a softbox's edge, relative to its half size.
 const EDGE: f64 = 0.06;
 
 /// The narrowest edge is about as wide as a texel of the default map.
@@ -26,7 +26,7 @@ const fn softbox(center: [f64; 2], half_size: [f64; 2], radiance: [f64; 3]) -> S
     Softbox { center, half_size, radiance: DVec3::from_array(radiance) }
 }
 
-/// Key, fill, two rims and a top light, as around a subject that is photographed from +z.
+/// Key, fill, two rims and a top light, as for a subject photographed from +z.
 const SOFTBOXES: [Softbox; 5] = [
     softbox([-50.0, 32.0], [26.0, 19.0], [9.0, 8.6, 8.0]),
     softbox([72.0, 8.0], [15.0, 24.0], [1.5, 1.7, 2.0]),
@@ -74,7 +74,7 @@ fn make(_: &Values, size: [u32; 2]) -> RgbImage {
     image
 }
 
-/// Radiance of the room: black walls, a grey floor that catches some light, a dim ceiling.
+/// Returns the radiance of the room: black walls, a grey floor, a dim ceiling.
 fn room(y: f64) -> DVec3 {
     let walls = DVec3::splat(0.015);
     let floor = DVec3::new(0.085, 0.080, 0.075) * smoothstep(-0.15, -0.75, y);
@@ -86,7 +86,7 @@ fn edge(x: f64) -> f64 {
     smoothstep(1.0 + EDGE, 1.0 - EDGE, x)
 }
 
-/// 0 at and before `from`, 1 at and beyond `to`, cubic between; `from` may be the larger.
+/// 0 up to `from`, 1 from `to` on, cubic between; `from` may be the larger.
 fn smoothstep(from: f64, to: f64, x: f64) -> f64 {
     let t = ((x - from) / (to - from)).clamp(0.0, 1.0);
     t * t * (3.0 - 2.0 * t)

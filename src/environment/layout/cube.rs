@@ -22,9 +22,9 @@ pub const LAYOUT: MapLayout = MapLayout {
     texel,
 };
 
-/// The largest component of a direction. Over a sample of `omega_s` it has a mean, which is larger on edges and corners, where another
-/// component takes over: without it the level changes there by more than the light that the sample gathers, and a lamp on a corner loses
-/// a tenth of its light to 40 samples.
+/// Returns the largest component of a direction. Its mean over a sample of `omega_s` is larger on edges and corners,
+/// where another component becomes the largest; ignoring that, 40 samples lose a tenth of the light of a lamp on a
+/// corner.
 fn mean_major(a: DVec3, omega_s: f64) -> f64 {
     let softened = |a: f64, b: f64| 0.5 * (a + b + ((a - b).powi(2) + f64::from(EDGE_SOFTNESS) * omega_s).sqrt());
     softened(softened(a.x, a.y), a.z).min(1.0)
@@ -44,7 +44,7 @@ fn direction(face: u32, uv: DVec2) -> DVec3 {
     on_face(face, uv).normalize()
 }
 
-/// The point of the cube whose faces are at distance 1.
+/// Returns the point on the cube whose faces have distance 1.
 fn on_face(face: u32, uv: DVec2) -> DVec3 {
     let (st, sign) = (2.0 * uv - 1.0, if face.is_multiple_of(2) { 1.0 } else { -1.0 });
     match face / 2 {
@@ -54,7 +54,7 @@ fn on_face(face: u32, uv: DVec2) -> DVec3 {
     }
 }
 
-/// One texel outside a face lies, seen from the centre, in the outermost row of the next face.
+/// A texel one step outside a face, seen from the centre, lies in the outermost row of the next face.
 fn texel(face: u32, [x, y]: [i64; 2], [side, _]: [u32; 2]) -> Option<[u32; 3]> {
     let is_inside = |i: i64| (0..i64::from(side)).contains(&i);
     match (is_inside(x), is_inside(y)) {

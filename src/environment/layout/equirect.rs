@@ -1,4 +1,4 @@
-//! One image, u wraps, v clamps: see [`crate::math::equirect`].
+//! One image; u wraps, v clamps: see [`crate::math::equirect`].
 
 use super::MapLayout;
 use crate::math::equirect::{direction_from_uv, texel_solid_angle_at, uv_from_direction};

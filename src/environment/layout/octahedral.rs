@@ -1,4 +1,4 @@
-//! One square whose texels all have the same solid angle: the octahedron's faces unfolded, +y in the centre, -y in the corners
+//! One square whose texels all have the same solid angle: the unfolded octahedron, +y in the centre, -y in the corners
 //! \[ClarbergSquare08\].
 
 use super::MapLayout;
@@ -46,7 +46,7 @@ fn direction(_: u32, uv: DVec2) -> DVec3 {
     DVec3::new((horizontal * cos).copysign(signed.x), y, (horizontal * sin).copysign(signed.y))
 }
 
-/// An edge of the square is folded in its middle.
+/// Each edge of the square is folded in its middle.
 fn texel(_: u32, [mut x, mut y]: [i64; 2], [side, _]: [u32; 2]) -> Option<[u32; 3]> {
     let last = i64::from(side) - 1;
     if !(0..=last).contains(&x) {
