@@ -1,14 +1,16 @@
-//! Beckmann: `D = exp(-tan² θ_h / alpha²) / (π alpha² cos⁴ θ_h)` [Walter07, eq. 25], G1 by the rational fit [Walter07, eq. 27].
+//! Beckmann: `D = exp(-tan² θ_h / alpha²) / (π alpha² cos⁴ θ_h)` [Walter07, eq. 25], G1 by the rational fit [Walter07,
+//! eq. 27].
 //!
 //! # Sampling
 //!
-//! Beckmann's own visible normals \[HeitzDeon14\] have no closed form: their distribution must be inverted by Newton's method. So
-//! `sample_visible` draws those of GGX of the same alpha. With `s = tan² θ_h / alpha²`, `D / D_ggx = exp(-s) (1 + s)²`, at most `4/e`,
-//! and the visible areas differ by at most `√π` (at a grazing view), so that weights are bounded by 2.61.
+//! Beckmann's own visible normals \[HeitzDeon14\] have no closed form: Newton's method must invert their distribution.
+//! So `sample_visible` draws the visible normals of GGX of the same alpha. With `s = tan² θ_h / alpha²`, `D / D_ggx =
+//! exp(-s) (1 + s)²`, at most `4/e`, and the visible areas differ by at most `√π` (at a grazing view), so weights are
+//! at most 2.61.
 //!
-//! Measured with the reference on a sphere in the builtin studio, 512 and 4096 samples, alpha 0.05, 0.2 and 0.6: the exact sampler
-//! left 0.48 to 0.89 of the variance at 1.2 to 1.6 times the cost. As the variance falls with the power 1.5 of the count, both take the
-//! same time to an error mostly within 20 %, either way; the closed form is kept.
+//! Measured with the reference on a sphere in the builtin studio (512 and 4096 samples; alpha 0.05, 0.2 and 0.6), the
+//! exact sampler left 0.48 to 0.89 of the variance at 1.2 to 1.6 times the cost. The variance falls with the power 1.5
+//! of the count, so both take the same time to an error, mostly within 20 %; the closed form is kept.
 
 use super::{Brdf, SHORT_TAILED, g1_rational, sin2_cos2};
 use crate::glsl::constants::TILT_MIN;
@@ -18,20 +20,21 @@ use glam::{DVec2, DVec3};
 use libm::erfc;
 use std::f64::consts::PI;
 
-/// No slope is steeper, in units of alpha: `erfc` there is 4e-20.
+/// Largest slope, in units of alpha: `erfc` there is 4e-20.
 const SLOPE_MAX: f64 = 6.5;
 
 /// The Beckmann model with Walter's rational masking.
 #[derive(Debug)]
 pub struct Beckmann;
 
-/// `∫ (cos θ - t sin θ) exp(-t²) dt / √π` over t from -∞ to `slope`: the area that a view at polar angle θ sees of the facets up
-/// to that slope, for alpha = 1 \[HeitzDeon14\].
+/// Returns `∫ (cos θ - t sin θ) exp(-t²) dt / √π` over t from -∞ to `slope`: the area of the facets up to that slope
+/// that a view at polar angle θ sees, for alpha = 1 \[HeitzDeon14\].
 fn visible_area_up_to(slope: f64, sin_theta: f64, cos_theta: f64) -> f64 {
     0.5 * (cos_theta * erfc(-slope) + sin_theta * (-slope * slope).exp() / PI.sqrt())
 }
 
-/// Area of the visible microfacets seen at a polar angle, per area of surface: `cos θ / G1` with the exact Smith G1.
+/// Returns the area of the microfacets visible at a polar angle, per area of surface: `cos θ / G1` with the exact Smith
+/// G1.
 fn projected_area(sin_theta: f64, cos_theta: f64, alpha: f64) -> f64 {
     let stretched = alpha * sin_theta;
     // At the normal the last visible slope is infinite, and erfc(-∞) = 2, exp(-∞) = 0.
@@ -47,7 +50,7 @@ impl Brdf for Beckmann {
         SHORT_TAILED
     }
 
-    /// G2/G1: it draws its own visible normals.
+    /// The bound of G2/G1: the model draws its own visible normals.
     fn vndf_weight_max(&self) -> f64 {
         1.0
     }
@@ -69,7 +72,7 @@ impl Brdf for Beckmann {
         g1_rational(n_dot_w, alpha)
     }
 
-    /// `2 cos θ / (cos θ (1 + erf a) + alpha sin θ exp(-a²)/√π)`, `a = 1/(alpha tan θ)` [Walter07, eq. 26].
+    /// Computes `2 cos θ / (cos θ (1 + erf a) + alpha sin θ exp(-a²)/√π)`, `a = 1/(alpha tan θ)` [Walter07, eq. 26].
     fn g1_exact(&self, n_dot_w: f64, alpha: f64) -> f64 {
         if n_dot_w <= 0.0 {
             return 0.0;
@@ -78,9 +81,9 @@ impl Brdf for Beckmann {
         n_dot_w / projected_area(sin_theta, n_dot_w, alpha)
     }
 
-    /// Its own visible normals: of the slopes along and across `v`, in units of alpha, the first has density
-    /// `(cos θ - t sin θ) exp(-t²)/√π` up to `cot θ`, the other is Gaussian \[HeitzDeon14\]. The first is inverted by Halley's method from
-    /// the fit of \[Jakob14\].
+    /// Samples the model's own visible normals. Of the slopes along and across `v`, in units of alpha, the first has
+    /// density `(cos θ - t sin θ) exp(-t²)/√π` up to `cot θ`, the other is Gaussian \[HeitzDeon14\]. Halley's method
+    /// inverts the first, starting from the fit of \[Jakob14\].
     fn sample_vndf(&self, xi: DVec2, v_local: DVec3, alpha: f64) -> DVec3 {
         const STEPS: u32 = 6;
         let across = v_local.x.hypot(v_local.y);
@@ -100,7 +103,7 @@ impl Brdf for Beckmann {
             let step = (visible_area_up_to(t, sin, cos) - xi.x * area) / (seen * (-t * t).exp() / PI.sqrt());
             t = (t - step / (1.0 + 0.5 * (step * (2.0 * t + sin / seen)).clamp(-1.5, 1.5))).clamp(-SLOPE_MAX, end);
         }
-        // No net of points has one at 2/3, where this is infinite; at 0 most have.
+        // Infinite at 2/3, which no net of points contains; most contain 0.
         let turn = (xi.y + 1.0 / 3.0).fract();
         let y = erf_inverse(2.0 * turn - 1.0, (4.0 * turn * (1.0 - turn)).max(1e-13));
         let along = if across > f64::from(TILT_MIN) { DVec2::new(v_local.x, v_local.y) / across } else { DVec2::X };
@@ -108,14 +111,14 @@ impl Brdf for Beckmann {
         DVec3::new(-slope.x, -slope.y, 1.0).normalize()
     }
 
-    /// `G1(v) D / (4 n_dot_v)` with the exact G1.
+    /// Computes `G1(v) D / (4 n_dot_v)` with the exact G1.
     fn pdf_vndf_l(&self, v_local: DVec3, h_local: DVec3, alpha: f64) -> f64 {
         let visible = v_local.dot(h_local) > 0.0;
         let area = projected_area(v_local.x.hypot(v_local.y), v_local.z, alpha);
         if visible { self.d(h_local, alpha) / (4.0 * area) } else { 0.0 }
     }
 
-    /// `tan² θ = -alpha² ln(1 - u)` [Walter07, eq. 28].
+    /// Samples `tan² θ = -alpha² ln(1 - u)` [Walter07, eq. 28].
     fn sample_d(&self, xi: DVec2, alpha: f64) -> DVec3 {
         let tan2 = -alpha * alpha * (-xi.x).ln_1p();
         let cos_theta = 1.0 / (1.0 + tan2).sqrt();

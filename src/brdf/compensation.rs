@@ -1,7 +1,7 @@
-//! What facets reflect to each other and a single scattering loses, given back; twins of `shaders/lib/compensation.glsl`.
+//! Compensation of the light that single scattering loses between facets; twins of `shaders/lib/compensation.glsl`.
 //!
-//! With the pair (A, B) of the DFG table at n·v, the albedo `E = A + B` for F = 1, its mean `E_avg = 2 ∫ E μ dμ` and Schlick's mean
-//! `F_avg = f0 + (1 - f0)/21`, the specular term of albedo `f0 A + B` gets
+//! Let (A, B) be the DFG pair at n·v, `E = A + B` the albedo for F = 1, `E_avg = 2 ∫ E μ dμ` its mean, and `F_avg = f0
+//! + (1 - f0)/21` Schlick's mean. The specular term of albedo `f0 A + B` gets
 //!
 //! | | what | source |
 //! |---|---|---|
@@ -9,12 +9,12 @@
 //! | `fdez-aguera` | irradiance over π times `(1 - E) (f0 A + B) F_avg / (1 - F_avg (1 - E))` | \[FdezAguera19\] |
 //! | `kulla-conty` | the lobe `(1 - E(l)) n·l / (π (1 - E_avg))` times `(1 - E(v)) F_avg² E_avg / (1 - F_avg (1 - E_avg))` | \[KullaConty17\], with the square of \[Hill18\] |
 //!
-//! At f0 = 1 each gives back all that is lost. What the diffuse term gets is what the sum leaves.
+//! At f0 = 1 each returns all that is lost. The diffuse term gets what the sum leaves.
 
 use crate::spelling::listed;
 use glam::{DVec2, DVec3};
 
-/// The ways. The discriminants are `glsl::constants::COMPENSATION_*`.
+/// Kinds of compensation. The discriminants are `glsl::constants::COMPENSATION_*`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Compensation {
     #[default]
@@ -37,7 +37,7 @@ impl Compensation {
         matches!(self, Self::FdezAguera | Self::KullaConty)
     }
 
-    /// What scales the single scattering.
+    /// Returns the factor of single scattering.
     pub fn factor(self, f0: DVec3, pair: DVec2) -> DVec3 {
         let albedo = pair.element_sum();
         match self {
@@ -46,9 +46,9 @@ impl Compensation {
         }
     }
 
-    /// The share of irradiance over π, or of its own lobe, that is added.
+    /// Returns the added share of irradiance over π, or of the compensation's own lobe.
     pub fn multiple(self, f0: DVec3, pair: DVec2, mean_albedo: f64) -> DVec3 {
-        // Masking that is a fit may reflect more than it receives: nothing is lost then.
+        // Fitted masking may reflect more than it receives: nothing is lost then.
         let lost = (1.0 - pair.element_sum()).max(0.0);
         let average = f0 + (1.0 - f0) / 21.0;
         match self {
@@ -58,7 +58,7 @@ impl Compensation {
         }
     }
 
-    /// The albedo of all of the specular term: of radiance 1 from everywhere it reflects this.
+    /// Returns the albedo of the whole specular term: its reflection of constant radiance 1.
     pub fn reflectance(self, f0: DVec3, pair: DVec2, mean_albedo: f64) -> DVec3 {
         (f0 * pair.x + pair.y) * self.factor(f0, pair) + self.multiple(f0, pair, mean_albedo)
     }

@@ -10,7 +10,8 @@ use std::f64::consts::PI;
 #[derive(Debug)]
 pub struct Ggx;
 
-/// Area of the visible microfacets seen along `v`, per area of surface: `n_dot_v / G1(v)`, regular down to `n_dot_v = 0`.
+/// Returns the area of the microfacets visible along `v`, per area of surface: `n_dot_v / G1(v)`, regular down to
+/// `n_dot_v = 0`.
 fn projected_area(v_local: DVec3, alpha: f64) -> f64 {
     let (sin2, cos2) = sin2_cos2(v_local);
     0.5 * (v_local.z + (cos2 + alpha * alpha * sin2).sqrt())
@@ -43,7 +44,7 @@ impl Brdf for Ggx {
         if n_dot_w <= 0.0 {
             return 0.0;
         }
-        // Multiplied by cos θ, so that a grazing direction has no infinite tangent.
+        // Multiplied by cos θ: a grazing direction has an infinite tangent.
         let cos2 = n_dot_w * n_dot_w;
         2.0 * n_dot_w / (n_dot_w + (cos2 + alpha * alpha * (1.0 - cos2).max(0.0)).sqrt())
     }
@@ -52,7 +53,7 @@ impl Brdf for Ggx {
         self.g1(n_dot_w, alpha)
     }
 
-    /// `tan² θ = alpha² u / (1 - u)` [Walter07, eq. 35].
+    /// Samples `tan² θ = alpha² u / (1 - u)` [Walter07, eq. 35].
     fn sample_d(&self, xi: DVec2, alpha: f64) -> DVec3 {
         let alpha2 = alpha * alpha;
         let denominator = (1.0 - xi.x) + alpha2 * xi.x;
@@ -60,8 +61,8 @@ impl Brdf for Ggx {
     }
 }
 
-/// Visible normals by spherical caps: the visible half sphere's normals are the half vectors of the cap that `v` reflects into
-/// \[Dupuy23\]. `xi.x = 0` is the cap's centre.
+/// Samples visible normals by spherical caps: the normals of the visible half sphere are the half vectors of the cap
+/// that `v` reflects into \[Dupuy23\]. `xi.x = 0` is the cap's centre.
 pub(super) fn sample_visible(xi: DVec2, v_local: DVec3, alpha: f64) -> DVec3 {
     let v_hemisphere = DVec3::new(alpha * v_local.x, alpha * v_local.y, v_local.z).normalize();
     let z = (1.0 - xi.x) * (1.0 + v_hemisphere.z) - v_hemisphere.z;
@@ -70,7 +71,7 @@ pub(super) fn sample_visible(xi: DVec2, v_local: DVec3, alpha: f64) -> DVec3 {
     DVec3::new(alpha * h.x, alpha * h.y, h.z.max(0.0)).normalize()
 }
 
-/// The cap of the stretched sphere that holds every direction which leaves above the horizon \[EtoTokuyoshi23\].
+/// The cap of the stretched sphere with all directions that leave above the horizon \[EtoTokuyoshi23\].
 struct BoundedCap {
     v_standard: DVec3,
     /// Length of the stretched `v`.
@@ -91,13 +92,12 @@ impl BoundedCap {
         Self { v_standard: stretched / length, length, k, rest }
     }
 
-    /// Height of the cap.
     fn height(&self) -> f64 {
         1.0 + self.k * self.v_standard.z
     }
 }
 
-/// [`sample_visible`] from the smaller cap of [EtoTokuyoshi23, listing 1]: fewer samples leave below the horizon.
+/// As [`sample_visible`], from the smaller cap of [EtoTokuyoshi23, listing 1]: fewer samples leave below the horizon.
 pub(super) fn sample_bounded(xi: DVec2, v_local: DVec3, alpha: f64) -> DVec3 {
     let cap = BoundedCap::new(v_local, alpha);
     let depth = xi.x * cap.height();
@@ -108,7 +108,7 @@ pub(super) fn sample_bounded(xi: DVec2, v_local: DVec3, alpha: f64) -> DVec3 {
     DVec3::new(alpha * across.x, alpha * across.y, z).normalize()
 }
 
-/// `D / (2 (k n_dot_v + t))`, t the length of the stretched `v` [EtoTokuyoshi23, eq. 8]; 0 outside the cap.
+/// Computes `D / (2 (k n_dot_v + t))`, t the length of the stretched `v` [EtoTokuyoshi23, eq. 8]; 0 outside the cap.
 pub(super) fn pdf_bounded_l(v_local: DVec3, h_local: DVec3, alpha: f64) -> f64 {
     let cap = BoundedCap::new(v_local, alpha);
     let h = DVec3::new(h_local.x, h_local.y, alpha * h_local.z).normalize();
@@ -119,7 +119,7 @@ pub(super) fn pdf_bounded_l(v_local: DVec3, h_local: DVec3, alpha: f64) -> f64 {
     Ggx.d(h_local, alpha) / (2.0 * (cap.k * v_local.z + cap.length))
 }
 
-/// `G1(v) D / (4 n_dot_v)`.
+/// Computes `G1(v) D / (4 n_dot_v)`.
 pub(super) fn pdf_visible_l(v_local: DVec3, h_local: DVec3, alpha: f64) -> f64 {
     if v_local.dot(h_local) <= 0.0 {
         return 0.0;

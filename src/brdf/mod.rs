@@ -1,11 +1,12 @@
 //! Microfacet BRDF models in f64: the twins of `shaders/brdf`.
 //!
-//! `f(v, l) = D(h) F(v·h) G2(v, l) / (4 n_dot_v n_dot_l)` [Walter07, eq. 20]. All vectors are local (n is +z) and point away from
-//! the surface. `eval` never includes the cosine.
+//! `f(v, l) = D(h) F(v·h) G2(v, l) / (4 n_dot_v n_dot_l)` [Walter07, eq. 20]. All vectors are local (n is +z) and point
+//! away from the surface. `eval` excludes the cosine.
 //!
-//! Densities. A half vector of density `pdf_h` gives `l = reflect(-v, h) = 2 (v·h) h - v` of density `pdf_l = pdf_h / (4 |v·h|)`
-//! [Walter07, eq. 14]. So `f n_dot_l / pdf_l` is `F G2 (v·h) / (n_dot_v n_dot_h)` for `pdf_h = D n_dot_h`, and `F G2 / G1(v)` for the
-//! visible normals `pdf_h = G1(v) max(v·h, 0) D / n_dot_v` \[HeitzDeon14\]. A sample whose `l` lies below the horizon has weight 0 and counts.
+//! Densities: a half vector of density `pdf_h` gives `l = reflect(-v, h) = 2 (v·h) h - v` of density `pdf_l = pdf_h /
+//! (4 |v·h|)` [Walter07, eq. 14]. So `f n_dot_l / pdf_l` is `F G2 (v·h) / (n_dot_v n_dot_h)` for `pdf_h = D n_dot_h`,
+//! and `F G2 / G1(v)` for visible normals, `pdf_h = G1(v) max(v·h, 0) D / n_dot_v` \[HeitzDeon14\]. A sample whose `l`
+//! lies below the horizon has weight 0 but counts.
 
 use crate::spelling::{Listed, listed};
 use glam::{DVec2, DVec3};
@@ -23,54 +24,59 @@ pub use phong::{Phong, exponent_from_alpha};
 
 /// A microfacet distribution with its Smith masking. `alpha` is in (0, 1] and precise down to 0.001.
 pub trait Brdf: Sync + std::fmt::Debug {
-    /// Name in configs, tables and shader file names.
+    /// Name in configs, tables and shader files.
     fn name(&self) -> &'static str;
     /// One sentence for `splitsum list`.
     fn about(&self) -> &'static str;
     /// Normal distribution D(h), 1/sr, of a unit vector; 0 below the horizon. `∫ D n_dot_h = 1`.
     fn d(&self, h_local: DVec3, alpha: f64) -> f64;
-    /// Smith masking G1 in [0, 1] of one direction with cosine `n_dot_w` to the normal; 0 below the horizon.
+    /// Smith masking G1, in [0, 1], of a direction with cosine `n_dot_w` to the normal; 0 below the horizon.
     fn g1(&self, n_dot_w: f64, alpha: f64) -> f64;
-    /// Exact Smith masking of this model's own D: `n_dot_w / ∫ D(m) max(w·m, 0) dm` \[Heitz14\]; 0 below the horizon.
+    /// Exact Smith masking of the model's own D: `n_dot_w / ∫ D(m) max(w·m, 0) dm` \[Heitz14\]; 0 below the horizon.
     ///
-    /// It differs from [`Brdf::g1`] where that is a fit. With it no surface reflects more than it receives: the integral says that
-    /// the visible facets fill the projected area, and shadowing only takes light away.
+    /// It differs from [`Brdf::g1`] if that is a fit. With it no surface reflects more than it receives: by the
+    /// integral, the visible facets fill the projected area, and shadowing only removes light.
     fn g1_exact(&self, n_dot_w: f64, alpha: f64) -> f64;
-    /// Half vector with density `pdf_h = D(h) n_dot_h`. `xi.x` in [0, 1) is 0 at the normal, `φ = 2π xi.y`.
+    /// Samples a half vector with density `pdf_h = D(h) n_dot_h`. `xi.x` in [0, 1) is 0 at the normal, `φ = 2π xi.y`.
     fn sample_d(&self, xi: DVec2, alpha: f64) -> DVec3;
-    /// Half vector among the normals that `v_local` sees, for the method `sampled-vndf`; its density over `l` is [`Brdf::pdf_vndf_l`].
-    /// By default those of GGX within the cap that reflects above the horizon \[EtoTokuyoshi23\].
+    /// Samples a half vector among the normals visible from `v_local`, for the method `sampled-vndf`;
+    /// [`Brdf::pdf_vndf_l`] is its density over `l`. The default draws normals of GGX within the cap that reflects
+    /// above the horizon \[EtoTokuyoshi23\].
     fn sample_vndf(&self, xi: DVec2, v_local: DVec3, alpha: f64) -> DVec3 {
         ggx::sample_bounded(xi, v_local, alpha)
     }
-    /// Density of `l = reflect(-v, h)` per solid angle of `l` under [`Brdf::sample_vndf`]; it integrates to 1 over the whole sphere of `l`.
+    /// Density of `l = reflect(-v, h)` per solid angle of `l` under [`Brdf::sample_vndf`]; integrates to 1 over the
+    /// whole sphere of `l`.
     fn pdf_vndf_l(&self, v_local: DVec3, h_local: DVec3, alpha: f64) -> f64 {
         ggx::pdf_bounded_l(v_local, h_local, alpha)
     }
-    /// Largest weight of [`Brdf::sample_vndf`] in constant light, `G2 D / (4 n_dot_v pdf_l)`, with the exact masking of the model.
+    /// Largest weight of [`Brdf::sample_vndf`] in constant light, `G2 D / (4 n_dot_v pdf_l)`, with the model's exact
+    /// masking.
     fn vndf_weight_max(&self) -> f64 {
         let [d, area] = self.over_ggx();
         d * area
     }
-    /// Largest ratio of `D` to GGX's of the same alpha, and of the areas that a view sees: how far GGX's visible normals may fall short.
+    /// Largest ratios of `D` and of the visible area to GGX's of the same alpha: bounds of the weight of GGX's visible
+    /// normals.
     fn over_ggx(&self) -> [f64; 2];
-    /// Half vector by the best known sampler for the model given `v_local` (`v_local.z >= 0`); its density over `l` is
-    /// [`Brdf::pdf_visible_l`]. By default the visible normals of GGX of the same alpha: each model that keeps them says how well they serve.
+    /// Samples a half vector by the best known sampler given `v_local` (`v_local.z >= 0`); [`Brdf::pdf_visible_l`] is
+    /// its density over `l`. The default draws the visible normals of GGX of the same alpha; each model that keeps it
+    /// documents the quality.
     fn sample_visible(&self, xi: DVec2, v_local: DVec3, alpha: f64) -> DVec3 {
         ggx::sample_visible(xi, v_local, alpha)
     }
-    /// Density of `l = reflect(-v, h)` per solid angle of `l` under [`Brdf::sample_visible`], with `h = normalize(v + l)`.
-    ///
-    /// It holds for `l` above and below the horizon and integrates to 1 over the whole sphere of `l`.
+    /// Density of `l = reflect(-v, h)` per solid angle of `l` under [`Brdf::sample_visible`], `h = normalize(v + l)`;
+    /// integrates to 1 over the whole sphere of `l`.
     fn pdf_visible_l(&self, v_local: DVec3, h_local: DVec3, alpha: f64) -> f64 {
         ggx::pdf_visible_l(v_local, h_local, alpha)
     }
 }
 
-/// [`Brdf::over_ggx`] of distributions without a long tail: 4/e where their slope is alpha, √π at a grazing view.
+/// [`Brdf::over_ggx`] of distributions without long tails: 4/e at slopes near alpha, √π at a grazing view.
 const SHORT_TAILED: [f64; 2] = [4.0 / E, 1.772_453_850_905_516];
 
-/// Every model. Adding one: its file here, `shaders/brdf/<stem>.glsl`, one line here. A stem is the name with `_` for `-`.
+/// Every model. To add one: its file here, `shaders/brdf/<stem>.glsl`, a line here. A stem is the name with `_` for
+/// `-`.
 pub static MODELS: &[&dyn Brdf] = &[&Ggx, &Beckmann, &Phong];
 
 impl Listed for dyn Brdf {
@@ -106,7 +112,7 @@ listed!(MaskingShadowing, "masking-shadowing", {
     "smith-exact": SmithExact,
 });
 
-/// Masking G1 in [0, 1] of one direction; 0 if its cosine is not positive.
+/// Returns the masking G1, in [0, 1], of a direction; 0 if its cosine is not positive.
 ///
 /// Schlick: `G1 = c / (c (1 - k) + k)`, `k = alpha/2`, the same for every model [Karis13, eq. 4].
 pub fn g1(model: &dyn Brdf, n_dot_w: f64, alpha: f64, masking: MaskingShadowing) -> f64 {
@@ -121,10 +127,10 @@ pub fn g1(model: &dyn Brdf, n_dot_w: f64, alpha: f64, masking: MaskingShadowing)
     }
 }
 
-/// Masking-shadowing G2 in [0, 1]; 0 if a cosine is not positive.
+/// Returns the masking-shadowing G2, in [0, 1]; 0 if a cosine is not positive.
 ///
-/// The product of both G1 [Walter07, eq. 23], or correlated: `Λ = 1/G1 - 1`, so `1/(1 + Λ(v) + Λ(l)) = 1/(1/G1(v) + 1/G1(l) - 1)`
-/// [Heitz14, eq. 99].
+/// The product of both G1 [Walter07, eq. 23], or correlated: `Λ = 1/G1 - 1`, so `1/(1 + Λ(v) + Λ(l)) = 1/(1/G1(v) +
+/// 1/G1(l) - 1)` [Heitz14, eq. 99].
 pub fn g2(model: &dyn Brdf, n_dot_v: f64, n_dot_l: f64, alpha: f64, masking: MaskingShadowing) -> f64 {
     if n_dot_v <= 0.0 || n_dot_l <= 0.0 {
         return 0.0;
@@ -132,7 +138,7 @@ pub fn g2(model: &dyn Brdf, n_dot_v: f64, n_dot_l: f64, alpha: f64, masking: Mas
     g2_from_g1(g1(model, n_dot_v, alpha, masking), g1(model, n_dot_l, alpha, masking), masking)
 }
 
-/// [`g2`] of both G1.
+/// Combines two G1 into [`g2`].
 pub fn g2_from_g1(g1_v: f64, g1_l: f64, masking: MaskingShadowing) -> f64 {
     match masking {
         // Multiplied out, so that a vanishing G1 gives 0 and not 1/∞.
@@ -141,22 +147,22 @@ pub fn g2_from_g1(g1_v: f64, g1_l: f64, masking: MaskingShadowing) -> f64 {
     }
 }
 
-/// Schlick's `(1 - v·h)⁵`: the weight of `f90 = 1` against `f0`.
+/// Returns Schlick's `(1 - v·h)⁵`, the weight of `f90 = 1`.
 pub fn schlick_weight(v_dot_h: f64) -> f64 {
     (1.0 - v_dot_h).clamp(0.0, 1.0).powi(5)
 }
 
-/// Fresnel reflectance by Schlick with `f90 = 1`, per channel.
+/// Returns Schlick's Fresnel reflectance with `f90 = 1`, per channel.
 pub fn f_schlick(f0: DVec3, v_dot_h: f64) -> DVec3 {
     f0 + (DVec3::ONE - f0) * schlick_weight(v_dot_h)
 }
 
-/// Reflectance at normal incidence of a dielectric of index `ior` in air: `((1 - ior)/(1 + ior))²`.
+/// Returns the reflectance at normal incidence of a dielectric of index `ior` in air: `((1 - ior)/(1 + ior))²`.
 pub fn f0_from_ior(ior: f64) -> f64 {
     ((1.0 - ior) / (1.0 + ior)).powi(2)
 }
 
-/// `D G2 / (4 n_dot_v n_dot_l)` (1/sr), the BRDF for `F = 1`; 0 if `v` or `l` is not above the horizon.
+/// Computes `D G2 / (4 n_dot_v n_dot_l)` (1/sr), the BRDF for `F = 1`; 0 if `v` or `l` is not above the horizon.
 pub fn eval_without_fresnel(
     model: &dyn Brdf,
     v_local: DVec3,
@@ -171,7 +177,7 @@ pub fn eval_without_fresnel(
     model.d(h, alpha) * g2(model, v_local.z, l_local.z, alpha, masking) / (4.0 * v_local.z * l_local.z)
 }
 
-/// The BRDF (1/sr), per channel, without the cosine; 0 if `v` or `l` is not above the horizon.
+/// Computes the BRDF (1/sr), per channel, without the cosine; 0 if `v` or `l` is not above the horizon.
 pub fn eval(
     model: &dyn Brdf,
     v_local: DVec3,
@@ -187,14 +193,15 @@ pub fn eval(
     f_schlick(f0, v_local.dot((v_local + l_local).normalize())) * f
 }
 
-/// `l = 2 (v·h) h - v`.
+/// Returns `l = 2 (v·h) h - v`.
 pub fn reflect(v: DVec3, h: DVec3) -> DVec3 {
     2.0 * v.dot(h) * h - v
 }
 
-/// Density of `l = reflect(-v, h)` per solid angle of `l` under [`Brdf::sample_d`]: `D n_dot_h / (4 |v·h|)`, for every `l`.
+/// Returns the density of `l = reflect(-v, h)` per solid angle of `l` under [`Brdf::sample_d`]: `D n_dot_h / (4
+/// |v·h|)`, for every `l`.
 ///
-/// A normal that faces away from `v` (`v·h < 0`) yields an `l` whose half vector is `-h`, so the pair ±h stands for one density.
+/// A normal facing away from `v` (`v·h < 0`) gives an `l` whose half vector is `-h`: the pair ±h has one density.
 pub fn pdf_d_l(model: &dyn Brdf, v_local: DVec3, h_local: DVec3, alpha: f64) -> f64 {
     let h = if h_local.z < 0.0 { -h_local } else { h_local };
     let pdf_h = model.d(h, alpha) * h.z;
@@ -202,7 +209,7 @@ pub fn pdf_d_l(model: &dyn Brdf, v_local: DVec3, h_local: DVec3, alpha: f64) -> 
     if pdf_h == 0.0 { 0.0 } else { pdf_h / (4.0 * v_local.dot(h).abs()) }
 }
 
-/// Microfacet width of an authored perceptual roughness in [0, 1]. Inverse: [`perceptual_roughness_from_alpha`].
+/// Returns the microfacet width of a perceptual roughness in [0, 1]. Inverse: [`perceptual_roughness_from_alpha`].
 pub fn alpha_from_perceptual_roughness(perceptual_roughness: f64) -> f64 {
     perceptual_roughness * perceptual_roughness
 }
@@ -212,12 +219,13 @@ pub fn perceptual_roughness_from_alpha(alpha: f64) -> f64 {
     alpha.sqrt()
 }
 
-/// `sin² θ_h` and `cos² θ_h`. From x and y: `1 - z²` would lose every digit of a lobe of width 0.001.
+/// Returns `sin² θ_h` and `cos² θ_h`. From x and y: `1 - z²` would lose all digits of a lobe of width 0.001.
 fn sin2_cos2(h_local: DVec3) -> (f64, f64) {
     (h_local.x * h_local.x + h_local.y * h_local.y, h_local.z * h_local.z)
 }
 
-/// Walter's rational fit of the Smith G1 of the Beckmann distribution [Walter07, eq. 27], used for Phong too [Walter07, section 5.2].
+/// Computes Walter's rational fit of the Smith G1 of Beckmann [Walter07, eq. 27], also used for Phong [Walter07,
+/// section 5.2].
 ///
 /// `a = 1/(alpha tan θ)`; for Phong `a = √(exponent/2 + 1)/tan θ`, the same number since `exponent = 2/alpha² - 2`.
 /// The fit ends at 1.6, where it is 1.00003; relative error below 0.35 %.

@@ -1,26 +1,28 @@
-//! Phong: `D = (exponent + 2)/(2π) cos^exponent θ_h` [Walter07, eq. 30] with `exponent = 2/alpha² - 2`, which matches the width of
-//! Beckmann at small alpha [Walter07, section 5.2]; G1 by the rational fit.
+//! Phong: `D = (exponent + 2)/(2π) cos^exponent θ_h` [Walter07, eq. 30] with `exponent = 2/alpha² - 2`, which matches
+//! the width of Beckmann at small alpha [Walter07, section 5.2]; G1 by the rational fit.
 //!
-//! That fit is not the Smith masking of this distribution: at large alpha and grazing view energy is created (directional albedo up
-//! to 1.14 at alpha 1, n_dot_v 0.1).
+//! The fit is not the Smith masking of this distribution: at large alpha and grazing views energy is created
+//! (directional albedo up to 1.14 at alpha 1, n_dot_v 0.1).
 //!
 //! # The exact Smith masking
 //!
-//! Phong's slopes `(p, q)` have density `D cos⁴ θ = (exponent + 2)/(2π) (1 + p² + q²)^(-(N + 1))`, `N = 1/alpha²`. Integrated over
-//! the slope across the view, the slope q along it has density `C (1 + q²)^(-(N + 1/2))`, `C = Γ(N + 1/2)/(√π Γ(N))`. Smith's
-//! `Λ = 1/μ ∫_μ^∞ (q - μ) P(q) dq`, `μ = cot θ` \[Heitz14\], is then, with `q = cot ψ`,
+//! Phong's slopes `(p, q)` have density `D cos⁴ θ = (exponent + 2)/(2π) (1 + p² + q²)^(-(N + 1))`, `N = 1/alpha²`.
+//! Integrated over the slope across the view, the slope q along it has density `C (1 + q²)^(-(N + 1/2))`, `C = Γ(N +
+//! 1/2)/(√π Γ(N))`. With `q = cot ψ`, Smith's `Λ = 1/μ ∫_μ^∞ (q - μ) P(q) dq`, `μ = cot θ` \[Heitz14\], is
 //!
-//! `Λ = C (tan θ sin^(2N-1) θ / (2N - 1) - ∫_0^θ sin^(2N-1) ψ dψ)`, and the integral is `I_x(N, 1/2)/(2C)` at `x = sin² θ`, so
+//! `Λ = C (tan θ sin^(2N-1) θ / (2N - 1) - ∫_0^θ sin^(2N-1) ψ dψ)`, and the integral is `I_x(N, 1/2)/(2C)` at `x = sin²
+//! θ`, so
 //!
 //! `G1 = 1/(1 + Λ) = cos θ / (cos θ (1 - I_x(N, 1/2)/2) + C sin^(2N) θ / (2N - 1))`.
 //!
-//! At alpha = 1 it is `2 cos θ / (1 + cos θ)`, that of GGX, whose D is the same there; for alpha → 0 it becomes that of Beckmann.
+//! At alpha = 1 it is `2 cos θ / (1 + cos θ)`, as for GGX, whose D is the same there; for alpha → 0 it approaches
+//! Beckmann's.
 //!
 //! # Sampling
 //!
-//! No sampler of Phong's visible normals is known in closed form. `sample_visible` draws those of GGX of the same alpha: with
-//! `k = 1/alpha² - 1` and `s = sin² θ_h`, `D / D_ggx = (1 - s)^k (1 + k s)²`, at most `4/e` (near `k s = 1`), so that weights are
-//! bounded. Points of D itself would see only a few of the facets that a grazing view sees.
+//! Phong's visible normals have no known sampler in closed form. `sample_visible` draws GGX's of the same alpha:
+//! with `k = 1/alpha² - 1` and `s = sin² θ_h`, `D / D_ggx = (1 - s)^k (1 + k s)²`, at most `4/e` (near `k s = 1`), so
+//! weights are bounded. Samples of D itself would hit only a few of the facets that a grazing view sees.
 
 use super::{Brdf, SHORT_TAILED, g1_rational, sin2_cos2};
 use crate::math::incomplete_beta::{gamma_ratio_half, incomplete_beta_half};
@@ -32,7 +34,7 @@ use std::f64::consts::{PI, TAU};
 #[derive(Debug)]
 pub struct Phong;
 
-/// Phong exponent of a microfacet width in (0, 1]: `2/alpha² - 2`, from ∞ down to 0.
+/// Returns the Phong exponent of a microfacet width in (0, 1]: `2/alpha² - 2`, from ∞ to 0.
 pub fn exponent_from_alpha(alpha: f64) -> f64 {
     2.0 / (alpha * alpha) - 2.0
 }
@@ -65,7 +67,7 @@ impl Brdf for Phong {
         g1_rational(n_dot_w, alpha)
     }
 
-    /// See the module's text.
+    /// See the module's documentation.
     fn g1_exact(&self, n_dot_w: f64, alpha: f64) -> f64 {
         if n_dot_w <= 0.0 {
             return 0.0;
@@ -78,7 +80,7 @@ impl Brdf for Phong {
         cos_theta / (cos_theta * (1.0 - 0.5 * incomplete_beta_half(n, cos_theta)) + grazing)
     }
 
-    /// `cos θ = (1 - u)^(1/(exponent + 2))`, density `D cos θ` [Walter07, section 5.2].
+    /// Samples `cos θ = (1 - u)^(1/(exponent + 2))`, density `D cos θ` [Walter07, section 5.2].
     fn sample_d(&self, xi: DVec2, alpha: f64) -> DVec3 {
         // 1/(exponent + 2) = alpha²/2
         let ln_cos2 = alpha * alpha * (-xi.x).ln_1p();

@@ -1,6 +1,6 @@
 //! The g-buffer of the scene `design`: pixel i of N is surface i of N of [`crate::math::design`].
 //!
-//! The camera's eye is the origin and the position is -v, so that shading finds that v by itself.
+//! The eye is the origin and positions are -v, so that shading computes the right v.
 
 use super::Gbuffer;
 use crate::math::design::frame;
@@ -8,7 +8,7 @@ use crate::pixels::Pixels;
 use crate::scene::Scene;
 use glam::Vec3;
 
-/// The attachments, row by row.
+/// Fills the attachments.
 pub fn gbuffer(scene: &Scene, [width, height]: [u32; 2]) -> Gbuffer<f32> {
     let material = &scene.materials[0];
     let rgb = |values: [f32; 3]| Vec3::from_array(values);

@@ -1,4 +1,4 @@
-//! The g-buffer: what the camera sees, one texel a pixel, through the pixel's centre.
+//! The g-buffer: what the camera sees, one texel per pixel, through the pixel's centre.
 //!
 //! Four attachments of four f32, all 0 where nothing is hit; row 0 is the top row:
 //!
@@ -9,20 +9,22 @@
 //! | 2 | albedo, linear, before `1 - metallic` | metallic |
 //! | 3 | f0: `mix(dielectric f0, albedo, metallic)` | index of the material |
 //!
-//! Spheres are exact: with c the centre relative to the ray's origin, d the ray's direction and x = d x c, a ray hits where
-//! `r² d·d - x·x >= 0`, at `(d x x - sqrt(r² d·d - x·x) d) / d·d` from the centre.
+//! Spheres are exact: with c the centre relative to the ray's origin, d the ray's direction and x = d x c, a ray hits
+//! if `r² d·d - x·x >= 0`, at `(d x x - sqrt(r² d·d - x·x) d) / d·d` from the centre.
 //!
-//! Meshes have interpolated positions and normals and are shaded on both sides: where a triangle is seen from the back, the normal is
-//! negated. A material may leave backs out. An interpolated normal may still lean away from the viewer near a silhouette; shading clamps its
-//! `n_dot_v`. Maps are read here and nowhere else, so every method and the reference see one surface: trilinearly with v up, at
-//! the level whose texels are as wide as the longer of the steps to the neighbours within a quad of 2 x 2 pixels. With interpolated normal n, tangent t (not normalised again \[Mikkelsen08\]) and m of the normal map, the normal is
-//! `normalize(m.x t + m.y s (n x t) + m.z n)`, s the tangent's sign; metallic is multiplied by the map's blue, alpha by its green squared. The
-//! device snaps vertices to its sub-pixel grid (1/256 pixel is common), so mesh texels agree with the twin to about that much of a pixel;
-//! spheres do not depend on it.
+//! Meshes have interpolated positions and normals and are shaded on both sides: seen from the back, the normal is
+//! negated. A material may cull backs. Near a silhouette, an interpolated normal may lean away from the viewer; shading
+//! clamps its `n_dot_v`. Only this pass reads maps, so every method and the reference see the same surface. Lookups are
+//! trilinear with v up, at the level whose texels are as wide as the longer step to a neighbour within a quad of 2 x 2
+//! pixels. With interpolated normal n, tangent t (not renormalised \[Mikkelsen08\]) and m of the normal map, the normal
+//! is `normalize(m.x t + m.y s (n x t) + m.z n)`, s the tangent's sign; metallic is multiplied by the map's blue, alpha
+//! by its green squared. Devices snap vertices to a sub-pixel grid (1/256 pixel is common), so mesh texels match the
+//! twin only to about that much of a pixel; spheres do not depend on it.
 //!
-//! Draw state: no culling but of one-sided meshes, front faces counter-clockwise, depth test `<` on 1. Spheres: `sphere.vert/frag`, a strip of 4 vertices, one
-//! instance a sphere, depth written by the shader. Meshes: `mesh.vert/frag`, indexed triangle lists with position, normal, uv and tangent at
-//! locations 0 to 3. Set 0: binding 0 spheres, 1 materials, 2 to 5 the maps of albedo, metallic, roughness and normal.
+//! Draw state: only one-sided meshes are culled, front faces are counter-clockwise, depth test `<` on 1. Spheres:
+//! `sphere.vert/frag`, a strip of 4 vertices, one instance per sphere, depth written by the shader. Meshes:
+//! `mesh.vert/frag`, indexed triangle lists with position, normal, uv and tangent at locations 0 to 3. Set 0: binding 0
+//! spheres, 1 materials, 2 to 5 the maps of albedo, metallic, roughness and normal.
 
 pub mod design;
 pub mod pass;
@@ -33,10 +35,9 @@ use crate::pixels::{GrayImage, Pixels};
 use crate::scene::{Camera, Material, Projection, Scene, Sphere};
 use glam::DVec3;
 
-/// Names of the attachments, in order.
 pub const ATTACHMENT_NAMES: [&str; 4] = ["position-mask", "normal-alpha", "albedo-metallic", "f0-material"];
 
-/// The four attachments: f32 as the device writes them, f64 from the twin.
+/// The four attachments: f32 from the device, f64 from the twin.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Gbuffer<T> {
     pub position_mask: Pixels<[T; 4]>,
@@ -52,12 +53,12 @@ impl<T> From<[Pixels<[T; 4]>; 4]> for Gbuffer<T> {
 }
 
 impl<T: Copy + Into<f64>> Gbuffer<T> {
-    /// 1 where a surface is hit.
+    /// Returns 1 for pixels that hit a surface, else 0.
     pub fn mask(&self) -> GrayImage {
         self.position_mask.map(|texel| texel[3].into() as f32)
     }
 
-    /// Cosine between normal and view, not clamped; 0 where nothing is hit.
+    /// Returns the cosine between normal and view, not clamped; 0 if nothing is hit.
     pub fn n_dot_v(&self, camera: &Camera) -> GrayImage {
         let xyz = |texel: [T; 4]| DVec3::new(texel[0].into(), texel[1].into(), texel[2].into());
         let [width, height] = [self.position_mask.width, self.position_mask.height];
@@ -71,7 +72,8 @@ impl<T: Copy + Into<f64>> Gbuffer<T> {
     }
 }
 
-/// The push constants for an image of `size` pixels; `material` is the index of the mesh's material (unused by spheres).
+/// Returns the push constants for an image of `size` pixels; `material` is the index of the mesh's material (unused by
+/// spheres).
 pub fn params(camera: &Camera, size: [u32; 2], material: usize) -> GbufferParams {
     let [extent_x, extent_y] = camera.extent(f64::from(size[0]) / f64::from(size[1]));
     let [depth_scale, depth_offset] = camera.depth_scale_offset();
@@ -89,7 +91,7 @@ pub fn params(camera: &Camera, size: [u32; 2], material: usize) -> GbufferParams
     }
 }
 
-/// The spheres as the pass reads them.
+/// Packs the spheres for the pass.
 pub fn sphere_data(scene: &Scene) -> Vec<SphereData> {
     let data = |sphere: &Sphere| SphereData {
         center_radius: sphere.center.extend(sphere.radius).as_vec4().to_array(),
@@ -98,7 +100,7 @@ pub fn sphere_data(scene: &Scene) -> Vec<SphereData> {
     scene.spheres.iter().map(data).collect()
 }
 
-/// The materials as the pass reads them.
+/// Packs the materials for the pass.
 pub fn material_data(scene: &Scene) -> Vec<MaterialData> {
     let with = |[r, g, b]: [f32; 3], a: f32| [r, g, b, a];
     let data = |material: &Material| MaterialData {

@@ -1,4 +1,4 @@
-//! The device pass: draws a scene into the four attachments.
+//! The device pass that draws a scene into the four attachments.
 
 use super::{ATTACHMENT_NAMES, Gbuffer, material_data, params, sphere_data};
 use crate::glsl::layout::SharedStruct;
@@ -8,7 +8,7 @@ use crate::gpu::{
 use crate::pixels::Pixels;
 use crate::scene::{Camera, Mesh, Scene, Texture};
 
-/// A strip of four vertices, one instance a sphere.
+/// A strip of four vertices, one instance per sphere.
 const SPHERES: GraphicsDescription =
     GraphicsDescription { shaders: ["gbuffer/sphere.vert", "gbuffer/sphere.frag"], attributes: &[], strip: true };
 /// Position, normal, uv and tangent.
@@ -18,23 +18,23 @@ const MESHES: GraphicsDescription = GraphicsDescription {
     strip: false,
 };
 
-/// Every draw of the pass.
+/// All draws of the pass.
 pub const PIPELINES: [GraphicsDescription; 2] = [SPHERES, MESHES];
 
-/// Every shader of the pass.
+/// Lists the shaders of the pass.
 pub fn shaders() -> impl Iterator<Item = &'static str> {
     PIPELINES.into_iter().flat_map(|description| description.shaders)
 }
 
-/// A scene on the device.
 pub struct SceneData {
     spheres: Buffer,
     sphere_count: u32,
     materials: Buffer,
     meshes: Vec<MeshData>,
     textures: Vec<(Image, Wrap)>,
-    /// Stand for a missing map of factors, and of normals.
+    /// Replaces missing maps of factors.
     white: (Image, Wrap),
+    /// Replaces missing normal maps.
     flat: (Image, Wrap),
 }
 
@@ -93,7 +93,6 @@ pub fn record(
 }
 
 impl SceneData {
-    /// Uploads a scene.
     pub fn new(gpu: &Gpu, scene: &Scene) -> Result<Self, GpuError> {
         let bytes = |name: &str, bytes: Vec<u8>| gpu.buffer_from(name, &bytes);
         let spheres = sphere_data(scene).iter().flat_map(SharedStruct::to_bytes).collect();
@@ -174,7 +173,7 @@ impl GbufferImages {
         self.attachments.iter().zip(all).try_for_each(|(image, texels)| gpu.write_image(image, 0, &texels.data))
     }
 
-    /// The attachments' texels.
+    /// Reads the attachments.
     pub fn read(&self, gpu: &Gpu) -> Result<Gbuffer<f32>, GpuError> {
         let [width, height] = self.size;
         let read = |image| Ok(Pixels::new(width, height, gpu.read_image(image, 0)?));

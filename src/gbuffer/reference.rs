@@ -1,6 +1,5 @@
-//! The f64 twin: one ray through each pixel's centre against exact spheres and every triangle of every mesh.
-//!
-//! Triangles are tried one after another; that is meant for the small meshes of tests.
+//! The f64 twin: one ray through each pixel's centre against exact spheres and all triangles, one after another (for
+//! small test meshes).
 
 use super::Gbuffer;
 use crate::glsl::constants::ALPHA_MIN;
@@ -10,18 +9,18 @@ use crate::scene::{Camera, Material, Mesh, Scene, Sphere, Texture};
 use glam::{DVec2, DVec3, DVec4, Vec2, Vec3, Vec4, Vec4Swizzles as _};
 use rayon::prelude::*;
 
-/// What a ray hits first.
+/// The first hit of a ray.
 struct Hit<'a> {
     /// Distance along the ray.
     t: f64,
     position: DVec3,
-    /// Unit normal of a sphere; of a mesh as it is interpolated.
+    /// Unit normal of a sphere; interpolated normal of a mesh.
     n: DVec3,
     material: usize,
     mapped: Option<Mapped<'a>>,
 }
 
-/// What the maps of a mesh are looked up by.
+/// Parameters of a mesh's map lookups.
 struct Mapped<'a> {
     mesh: &'a Mesh,
     triangle: [u32; 3],
@@ -32,7 +31,7 @@ struct Mapped<'a> {
     side: f64,
 }
 
-/// The g-buffer of `scene` in f64.
+/// Computes the g-buffer of `scene` in f64.
 pub fn gbuffer(scene: &Scene, camera: &Camera, size: [u32; 2]) -> Gbuffer<f64> {
     let [width, height] = size;
     let texels: Vec<[[f64; 4]; 4]> = (0..width * height)
@@ -42,7 +41,7 @@ pub fn gbuffer(scene: &Scene, camera: &Camera, size: [u32; 2]) -> Gbuffer<f64> {
             let spheres = scene.spheres.iter().filter_map(|sphere| hit_sphere(sphere, origin, direction));
             let meshes = scene.meshes.iter().filter_map(|mesh| hit_mesh(scene, mesh, origin, direction));
             let nearest = spheres.chain(meshes).min_by(|a, b| a.t.total_cmp(&b.t));
-            // As the device takes differences: within quads of two by two pixels, on the plane of the triangle.
+            // Differences as on the device: within quads of 2 x 2 pixels, on the plane of the triangle.
             let quad = [(1, 0), (0, 1)].map(|(x, y)| camera.ray((i % width) ^ x, (i / width) ^ y, size));
             nearest.map_or([[0.0; 4]; 4], |hit| texels(scene, &hit, quad))
         })
@@ -77,7 +76,8 @@ fn texels(scene: &Scene, hit: &Hit, quad: [(DVec3, DVec3); 2]) -> [[f64; 4]; 4] 
     [with(hit.position, 1.0), with(n, alpha), with(albedo, metallic), with(f0, hit.material as f64)]
 }
 
-/// The texture at `uv` (v up), trilinear at the level whose texels are as wide as the longer step to a neighbouring pixel.
+/// Looks up the texture at `uv` (v up), trilinearly at the level whose texels are as wide as the longer step to a
+/// neighbouring pixel.
 fn texture_at(texture: &Texture, uv: DVec2, steps: [DVec2; 2]) -> DVec3 {
     let size = DVec2::new(texture.levels[0].width.into(), texture.levels[0].height.into());
     let [across, down] = steps.map(|step| (step * size).length_squared());
@@ -86,7 +86,7 @@ fn texture_at(texture: &Texture, uv: DVec2, steps: [DVec2; 2]) -> DVec3 {
     trilinear(&texture.levels, DVec2::new(uv.x, 1.0 - uv.y), lod, texture.wrap, value)
 }
 
-/// `|origin + t direction - center|² = r²`, nearer root, unit `direction`.
+/// Solves `|origin + t direction - center|² = r²` for the nearer root; `direction` has unit length.
 fn hit_sphere(sphere: &Sphere, origin: DVec3, direction: DVec3) -> Option<Hit<'static>> {
     let from_center = origin - sphere.center;
     let half_b = direction.dot(from_center);
@@ -109,9 +109,9 @@ fn hit_mesh<'a>(scene: &Scene, mesh: &'a Mesh, origin: DVec3, direction: DVec3) 
 /// Where a ray crosses the plane of a triangle.
 struct Crossing {
     t: f64,
-    /// Of the corners.
+    /// Barycentric coordinates.
     weights: [f64; 3],
-    /// Positive where the front (counter-clockwise) side faces the ray.
+    /// Positive if the front (counter-clockwise) side faces the ray.
     determinant: f64,
 }
 

@@ -1,4 +1,4 @@
-//! Answering a table of queries, and the table of answers.
+//! Answers tables of queries.
 
 use super::{Kind, Queries, Query, rungs};
 use crate::math::equirect_quadrature::EquirectQuadrature;
@@ -23,16 +23,15 @@ use std::path::Path;
 /// A table of queries with their answers.
 #[derive(Debug)]
 pub struct Answers {
-    /// The columns of the queries, then those of the answers.
+    /// The columns of the queries, then the answers' columns.
     pub columns: Vec<String>,
     pub rows: Vec<Vec<Cell>>,
-    /// Rows whose integration ended at its cap of parts, above the error that was asked for. Their bounds say what was reached.
+    /// Rows whose integration reached its cap of parts before the requested error; their bounds say what was reached.
     pub unmet: usize,
-    /// Rows of which a number is not finite, from 1: a direction or cosine so small that f64 cannot hold what it makes.
+    /// Rows, from 1, with a number that is not finite: a direction or cosine too small for f64.
     pub not_finite: Vec<usize>,
 }
 
-/// The numbers of one answer.
 struct Numbers {
     values: Vec<f64>,
     /// Whether the integration met its tolerance.
@@ -40,9 +39,9 @@ struct Numbers {
 }
 
 impl Queries {
-    /// Answers every row, in parallel and in order. `done` is called after each, from any thread.
+    /// Answers every row, in parallel and in order, and calls `done` after each, from any thread.
     ///
-    /// `tolerance` does not apply to DFG pairs (5e-7) and SH9 (1e-9), which are quicker than their files.
+    /// `tolerance` does not apply to DFG pairs (5e-7) and SH9 (1e-9), which are cheap.
     pub fn answer(&self, tolerance: Tolerance, done: impl Fn() + Sync) -> Answers {
         let (colors, numbers) = (self.kind.colors(), self.kind.columns().numbers);
         let color_columns = colors.iter().flat_map(|color| {
@@ -54,7 +53,7 @@ impl Queries {
         let columns = self.columns.iter().cloned().chain(color_columns).chain(numbers).collect();
 
         let mut found: Vec<Option<Numbers>> = self.queries.iter().map(|_| None).collect();
-        // One environment after the other: prepared maps are large.
+        // One environment at a time: prepared maps are large.
         let groups = self.environments.iter().enumerate().map(|(i, e)| (Some(i), Some(e))).chain([(None, None)]);
         for (index, environment) in groups {
             let members: Vec<usize> =
@@ -63,7 +62,7 @@ impl Queries {
                 continue;
             }
             let quadrature = environment.map(|environment| exact_quadrature(&environment.image));
-            // The same for every normal.
+            // The same for all normals.
             let needs_sh9 = matches!(self.kind, Kind::Ladder | Kind::Sh9);
             let sh9 = quadrature.as_ref().filter(|_| needs_sh9).map(project_bilinear_bounded);
             let answered: Vec<Numbers> = members
@@ -95,11 +94,11 @@ fn answer(
     sh9: Option<&Estimate<COUNT>>,
     tolerance: Tolerance,
 ) -> Numbers {
-    let environment = || environment.expect("a query with an environment is answered with it");
+    let environment = || environment.expect("the environment of the query was prepared");
     let (colors, judged) = match query {
         Query::Shading { surface, .. } => {
             let answer = integrate(environment(), surface, tolerance);
-            // Those with F = 1 are what the integration judges itself by; the others are sums with the same parts.
+            // The integration judges itself by the terms with F = 1; the others are sums of the same parts.
             let judged = vec![answer.specular_white, answer.diffuse];
             (vec![answer.specular, answer.specular_white, answer.diffuse_transmitted, answer.diffuse], judged)
         }
@@ -151,20 +150,19 @@ fn answer(
     Numbers { values, is_met: judged.iter().all(|bounded| is_met(bounded, tolerance)) }
 }
 
-/// Whether the bound keeps the tolerance, relative to the brightest channel.
+/// Tells whether the bound meets the tolerance, relative to the brightest channel.
 fn is_met(bounded: &Bounded, tolerance: Tolerance) -> bool {
-    // Room for the share of Schlick's weight, which is held to a floor of accuracy where it is small.
+    // Room for the share of Schlick's weight, which is only held to a floor of accuracy if small.
     const SLACK: f64 = 2.0;
     bounded.error.max_element() <= SLACK * tolerance.relative * bounded.value.abs().max_element()
 }
 
 impl Answers {
-    /// The table as CSV.
     pub fn to_csv(&self) -> Vec<u8> {
         to_text(&self.columns, self.rows.iter().map(Vec::as_slice))
     }
 
-    /// Writes the table; the file holds the old or the whole new content, never a part.
+    /// Writes the table atomically: the file holds the old or the complete new contents.
     pub fn write(&self, path: &Path) -> Result<(), PixelsError> {
         write_atomically(path, |file| file.write_all(&self.to_csv()))
     }

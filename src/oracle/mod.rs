@@ -1,9 +1,10 @@
-//! Exact answers in f64 to a table of queries, on the CPU: what the device's passes and every approximation are held against.
+//! Exact answers in f64 to tables of queries, on the CPU: the references for the device's passes and all
+//! approximations.
 //!
-//! Each [`Kind`] of query is a table with its own columns; [`Queries::read`] checks a whole file before anything is computed, and
-//! [`Queries::answer`] computes all rows in parallel. The integrals are those of the stages' references: the environment's bilinear
-//! map is integrated exactly, the other factor adaptively, and each number comes with a bound of its absolute error.
-//! Directions are in the environment's frame (y up), radiance is linear RGB in the units of the map.
+//! Each [`Kind`] of query is a table with its own columns. [`Queries::read`] checks a whole file before anything is
+//! computed; [`Queries::answer`] computes all rows in parallel. The integrals are the same as in the stages' references: the
+//! environment's bilinear map is integrated exactly, the other factor adaptively, and each number has a bound of its
+//! absolute error. Directions are in the environment's frame (y up), radiance is linear RGB in the units of the map.
 
 mod answers;
 mod queries;
@@ -19,36 +20,36 @@ use crate::shade::{METHODS, Method};
 use crate::spelling::listed;
 use glam::DVec3;
 
-/// Narrowest lobe that is integrated: a tenth of what the device shades. Lobes near 1e-5 are narrower than the rounding of their
-/// mirror direction lets the default tolerance be met.
+/// Narrowest lobe that is integrated: a tenth of the device's limit. Near 1e-5, lobes are too narrow for the rounding
+/// of their mirror direction to meet the default tolerance.
 pub const ALPHA_MIN: f64 = 1e-4;
 
-/// What is asked. Each kind has its columns, see [`KindColumns`].
+/// What a table asks for; see [`KindColumns`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
-    /// Outgoing radiance of one point: specular and diffuse.
+    /// Outgoing radiance of a point: specular and diffuse.
     Shading,
-    /// The rungs of the ladder for one point, from the specular integral to the levels of the split sum.
+    /// The rungs of the ladder for a point, from the specular integral to the levels of the split sum.
     Ladder,
-    /// Directional albedo pair of a BRDF: scale of f0 and of f90.
+    /// (A, B) of a BRDF: its directional albedo is `f0 A + f90 B`.
     Dfg,
     /// One texel of a prefiltered map.
     Prefilter,
-    /// Irradiance for one normal.
+    /// Irradiance for a normal.
     Irradiance,
     /// The nine spherical-harmonic coefficients of a map.
     Sh9,
 }
 
-/// The columns of a [`Kind`], in the order of help texts and results.
+/// The columns of a [`Kind`], in the order of help and results.
 #[derive(Clone, Copy, Debug)]
 pub struct KindColumns {
-    /// Columns that every table of the kind has, in any order.
+    /// Columns that every table needs, in any order.
     pub required: &'static [&'static str],
-    /// Columns that a table may have: `masking` is `separable` and `weight` `cosine` without one, `levels` those of the default tables;
-    /// `id` is passed on.
+    /// Columns that a table may have. Without them `masking` is `separable`, `weight` `cosine`, `levels` the default
+    /// tables'; `id` is copied.
     pub optional: &'static [&'static str],
-    /// Columns of the results: three channels and the bound of each. Kinds whose results are no colours name single columns.
+    /// Result columns with three channels and bounds; the results of other kinds are single columns.
     pub colors: &'static [&'static str],
     pub numbers: &'static [&'static str],
 }
@@ -63,7 +64,6 @@ listed!(Kind, "kind of query", {
 });
 
 impl Kind {
-    /// What a table of this kind holds.
     pub fn columns(self) -> &'static KindColumns {
         match self {
             Self::Shading => &KindColumns {
@@ -105,7 +105,7 @@ impl Kind {
         }
     }
 
-    /// The results that are colours.
+    /// Names the results that are colours.
     pub fn colors(self) -> Vec<String> {
         match self {
             Self::Ladder => {
@@ -117,16 +117,17 @@ impl Kind {
     }
 }
 
-/// The methods that are integrals.
+/// Lists the methods that are integrals.
 fn rungs() -> impl Iterator<Item = &'static Method> {
     METHODS.iter().filter(|method| method.is_integrated())
 }
 
-/// The rungs of the diffuse ladder that are integrals, for albedo 1: Fresnel inside, outside, up to degree 2, at least 0.
+/// The rungs of the diffuse ladder that are integrals, for albedo 1: Fresnel inside, outside, up to degree 2, at least
+/// 0.
 const DIFFUSE_RUNGS: [&str; 4] =
     ["diffuse_fresnel_inside", "diffuse_reference", "diffuse_ladder_truncation", "diffuse_ladder_clamp"];
 
-/// One checked row. An environment is an index into those of its table.
+/// A checked row. `environment` is an index into the table's environments.
 #[derive(Clone, Debug)]
 enum Query {
     Shading { environment: usize, surface: Surface },

@@ -1,4 +1,4 @@
-//! Reading a table of queries: every row is checked, and every fault is told with its line and column.
+//! Reads tables of queries. Every row is checked, and every fault is reported with line and column.
 
 use super::row::{Fault, Row};
 use super::{Kind, KindColumns, Query};
@@ -12,19 +12,19 @@ use crate::table::csv::{Cell, unguarded};
 use std::fmt;
 use std::path::{Path, PathBuf};
 
-/// A checked table of queries with the environments that it names.
+/// A checked table of queries with its environments.
 #[derive(Debug)]
 pub struct Queries {
     pub(super) kind: Kind,
-    /// Columns as the file has them.
+    /// As in the file.
     pub(super) columns: Vec<String>,
-    /// Cells as the file has them.
+    /// As in the file.
     pub(super) cells: Vec<Vec<Cell>>,
     pub(super) queries: Vec<Query>,
     pub(super) environments: Vec<Environment>,
 }
 
-/// Everything that is wrong with a table, one line each: `file:line:column: what; what was expected`.
+/// All faults of a table, one per line: `file:line:column: what; what was expected`.
 #[derive(Debug)]
 pub struct QueryFaults {
     path: PathBuf,
@@ -45,14 +45,14 @@ impl fmt::Display for QueryFaults {
 impl std::error::Error for QueryFaults {}
 
 impl Queries {
-    /// Reads a CSV file with a header. Environments are loaded once each; relative paths start at the folder of the file.
+    /// Reads a CSV file with a header. Environments are loaded once each; relative paths start at the file's folder.
     pub fn read(path: &Path, kind: Kind, options: &LoadOptions) -> Result<Self, QueryFaults> {
         let bytes = read_given(path, TEXT_BYTES_MAX)
             .map_err(|error| one_fault(path, 1, format!("cannot be read ({error}); expected a CSV file of queries")))?;
         Self::from_bytes(path, &bytes, kind, options)
     }
 
-    /// As [`Queries::read`], of the bytes of the file at `path`.
+    /// As [`Queries::read`], from the bytes of the file at `path`.
     pub fn from_bytes(path: &Path, bytes: &[u8], kind: Kind, options: &LoadOptions) -> Result<Self, QueryFaults> {
         let text = std::str::from_utf8(bytes).map_err(|error| {
             let line = 1 + bytes[..error.valid_up_to()].iter().filter(|byte| **byte == b'\n').count() as u64;
@@ -67,23 +67,23 @@ impl Queries {
         self.queries.len()
     }
 
-    /// Whether the table has a header only.
+    /// Whether the table has only a header.
     pub fn is_empty(&self) -> bool {
         self.queries.is_empty()
     }
 
-    /// Odd but usable facts about the environments, one sentence each, with the environment's name.
+    /// Lists the warnings of the environments, one sentence each, with the environment's name.
     pub fn warnings(&self) -> impl Iterator<Item = (&str, &str)> {
         self.environments.iter().flat_map(|e| e.warnings.iter().map(|warning| (e.name.as_str(), warning.as_str())))
     }
 }
 
-/// One fault, of a line as a whole.
+/// Makes a fault that concerns a whole line.
 fn one_fault(path: &Path, line: u64, what: String) -> QueryFaults {
     QueryFaults { path: path.to_owned(), faults: vec![Fault { line, column: String::new(), what }] }
 }
 
-/// An environment by what the rows call it.
+/// An environment under the name that the rows use.
 struct Named {
     spec: String,
     first_line: u64,
@@ -91,7 +91,7 @@ struct Named {
     loaded: Result<Environment, String>,
 }
 
-/// The state of reading one table.
+/// A table while it is read.
 struct Reader<'a> {
     folder: &'a Path,
     kind: Kind,
@@ -117,14 +117,15 @@ impl<'a> Reader<'a> {
         let mut cells = Vec::new();
         let mut queries = Vec::new();
         let mut is_header = true;
-        // Reading from memory as UTF-8 with rows of any length has no errors.
+        // Reading UTF-8 from memory with rows of any length cannot fail.
         while records.read_record(&mut record).unwrap_or(false) {
             let line = record.position().map_or(0, |position| line_of(text, position.byte()));
             record = record.iter().map(unguarded).collect();
             if is_header {
                 is_header = false;
                 self.header(line, &record);
-                // Without its columns no row means anything; one too many does not hide what is wrong below it.
+                // Rows mean nothing if a column is missing or repeated; an unknown column does not hide faults below
+                // it.
                 let count = |column: &str| self.columns.iter().filter(|there| *there == column).count();
                 let has_all = self.kind.columns().required.iter().all(|column| count(column) == 1);
                 if !has_all || self.columns.iter().any(|column| count(column) > 1) {
@@ -186,7 +187,7 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// One row, or `None` when something is wrong with it.
+    /// Checks one row; `None` if it has a fault.
     fn row(&mut self, line: u64, record: &::csv::StringRecord) -> Option<Query> {
         if record.len() != self.columns.len() {
             let (found, expected) = (record.len(), self.columns.len());
@@ -195,7 +196,7 @@ impl<'a> Reader<'a> {
         }
         let columns = self.columns.clone();
         let mut row = Row { line, columns: &columns, record, faults: Vec::new() };
-        // Each cell is checked before any is used, so that a row tells all its faults.
+        // All cells are checked before any is used, so that a row reports all its faults.
         let query = match self.kind {
             Kind::Shading | Kind::Ladder => {
                 let environment = self.environment(&row);
@@ -241,7 +242,7 @@ impl<'a> Reader<'a> {
         query.filter(|_| is_right)
     }
 
-    /// Index of the row's environment, which is loaded when it is named first.
+    /// Returns the index of the row's environment, loading it on first use.
     fn environment(&mut self, row: &Row) -> usize {
         let spec = row.cell("environment");
         let known = self.environments.iter().position(|named| named.spec == spec);
@@ -255,9 +256,9 @@ impl<'a> Reader<'a> {
     }
 }
 
-/// The line, from 1, at which the record that starts at or after byte `start` begins.
+/// Returns the line, from 1, of the record that starts at or after byte `start`.
 ///
-/// The reader's own count names the last of a run of blank lines before a record.
+/// The reader's own position names the last of a run of blank lines before a record.
 fn line_of(text: &str, start: u64) -> u64 {
     let bytes = text.as_bytes();
     let mut end = (start as usize).min(bytes.len());

@@ -1,4 +1,4 @@
-//! The cells of one row of queries, each checked on its own.
+//! Checks the cells of one row of queries.
 
 use super::ALPHA_MIN;
 use crate::brdf::{Brdf, MaskingShadowing};
@@ -7,22 +7,23 @@ use crate::precompute::prefilter::Weight;
 use crate::spelling::Listed;
 use glam::DVec3;
 
-/// Largest departure of a direction's length from 1; within it the direction is normalised. Five digits a coordinate suffice.
+/// Largest deviation of a direction's length from 1; within it the direction is normalised. Five digits per coordinate
+/// suffice.
 pub const LENGTH_TOLERANCE: f64 = 1e-5;
 
-/// What is wrong with a cell.
+/// A fault of a cell.
 #[derive(Debug)]
 pub(super) struct Fault {
     pub(super) line: u64,
-    /// Empty when the line as a whole is meant.
+    /// Empty if the whole line is meant.
     pub(super) column: String,
     pub(super) what: String,
 }
 
-/// Level counts that a table may name.
+/// Possible level counts.
 const LEVELS: std::ops::RangeInclusive<u32> = 2..=12;
 
-/// One row while it is checked.
+/// A row while it is checked.
 pub(super) struct Row<'a> {
     pub(super) line: u64,
     pub(super) columns: &'a [String],
@@ -40,7 +41,7 @@ impl Row<'_> {
         self.record.get(index)
     }
 
-    /// A cell of a required column, which the header has.
+    /// Returns a cell of a required column, which the header has.
     pub(super) fn cell(&self, column: &str) -> &str {
         self.optional_cell(column).unwrap_or_default()
     }
@@ -71,7 +72,7 @@ impl Row<'_> {
         (alpha >= ALPHA_MIN).then_some(alpha)
     }
 
-    /// `x`, or `R:G:B`.
+    /// Parses `x` or `R:G:B`.
     pub(super) fn f0(&mut self) -> Option<DVec3> {
         let text = self.cell("f0").to_owned();
         let parts: Vec<&str> = text.split(':').collect();
@@ -96,7 +97,7 @@ impl Row<'_> {
         self.listed("brdf", &name)
     }
 
-    /// Levels of a prefiltered map; those of the default tables where none are given.
+    /// Returns the levels of the prefiltered map, by default as in the default tables.
     pub(super) fn levels(&mut self) -> Option<u32> {
         let Some(text) = self.optional_cell("levels").filter(|text| !text.is_empty()).map(str::to_owned) else {
             return Some(PrecomputeSettings::default().prefilter_level_count);
@@ -117,7 +118,7 @@ impl Row<'_> {
         self.optional("weight")
     }
 
-    /// The entry that the cell names, or the default if the cell is empty or its column missing.
+    /// Returns the entry named by the cell, or the default if the cell is empty or its column missing.
     fn optional<T: Listed>(&mut self, column: &str) -> Option<&'static T> {
         let name = self.optional_cell(column).filter(|name| !name.is_empty()).unwrap_or(T::names()[0]).to_owned();
         self.listed(column, &name)
@@ -127,7 +128,7 @@ impl Row<'_> {
         T::parse(name).map_err(|fault| self.fault(column, fault)).ok()
     }
 
-    /// A unit vector out of three columns, normalised in f64.
+    /// Parses a unit vector from three columns and normalises it in f64.
     pub(super) fn direction(&mut self, columns: [&str; 3]) -> Option<DVec3> {
         let numbers = columns.map(|column| {
             let text = self.cell(column).to_owned();

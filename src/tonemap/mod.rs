@@ -2,22 +2,21 @@
 //!
 //! `c = (e L / (e L + 1))^(contrast / 2.2)`
 //!
-//! with `L` linear radiance ≥ 0, `e` the exposure and `c` in [0, 1): Reinhard's global operator, then the display exponent
-//! (source document 0). Contrast > 1 darkens, because its base is below 1. Displays take `c` as sRGB-encoded; the exponent
-//! 1/2.2 only approximates that encoding, and it is kept because the document prints it.
+//! with `L` linear radiance ≥ 0, `e` the exposure and `c` in [0, 1): Reinhard's global operator, then the display
+//! exponent [Kim22]. Contrast > 1 darkens, since the base is below 1. Displays take `c` as sRGB-encoded; the exponent
+//! 1/2.2 only approximates that encoding, and is kept because [Kim22] prints it.
 //!
-//! The domain is finite radiance ≥ 0. A negative or non-finite value cannot come from a correct estimator of a non-negative
-//! integrand; the stage that made it must report it, with stage and texel. The f64 twin in [`mod@reference`] asserts the domain.
+//! The domain is finite radiance ≥ 0. A correct estimator of a non-negative integrand gives no other value; the stage
+//! that made one must report it, with stage and texel. The f64 twin in [`mod@reference`] asserts the domain.
 
 pub mod reference;
 
-/// The display exponent that `contrast` multiplies the inverse of.
+/// The display gamma: the exponent is `contrast` over this.
 pub const DISPLAY_GAMMA: f64 = 2.2;
 
 #[cfg(feature = "gpu")]
 pub mod pass;
 
-/// Parameters of the tone curve.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ToneCurve {
     /// `e`, > 0.

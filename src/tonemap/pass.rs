@@ -5,12 +5,12 @@ use crate::glsl::layout::{SharedStruct, TonemapParams};
 use crate::gpu::{Bind, Buffer, Gpu, GpuError, Report, image_groups};
 use crate::pixels::{Pixels, Rgb8Image};
 
-/// A buffer for the packed pixels of an image.
+/// Makes a buffer for the packed pixels of an image.
 pub fn packed(gpu: &Gpu, size: [u32; 2]) -> Result<Buffer, GpuError> {
     gpu.buffer("tone-mapped pixels", 4 * u64::from(size[0]) * u64::from(size[1]))
 }
 
-/// Applies `curve` to `radiance` (a vec4 a pixel).
+/// Applies `curve` to `radiance` (a vec4 per pixel).
 pub fn run(
     gpu: &Gpu,
     curve: ToneCurve,
@@ -23,7 +23,7 @@ pub fn run(
     gpu.submit_pass("tonemap", |r| r.dispatch("tonemap/tonemap.comp", &[], &binds, &push, image_groups(width, height)))
 }
 
-/// The packed pixels as an image.
+/// Reads the packed pixels as an image.
 pub fn read(gpu: &Gpu, packed: &Buffer, size: [u32; 2]) -> Result<Rgb8Image, GpuError> {
     let words: Vec<u32> = gpu.read_buffer(packed)?;
     let rgb = words.iter().map(|word| {
