@@ -1,8 +1,9 @@
-//! `cargo bench`: what the passes cost in CPU-seconds of this process, so that a software driver's figures can be compared between
-//! machines with other loads. On a GPU these are the host's costs only; `splitsum run experiments/timing.toml` times the device.
+//! `cargo bench`: what the passes cost in CPU-seconds of this process, so that a software driver's figures can be
+//! compared between machines with other loads. On a GPU these are the host's costs only; `splitsum run
+//! experiments/timing.toml` times the device.
 //!
-//! `cargo bench --bench throughput -- NAME...` runs only the named sections: `sampled`, `tables`, `reference`, `convergence`; `--record`
-//! runs all but the last, and adds a row with a figure of each to benches/record.md.
+//! `cargo bench --bench throughput -- NAME...` runs only the named sections: `sampled`, `tables`, `reference`,
+//! `convergence`; `--record` runs all but the last, and adds a row with a figure of each to benches/record.md.
 
 use splitsum::brdf::{Brdf, MODELS};
 use splitsum::environment::layout::MapLayout;
@@ -60,8 +61,9 @@ fn request(
     }
 }
 
-/// CPU-seconds of the specular pass of one frame. What is not shading (g-buffer, tone curve, their submissions) costs the same without
-/// a specular term and is taken off. Compiling pipelines, making tables and reading images back are not counted.
+/// CPU-seconds of the specular pass of one frame. What is not shading (g-buffer, tone curve, their submissions) costs
+/// the same without a specular term and is taken off. Compiling pipelines, making tables and reading images back are
+/// not counted.
 fn shading_seconds(pipeline: &mut Pipeline, request: &RenderRequest) -> f64 {
     let nothing = request.shaded(|s| s.method = Method::listed("none"));
     let mut seconds = |request: &RenderRequest| {
@@ -140,8 +142,9 @@ fn reference(pipeline: &mut Pipeline) -> Option<f64> {
     }))
 }
 
-/// CPU-seconds to a relative mean square error: both are measured for counts that double, against many more samples with other points,
-/// and interpolated. The last column stops by itself, by its own estimate of the error, and pays for finding its count.
+/// CPU-seconds to a relative mean square error: both are measured for counts that double, against many more samples
+/// with other points, and interpolated. The last column stops by itself, by its own estimate of the error, and pays for
+/// finding its count.
 fn convergence(pipeline: &mut Pipeline) -> Option<f64> {
     const TARGETS: [f64; 3] = [1e-2, 1e-3, 1e-4];
     const COUNT_MAX: u32 = 8192;

@@ -11,8 +11,7 @@ struct BoundedCap {
     float pdf_over_d;
 };
 
-// It ends at z = -k v_standard.z, and the density is D / (2 (k n_dot_v + length of the stretched v)). [EtoTokuyoshi23
-// eq. 5, 8]
+// It ends at z = -k v_standard.z; the density is D / (2 (k n_dot_v + length of stretched v)). [EtoTokuyoshi23 eq. 5, 8]
 BoundedCap bounded_cap(vec3 v_local, float alpha) {
     vec3 stretched = vec3(alpha * v_local.xy, v_local.z);
     float length_v = length(stretched);

@@ -1,5 +1,4 @@
-// Sums of many floats with the error of one: the low part that each addition drops is carried along. [Knuth97 section
-// 4.2.2]
+// Sums of many floats with the error of one: the low part dropped by each addition is kept. [Knuth97 section 4.2.2]
 
 struct CompensatedSum {
     vec3 high;

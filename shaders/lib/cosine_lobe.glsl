@@ -1,5 +1,4 @@
-// Shared by the diffuse lobes of the reference, which sample the cosine. A file includes this one below its struct
-// `Lobe`.
+// Shared by the diffuse lobes of the reference, which sample the cosine. To be included below the struct `Lobe`.
 
 #include "generated/constants.glsl"
 #include "lib/elementary.glsl"

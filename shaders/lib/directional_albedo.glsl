@@ -1,5 +1,4 @@
-// The directional albedo of the specular lobe, split by Fresnel: f0 A + B. The second factor of the split sum. [Karis13
-// eq. 8]
+// The directional albedo f0 A + B of the specular lobe: the second factor of the split sum. [Karis13 eq. 8]
 //
 // A = integral of D G / (4 n.v) (1 - Fc) dl, B the same with Fc = (1 - v.h)^5. With dl = 4 (v.h) dh and h written by
 //     r = alpha cos / sqrt(sin^2 + alpha^2 cos^2), for which D_ggx (n.h) dh = 2 r dr dphi / 2 pi,
@@ -13,8 +12,7 @@
 #include "lib/microfacet.glsl"
 #include "lib/prefilter_weight.glsl"
 
-// Nodes in azimuth over half a turn: the integrand is even in phi. 16 leave 1.5e-5 for the rational masking, whose cut
-// at 1.6 is a kink.
+// Nodes in azimuth over half a turn (the integrand is even). 16 leave 1.5e-5 with rational masking, which has a kink.
 const uint ALBEDO_PHI_COUNT = 16;
 
 // Nodes for the rungs of the ladder, whose factors must be practically exact: twice as many as leave 3e-5.

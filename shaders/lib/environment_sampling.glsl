@@ -2,12 +2,10 @@
 // threshold, guided to the cells of a lobe, with its exact density. If the density is 0, only the lobe samples the
 // direction. The tables, their layout and the derivation: src/environment/distribution.rs.
 //
-// A texel of the environment holds its radiance (rgb) and its sampling weight (a). Directions are in the environment's
-// frame.
+// A texel of the environment holds radiance (rgb) and sampling weight (a). Directions are in the environment's frame.
 //
 // The filtering units of GPUs interpolate with weights of about 8 bits, which shows as steps on magnified suns: there
-// the four texels are fetched and weighted in f32. A driver that filters in full f32 (EXACT_FILTER) does the same in
-// one lookup.
+// the four texels are fetched and weighted in f32. A driver that filters in f32 (EXACT_FILTER) needs one lookup.
 
 #include "lib/equirect.glsl"
 
@@ -69,8 +67,7 @@ uint environment_search_step(uint count) {
     return count > 1u ? 1u << findMSB(count - 1u) : 0u;
 }
 
-// Interval of the distribution over `count` intervals at `base` that holds `xi`; `fraction` is the place inside it, in
-// (0, 1).
+// Interval of the distribution over `count` intervals at `base` that holds `xi`; `fraction`: place in it, in (0, 1).
 uint environment_invert(uint base, uint count, uint xi, out float fraction) {
     // The largest value is the end of the last interval, which belongs to none.
     xi = min(xi, 0xfffffffeu);

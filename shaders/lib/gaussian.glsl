@@ -24,8 +24,7 @@ float erfc_precise(float x) {
     return x < 0.0 ? 2.0 - tail : tail;
 }
 
-// The x with erf(x) = y; `complement` is (1 - y) (1 + y), which keeps the digits of a tail. Relative error below 4e-7.
-// [Giles12, table 5]
+// The x with erf(x) = y; `complement` is (1 - y) (1 + y) with all digits. Relative error below 4e-7. [Giles12, table 5]
 float erf_inverse(float y, float complement) {
     float w = -log(complement);
     if (w < 5.0) {

@@ -13,8 +13,7 @@
 // Radiance from l for a sample of solid angle omega_s = 1 / (N p_l) (sr); each method defines it.
 vec3 sampled_radiance(vec3 l, float omega_s);
 
-// The contribution of the point_count points of this dispatch, of sample_count in all, to the outgoing specular
-// radiance.
+// The contribution of the point_count points of this dispatch, of sample_count in all, to the specular radiance.
 vec3 importance_sampled_radiance(Surface s, uint sample_count, uint point_count) {
     mat3 frame = frame_from_normal(s.n);
     vec3 v_local = s.v * frame;

@@ -1,5 +1,4 @@
-// The regularised incomplete beta function I_x(n, 1/2) for n = 1 / t, t in (0, 1]. Polynomials: minimax fits by this
-// project.
+// The regularised incomplete beta function I_x(n, 1/2) for n = 1 / t, t in (0, 1]. Polynomials: our minimax fits.
 
 #include "lib/gaussian.glsl"
 

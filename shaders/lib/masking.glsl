@@ -1,5 +1,4 @@
-// Which masking-shadowing a pipeline uses: one of MASKING_*, set when the pipeline is made. GLSL ES has no such
-// constants: there it is a uniform.
+// The masking-shadowing of a pipeline, one of MASKING_*; in GLSL ES, which has no such constants, a uniform.
 
 #ifdef GL_ES
 uniform uint MASKING;

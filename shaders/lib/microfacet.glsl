@@ -5,8 +5,7 @@
 #include "lib/fresnel.glsl"
 #include "selected/brdf.glsl"
 
-// Masking of one direction: the model's own G1, Karis' fit with k = alpha / 2 [Karis13 eq. 4], or the exact Smith
-// masking of the model's distribution.
+// Masking of one direction: the model's G1, Karis' fit with k = alpha / 2 [Karis13 eq. 4], or the exact Smith masking.
 float g1(float n_dot_w, float alpha, uint masking) {
     if (masking == MASKING_SCHLICK) {
         float k = 0.5 * alpha;
@@ -34,8 +33,7 @@ float g2(float n_dot_v, float n_dot_l, float alpha, uint masking) {
     return g2_from_g1(g1(n_dot_v, alpha, masking), g1(n_dot_l, alpha, masking), masking);
 }
 
-// The specular BRDF D G F / (4 n_dot_v n_dot_l), 1/sr; 0 below the horizon. h_local must be the half vector of v and l.
-// [Walter07 eq. 20]
+// The specular BRDF, 1/sr; 0 below the horizon. h_local must be the half vector of v and l. [Walter07 eq. 20]
 vec3 eval_brdf(vec3 v_local, vec3 l_local, vec3 h_local, float alpha, vec3 f0, uint masking) {
     if (v_local.z <= 0.0 || l_local.z <= 0.0) {
         return vec3(0.0);

@@ -8,16 +8,14 @@
 #include "selected/brdf.glsl"
 #include "selected/map_layout.glsl"
 
-// Radiance of the mirror direction, filtered from the source's texels to the written ones: both change over the sphere
-// alike.
+// Radiance of the mirror direction, filtered from the source's texels to the written ones.
 vec3 mirror_radiance(vec3 r, FILTERED_MAP environment, PrefilterParams params) {
     float source_texels = float(params.source_width) * float(params.source_height);
     float lod = 0.5 * log2(source_texels / (float(params.width) * float(params.height)));
     return map_radiance(environment, map_place(r), max(lod, 0.0));
 }
 
-// (sum L w, sum w) over the points of this dispatch, for h with density D(h) (n.h) and l = reflect(-r, h), so p_l = D /
-// 4. [Karis13 eq. 7]
+// (sum L w, sum w) over the dispatch's points; h has density D(h) (n.h), l = reflect(-r, h), p_l = D / 4. [Karis13 eq. 7]
 vec4 lobe_sum(vec3 r, FILTERED_MAP environment, PrefilterParams params) {
     mat3 frame = frame_from_normal(r);
     vec2 source_size = vec2(params.source_width, params.source_height);

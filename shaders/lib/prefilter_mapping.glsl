@@ -1,5 +1,4 @@
-// How alpha maps to the levels of a prefiltered map, and n_dot_v and alpha to the DFG table: a pair of inverse
-// functions each.
+// Maps alpha to levels of a prefiltered map, and n_dot_v and alpha to the DFG table, each with its inverse.
 
 #include "generated/constants.glsl"
 
@@ -13,8 +12,7 @@ float perceptual_roughness_from_alpha(float alpha) {
     return alpha <= ALPHA_MIN ? 0.0 : sqrt(alpha);
 }
 
-// How the levels of the prefiltered map are spread, b in [0, 1] (precompute/prefilter/level_mapping.rs): set when the
-// pipeline is made, in GLSL ES a uniform.
+// Bend b in [0, 1] of the level mapping (precompute/prefilter/level_mapping.rs); in GLSL ES a uniform.
 #ifdef GL_ES
 uniform float LEVEL_BEND;
 #else
@@ -33,8 +31,7 @@ float lod_from_perceptual_roughness(float perceptual_roughness, uint level_count
     return perceptual_roughness * (1.0 + LEVEL_BEND * (1.0 - perceptual_roughness)) * float(level_count - 1u);
 }
 
-// Texel positions of the DFG table, one of DFG_AXES_* (precompute/dfg): set when the pipeline is made, in GLSL ES a
-// uniform.
+// Texel positions of the DFG table (precompute/dfg), one of DFG_AXES_*; in GLSL ES a uniform.
 #ifdef GL_ES
 uniform uint DFG_AXES;
 #else

@@ -1,5 +1,4 @@
-// Real spherical harmonics up to degree 2 in world axes, order L00, L1-1, L10, L11, L2-2, L2-1, L20, L21, L22. [Kim22
-// "Irradiance mapping"]
+// Real spherical harmonics up to degree 2 in world axes: L00, L1-1, L10, L11, L2-2, L2-1, L20, L21, L22. [Kim22]
 
 #include "generated/constants.glsl"
 

@@ -1,5 +1,4 @@
-// Owen-scrambled Sobol points in the unit square, by arithmetic alone: no tables, so nothing to bind and nothing to
-// load.
+// Owen-scrambled Sobol points in the unit square, by arithmetic alone: no tables to bind and load.
 //
 // A pair of dimensions is one (0, 2)-sequence [Sobol67]; each pair of each pixel and scramble has its own nested
 // uniform scramble [Owen97] by hash [Burley20, sections 3 and 4] with the permutation of [Vegdahl21]. Estimators that
@@ -17,8 +16,7 @@ uint sobol_hash(uint x) {
     return x;
 }
 
-// A key that differs in every bit between pixels, scrambles, user seeds and streams (specular and diffuse are two
-// streams).
+// A key that differs in every bit between pixels, scrambles, user seeds and streams (specular, diffuse).
 uint sobol_key(uvec2 pixel, uint scramble, uint seed, uint stream) {
     return sobol_hash(pixel.x + sobol_hash(pixel.y + sobol_hash(scramble + sobol_hash(seed + sobol_hash(stream + 1u)))));
 }

@@ -2,8 +2,7 @@
 
 #include "lib/elementary.glsl"
 
-// cos(a) - cos(b) for polar angles a = pi v0, b = pi v1, as a product: the difference of cosines has no digits left at
-// the poles.
+// cos(pi v0) - cos(pi v1) as a product: the difference of cosines has no digits left at the poles.
 float cosine_difference(float v0, float v1) {
     return 2.0 * sin_cos_turns(0.25 * (v0 + v1)).x * sin_cos_turns(0.25 * (v1 - v0)).x;
 }

@@ -20,8 +20,7 @@ float g1_over_cosine_ggx(float n_dot_w, float alpha) {
 // stretched v reflects into; xi.x = 0 is the cap's centre. [Dupuy23 listing 3]
 vec3 sample_visible_brdf(vec2 xi, vec3 v_local, float alpha) {
     vec3 v_standard = normalize(vec3(alpha * v_local.xy, v_local.z));
-    // The cap's point is (sin phi-part, 1 - d); both its sine and z + v.z are written with d and 1 - xi.x, which cancel
-    // no digits.
+    // The cap's point is (sin phi-part, 1 - d); sine and z + v.z are written in d and 1 - xi.x, which cancel no digits.
     float d = xi.x * (1.0 + v_standard.z);
     vec2 cap = sqrt(max(d * (2.0 - d), 0.0)) * sin_cos_turns(xi.y).yx;
     return normalize(vec3(alpha * (cap + v_standard.xy), (1.0 - xi.x) * (1.0 + v_standard.z)));

@@ -1,5 +1,4 @@
-// Map layout `cube`: six faces in the order of Vulkan (+x, -x, +y, -y, +z, -z), filtered by the hardware across their
-// edges.
+// Map layout `cube`: six faces in the order of Vulkan, filtered by the hardware across their edges.
 
 #include "generated/constants.glsl"
 

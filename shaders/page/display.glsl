@@ -12,8 +12,7 @@ uniform int tone;
 uniform float exposure;
 uniform float contrast;
 
-// Mean luminance of the light, of which epsilon is a share (metrics::Epsilon). Divided by first: its square may leave
-// the range of floats.
+// Mean luminance of the light, which determines epsilon (metrics::Epsilon). Divided by first: its square may overflow.
 uniform float light_mean;
 const float EPSILON_SHARE = 1e-2;
 
@@ -33,8 +32,7 @@ vec3 palette_color(float place, int row) {
                x - float(lower));
 }
 
-// The formulas of the columns err_p95 ... and relmse. Alpha is 0 if the error is above the range of the colours or not
-// a number.
+// The formulas of err_p95 ... and relmse. Alpha is 0 if the error is above the range of the colours or not a number.
 vec4 error_color(vec3 t, vec3 r, bool is_signed) {
     vec3 share = r / light_mean;
     vec3 relative = (t - r) / light_mean / sqrt(share * share + EPSILON_SHARE);

@@ -1,5 +1,4 @@
-// The g-buffer, as every surface of the live view writes it. Row 0 of every target of the live view is the image's top
-// row, as in the renderer.
+// The g-buffer of the live view. As in the renderer, row 0 of every target is the image's top row.
 
 #include "gbuffer/camera.glsl"
 #include "gbuffer/surface.glsl"

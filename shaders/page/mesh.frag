@@ -1,5 +1,4 @@
-// The g-buffer of a mesh, shaded on both sides. Front faces as the page draws them have the normal on the viewer's
-// side.
+// The g-buffer of a mesh, shaded on both sides. The normal of a front face is on the viewer's side.
 #include "page/gbuffer.glsl"
 
 in vec3 position_world;

@@ -1,5 +1,4 @@
-// One pixel of the comparison: the texel under it, as viewer.frag shaded it. One read a pixel, so that flipping is
-// quick on software renderers too.
+// One pixel of the comparison: the texel of viewer.frag under it. One read, so that flipping is quick in software too.
 uniform sampler2D left_image;
 uniform sampler2D right_image;
 uniform vec2 canvas_size;

@@ -1,5 +1,4 @@
-// One pixel of the canvas of the live view: a way to compute the specular term, or its error against the reference; or
-// the linear value.
+// One pixel of the live view's canvas: a specular term, its error against the reference, or the linear value.
 #include "page/display.glsl"
 
 uniform sampler2D gbuffer_position;

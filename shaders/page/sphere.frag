@@ -1,5 +1,4 @@
-// The g-buffer of one sphere if the ray through the pixel's centre hits it. Depth is the one of clip_from_camera, in
-// [1/2, 1].
+// The g-buffer of one sphere if the pixel's ray hits it. Depth is the one of clip_from_camera, in [1/2, 1].
 #include "page/gbuffer.glsl"
 #include "gbuffer/intersect.glsl"
 

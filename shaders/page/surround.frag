@@ -1,5 +1,4 @@
-// The part of the live view that both methods share: the diffuse term on the surface (`sh9`, or none), and the
-// environment if nothing is hit.
+// Shared by both methods of the live view: the diffuse term (`sh9`, or none), and the environment if nothing is hit.
 #include "lib/camera.glsl"
 #include "lib/diffuse.glsl"
 #include "selected/map_layout.glsl"

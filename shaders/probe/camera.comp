@@ -1,5 +1,6 @@
 // One invocation evaluates lib/camera.glsl for one item.
-// In: (column, row, width, height), (right, 0), (up, 0), (forward, 0). Out: (unit direction, 0).
+// In: (column, row, width, height), (right, 0), (up, 0), (forward, 0).
+// Out: (unit direction, 0).
 // Set 0: 0 inputs, 4 vec4 an item; 1 outputs, 1 vec4 an item.
 
 #include "lib/camera.glsl"

@@ -1,5 +1,6 @@
 // One invocation sums with lib/compensated_sum.glsl for one item.
-// In: (start, 0), (term, count). Out: (start plus count times the term: high part, 0), (low part, 0).
+// In: (start, 0), (term, count).
+// Out: (start plus count times the term: high part, 0), (low part, 0).
 // Set 0: 0 inputs, 2 vec4 an item; 1 outputs, 2 vec4 an item.
 
 #include "lib/compensated_sum.glsl"

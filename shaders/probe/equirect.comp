@@ -1,6 +1,6 @@
 // One invocation evaluates the functions of lib/equirect.glsl for one item.
-// In: (unit direction, omega_s), (u, v, width, height). Out: (uv of the direction, sin(theta), texel solid angle
-// there), (direction of uv, lod).
+// In: (unit direction, omega_s), (u, v, width, height).
+// Out: (uv of the direction, sin(theta), texel solid angle there), (direction of uv, lod).
 // Set 0: 0 inputs, 2 vec4 an item; 1 outputs, 2 vec4 an item.
 
 #include "lib/equirect.glsl"

@@ -1,5 +1,6 @@
 // One invocation evaluates lib/frame.glsl for one item.
-// In: (n, 0). Out: (tangent, 0), (bitangent, 0), (normal, 0).
+// In: (n, 0).
+// Out: (tangent, 0), (bitangent, 0), (normal, 0).
 // Set 0: 0 inputs, 1 vec4 an item; 1 outputs, 3 vec4 an item.
 
 #include "lib/frame.glsl"

@@ -1,6 +1,6 @@
 // One invocation evaluates lib/light.glsl for one item.
-// In: position_or_direction and color_kind of a light, (world position, 0). Out: (l, 0), (irradiance on a surface that
-// faces it, 0).
+// In: position_or_direction and color_kind of a light, (world position, 0).
+// Out: (l, 0), (irradiance on a surface that faces it, 0).
 // Set 0: 0 inputs, 3 vec4 an item; 1 outputs, 2 vec4 an item.
 
 #include "lib/light.glsl"

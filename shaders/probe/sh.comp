@@ -1,6 +1,6 @@
 // One invocation evaluates lib/sh.glsl for one item.
-// In: (unit direction, 0). Out: basis functions 0 to 3, 4 to 7, (basis function 8, irradiance over pi of the
-// coefficients, not floored).
+// In: (unit direction, 0).
+// Out: basis functions 0 to 3, 4 to 7, (basis function 8, irradiance over pi of the coefficients, not floored).
 // Set 0: 0 inputs, 1 vec4 an item; 1 outputs, 3 vec4 an item; 2 SH9_COUNT coefficients.
 
 #include "lib/sh.glsl"

@@ -1,5 +1,6 @@
 // One invocation evaluates lib/tone_curve.glsl for one item.
-// In: (linear RGB, 0), (exposure, contrast, 0, 0). Out: (display RGB, the packed pixel without A as a number).
+// In: (linear RGB, 0), (exposure, contrast, 0, 0).
+// Out: (display RGB, the packed pixel without A as a number).
 // Set 0: 0 inputs, 2 vec4 an item; 1 outputs, 1 vec4 an item.
 
 #include "lib/tone_curve.glsl"

@@ -1,5 +1,6 @@
 // One invocation adds the radiance of every analytic light at one pixel, specular and diffuse; pixels with mask 0 are
-// left alone. Set 0 after lib/shaded_pixel.glsl: 4 DFG table; 5 lights; 6 radiance, a vec4 a pixel.
+// left alone.
+// Set 0 after lib/shaded_pixel.glsl: 4 DFG table; 5 lights; 6 radiance, a vec4 a pixel.
 
 #include "lib/diffuse.glsl"
 #include "lib/frame.glsl"

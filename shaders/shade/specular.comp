@@ -1,7 +1,8 @@
 // One invocation adds the specular image-based radiance of one pixel, or the part of this dispatch's points; pixels
-// with mask 0 are left alone. Set 0 after lib/shaded_pixel.glsl: 4 environment with its mips; 5 its filtered levels; 6
-// prefiltered map with its levels; 7 DFG table; 8 lobe shapes; 9 sample points of this dispatch (lib/sampling.glsl); 10
-// radiance, a vec4 a pixel.
+// with mask 0 are left alone.
+// Set 0 after lib/shaded_pixel.glsl: 4 environment with its mips; 5 its filtered levels; 6 prefiltered map with its
+// levels; 7 DFG table; 8 lobe shapes; 9 sample points of this dispatch (lib/sampling.glsl); 10 radiance, a vec4 a
+// pixel.
 
 #include "lib/compensation.glsl"
 #include "lib/sampling.glsl"

@@ -1,5 +1,4 @@
-//! Beckmann: `D = exp(-tan² θ_h / alpha²) / (π alpha² cos⁴ θ_h)` [Walter07, eq. 25], G1 by the rational fit [Walter07,
-//! eq. 27].
+//! Beckmann: `D = exp(-tan² θ_h / alpha²) / (π alpha² cos⁴ θ_h)` [Walter07, eq. 25], G1 by a rational fit [eq. 27].
 //!
 //! # Sampling
 //!
@@ -33,8 +32,7 @@ fn visible_area_up_to(slope: f64, sin_theta: f64, cos_theta: f64) -> f64 {
     0.5 * (cos_theta * erfc(-slope) + sin_theta * (-slope * slope).exp() / PI.sqrt())
 }
 
-/// Returns the area of the microfacets visible at a polar angle, per area of surface: `cos θ / G1` with the exact Smith
-/// G1.
+/// Returns the area of the microfacets visible at a polar angle, per area of surface: `cos θ / G1`, G1 exact.
 fn projected_area(sin_theta: f64, cos_theta: f64, alpha: f64) -> f64 {
     let stretched = alpha * sin_theta;
     // At the normal the last visible slope is infinite, and erfc(-∞) = 2, exp(-∞) = 0.

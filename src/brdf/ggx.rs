@@ -10,8 +10,7 @@ use std::f64::consts::PI;
 #[derive(Debug)]
 pub struct Ggx;
 
-/// Returns the area of the microfacets visible along `v`, per area of surface: `n_dot_v / G1(v)`, regular down to
-/// `n_dot_v = 0`.
+/// Returns the visible microfacet area along `v`, per area of surface: `n_dot_v / G1(v)`, regular at `n_dot_v = 0`.
 fn projected_area(v_local: DVec3, alpha: f64) -> f64 {
     let (sin2, cos2) = sin2_cos2(v_local);
     0.5 * (v_local.z + (cos2 + alpha * alpha * sin2).sqrt())

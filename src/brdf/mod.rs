@@ -45,19 +45,16 @@ pub trait Brdf: Sync + std::fmt::Debug {
     fn sample_vndf(&self, xi: DVec2, v_local: DVec3, alpha: f64) -> DVec3 {
         ggx::sample_bounded(xi, v_local, alpha)
     }
-    /// Density of `l = reflect(-v, h)` per solid angle of `l` under [`Brdf::sample_vndf`]; integrates to 1 over the
-    /// whole sphere of `l`.
+    /// Density per solid angle of `l = reflect(-v, h)` under [`Brdf::sample_vndf`]; its integral over the sphere is 1.
     fn pdf_vndf_l(&self, v_local: DVec3, h_local: DVec3, alpha: f64) -> f64 {
         ggx::pdf_bounded_l(v_local, h_local, alpha)
     }
-    /// Largest weight of [`Brdf::sample_vndf`] in constant light, `G2 D / (4 n_dot_v pdf_l)`, with the model's exact
-    /// masking.
+    /// Largest weight of [`Brdf::sample_vndf`] in constant light with exact masking, `G2 D / (4 n_dot_v pdf_l)`.
     fn vndf_weight_max(&self) -> f64 {
         let [d, area] = self.over_ggx();
         d * area
     }
-    /// Largest ratios of `D` and of the visible area to GGX's of the same alpha: bounds of the weight of GGX's visible
-    /// normals.
+    /// Largest ratios of `D` and of the visible area to GGX's of the same alpha, which bound weights of GGX's samples.
     fn over_ggx(&self) -> [f64; 2];
     /// Samples a half vector by the best known sampler given `v_local` (`v_local.z >= 0`); [`Brdf::pdf_visible_l`] is
     /// its density over `l`. The default draws the visible normals of GGX of the same alpha; each model that keeps it
@@ -65,8 +62,7 @@ pub trait Brdf: Sync + std::fmt::Debug {
     fn sample_visible(&self, xi: DVec2, v_local: DVec3, alpha: f64) -> DVec3 {
         ggx::sample_visible(xi, v_local, alpha)
     }
-    /// Density of `l = reflect(-v, h)` per solid angle of `l` under [`Brdf::sample_visible`], `h = normalize(v + l)`;
-    /// integrates to 1 over the whole sphere of `l`.
+    /// Density per solid angle of `l = reflect(-v, h)` under [`Brdf::sample_visible`]; integrates to 1 over the sphere.
     fn pdf_visible_l(&self, v_local: DVec3, h_local: DVec3, alpha: f64) -> f64 {
         ggx::pdf_visible_l(v_local, h_local, alpha)
     }
@@ -75,8 +71,7 @@ pub trait Brdf: Sync + std::fmt::Debug {
 /// [`Brdf::over_ggx`] of distributions without long tails: 4/e at slopes near alpha, √π at a grazing view.
 const SHORT_TAILED: [f64; 2] = [4.0 / E, 1.772_453_850_905_516];
 
-/// Every model. To add one: its file here, `shaders/brdf/<stem>.glsl`, a line here. A stem is the name with `_` for
-/// `-`.
+/// Every model. To add one: its file here, `shaders/brdf/<stem>.glsl` (`_` for `-` in the name), a line here.
 pub static MODELS: &[&dyn Brdf] = &[&Ggx, &Beckmann, &Phong];
 
 impl Listed for dyn Brdf {
@@ -224,8 +219,7 @@ fn sin2_cos2(h_local: DVec3) -> (f64, f64) {
     (h_local.x * h_local.x + h_local.y * h_local.y, h_local.z * h_local.z)
 }
 
-/// Computes Walter's rational fit of the Smith G1 of Beckmann [Walter07, eq. 27], also used for Phong [Walter07,
-/// section 5.2].
+/// Computes Walter's fit of Beckmann's Smith G1 [Walter07, eq. 27], also used for Phong [Walter07, section 5.2].
 ///
 /// `a = 1/(alpha tan θ)`; for Phong `a = √(exponent/2 + 1)/tan θ`, the same number since `exponent = 2/alpha² - 2`.
 /// The fit ends at 1.6, where it is 1.00003; relative error below 0.35 %.

@@ -125,22 +125,19 @@ fn sampling_weight(image: &RgbImage, compensation: f64) -> impl Fn([f32; 3]) -> 
     move |texel| (color::luminance(texel) - threshold).max(0.0) as f32
 }
 
-/// Returns the texels of level 0 as the device holds them: radiance, and the sampling weight of
-/// [`EnvironmentDistribution::new`].
+/// Returns the texels of level 0 on the device: radiance, and the sampling weight of [`EnvironmentDistribution::new`].
 pub fn weighted_texels(image: &RgbImage) -> Vec<[f32; 4]> {
     let weight = sampling_weight(image, COMPENSATION);
     image.data.iter().map(|&[r, g, b]| [r, g, b, weight([r, g, b])]).collect()
 }
 
 impl EnvironmentDistribution {
-    /// Makes the tables of `image`, whose radiance must be finite and not negative, with the threshold for sampling
-    /// beside a lobe sampler.
+    /// Makes the tables of `image` for sampling beside a lobe sampler. Radiance must be finite and not negative.
     pub fn new(image: &RgbImage) -> Self {
         Self::with_compensation(image, COMPENSATION)
     }
 
-    /// As [`Self::new`], with a threshold of `compensation` times the mean luminance; 0 for sampling without a lobe
-    /// sampler.
+    /// As [`Self::new`], with a threshold of `compensation` times the mean luminance; 0 without a lobe sampler.
     pub fn with_compensation(image: &RgbImage, compensation: f64) -> Self {
         let (width, height) = (image.width, image.height);
         assert!((1..=SIDE_MAX).contains(&width), "width {width} of an environment, 1 to {SIDE_MAX} expected");
@@ -218,8 +215,7 @@ impl EnvironmentDistribution {
         self.slots.len() as u32
     }
 
-    /// Returns mean direction and mass of each slot, padded to the uniform block that `shaders/shade/reference.comp`
-    /// reads.
+    /// Returns direction and mass of each slot, padded to the uniform block of `shaders/shade/reference.comp`.
     pub fn slot_texels(&self) -> Vec<[f32; 4]> {
         let texel = |slot: &Slot| slot.direction.extend(slot.mass).as_vec4().to_array();
         let mut texels: Vec<[f32; 4]> = self.slots.iter().map(texel).collect();
@@ -232,8 +228,7 @@ impl EnvironmentDistribution {
         Guide::new(&self.slots, weight)
     }
 
-    /// Returns the density (1/sr) with which [`Self::sample`] returns the unit direction `d`, in the environment's
-    /// frame.
+    /// Returns the density (1/sr) with which [`Self::sample`] returns the unit direction `d` (environment's frame).
     pub fn pdf(&self, d: DVec3) -> f64 {
         self.guided_pdf(&self.even, d)
     }
@@ -374,8 +369,7 @@ fn cell_range(cell: u32, [cell_width, cell_height]: [u32; 2], [width, band_count
     [range(cell % CELL_COLUMNS, cell_width, width), range(cell / CELL_COLUMNS, cell_height, band_count)]
 }
 
-/// Appends the distribution over `count` intervals: the first ones have the given masses, the others none. Masses that
-/// are all 0 count as equal.
+/// Appends the distribution over `count` intervals; those beyond `masses` are empty. Masses that are all 0 are equal.
 fn write_distribution(masses: &[f64], count: u32, words: &mut Vec<u32>) {
     let total: f64 = masses.iter().sum();
     let mut below = 0.0;
@@ -400,8 +394,7 @@ fn invert(starts: &[u32], xi: f64) -> (usize, f64) {
 /// Inverts the distribution of x in [0, 1] whose density is linear from `p0` at 0 to `p1` at 1 (each ≥ 0, any scale).
 fn invert_linear(p0: f64, p1: f64, xi: f64) -> f64 {
     let total = p0 + p1;
-    // No light at either end: any position will do. And 0 maps to 0, even if the density is 0 there and the root would
-    // be 0/0.
+    // No light at either end: any position will do. 0 maps to 0, even if the root would be 0/0.
     if total <= 0.0 || xi <= 0.0 {
         return xi;
     }

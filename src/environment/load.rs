@@ -63,8 +63,7 @@ impl Default for LoadOptions {
 const ASPECT_TOLERANCE: f64 = 0.01;
 
 impl Environment {
-    /// Loads `builtin:NAME`, `builtin:NAME:PARAMETER=VALUE,...`, an image file or `FILE.exr#LAYER`. Relative paths
-    /// start at `base_dir`.
+    /// Loads `builtin:NAME[:PARAMETER=VALUE,...]`, an image file or `FILE.exr#LAYER`; paths are relative to `base_dir`.
     pub fn load(spec: &str, base_dir: &Path, options: &LoadOptions) -> Result<Self, EnvironmentError> {
         if let Some(formula) = spec.strip_prefix(BUILTIN_PREFIX) {
             return Ok(Environment::from_image(spec, builtin::make(spec, formula, options.builtin_size)?));

@@ -49,8 +49,7 @@ impl Environment {
         Self::from_image(self.name.clone(), self.image.map(|texel| texel.map(|x| x.min(limit))))
     }
 
-    /// Looks up the radiance from `direction` (any length but 0), bilinearly between texel centres; u wraps, v clamps
-    /// at the poles.
+    /// Looks up the radiance from `direction` (any length but 0), bilinearly; u wraps, v clamps at the poles.
     pub fn radiance(&self, direction: DVec3) -> DVec3 {
         let value = |texel: [f32; 3]| DVec3::from_array(texel.map(f64::from));
         bilinear(&self.image, equirect::uv_from_direction(direction), Wrap::EQUIRECT, value)

@@ -72,8 +72,7 @@ impl<T: Copy + Into<f64>> Gbuffer<T> {
     }
 }
 
-/// Returns the push constants for an image of `size` pixels; `material` is the index of the mesh's material (unused by
-/// spheres).
+/// Returns the push constants for an image of `size` pixels; `material` is the mesh's (unused by spheres).
 pub fn params(camera: &Camera, size: [u32; 2], material: usize) -> GbufferParams {
     let [extent_x, extent_y] = camera.extent(f64::from(size[0]) / f64::from(size[1]));
     let [depth_scale, depth_offset] = camera.depth_scale_offset();

@@ -1,5 +1,4 @@
-//! The f64 twin: one ray through each pixel's centre against exact spheres and all triangles, one after another (for
-//! small test meshes).
+//! The f64 twin: a ray through each pixel's centre against exact spheres and all triangles (for small test meshes).
 
 use super::Gbuffer;
 use crate::glsl::constants::ALPHA_MIN;
@@ -76,8 +75,7 @@ fn texels(scene: &Scene, hit: &Hit, quad: [(DVec3, DVec3); 2]) -> [[f64; 4]; 4] 
     [with(hit.position, 1.0), with(n, alpha), with(albedo, metallic), with(f0, hit.material as f64)]
 }
 
-/// Looks up the texture at `uv` (v up), trilinearly at the level whose texels are as wide as the longer step to a
-/// neighbouring pixel.
+/// Looks up the texture at `uv` (v up), trilinearly; texels of the level are as wide as the longer step to a neighbour.
 fn texture_at(texture: &Texture, uv: DVec2, steps: [DVec2; 2]) -> DVec3 {
     let size = DVec2::new(texture.levels[0].width.into(), texture.levels[0].height.into());
     let [across, down] = steps.map(|step| (step * size).length_squared());

@@ -1,7 +1,6 @@
 //! Structs shared by Rust and GLSL. The build script writes `generated/layout.glsl` from [`ALL`].
 //!
-//! Members: 16-byte vectors first, then 4-byte scalars; no vec3, arrays or bool, so that std430, scalar and Rust
-//! layouts agree.
+//! Members: 16-byte vectors, then 4-byte scalars; no vec3, arrays or bool: std430, scalar and Rust layouts agree.
 
 /// Name of a struct, and type and name of each member.
 pub type Struct = (&'static str, &'static [(&'static str, &'static str)]);
@@ -93,8 +92,7 @@ shared_structs! {
         lod_bias: float,
     /// First row of this dispatch: long levels are split over several submissions.
         first_row: uint,
-    /// First of the `point_count` sample points of this dispatch. Point 0 starts the sums, the last point finishes
-    /// them.
+    /// First of the `point_count` points of this dispatch. Point 0 starts the sums, the last finishes them.
         first_point: uint,
         point_count: uint,
     }
@@ -162,8 +160,7 @@ shared_structs! {
     /// Slots of the environment's distribution (reference only).
         slot_count: uint,
     }
-    /// An analytic light: position (point) or direction to the light (directional); colour (W/sr or irradiance), and
-    /// kind in w.
+    /// An analytic light: position or direction to the light; colour (W/sr or irradiance), and kind in w.
     LightData {
         position_or_direction: vec4,
         color_kind: vec4,

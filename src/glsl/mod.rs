@@ -1,5 +1,4 @@
-//! Definitions shared by Rust and GLSL. No dependencies: the build script includes these files and writes GLSL from
-//! them.
+//! Definitions shared by Rust and GLSL. Without dependencies, since the build script includes these files.
 
 pub mod constants;
 #[cfg(feature = "gpu")]

@@ -13,8 +13,7 @@
 //! | `selected/lobe.glsl` | `shade/lobe/` |
 //! | `selected/map_layout.glsl` | `map_layout/` |
 //!
-//! A permutation is named `<entry>[:<candidate>]...`, candidates in the order of their includes, stems with `-` for
-//! `_`.
+//! A permutation is named `<entry>[:<candidate>]...`, in the order of the includes, stems with `-` for `_`.
 
 use super::constants::FILE_PREFIX;
 use std::collections::{BTreeMap, BTreeSet};

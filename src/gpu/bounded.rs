@@ -35,8 +35,7 @@ impl From<[u32; 3]> for Groups {
     }
 }
 
-/// The part of an image or map that one submission computes. The shader gets `first_row` as a parameter; columns and
-/// faces follow from the groups.
+/// The part of an image or map that one submission computes. Columns and faces follow from the groups.
 #[derive(Clone, Copy, Debug)]
 pub struct Part {
     pub first_row: u32,
@@ -53,8 +52,7 @@ impl Gpu {
         if self.shared.is_interactive { whole / INTERACTIVE_SHARE } else { whole }
     }
 
-    /// Refuses to record while `flag` is set: work in progress ends with [`GpuError::Interrupted`] between two
-    /// submissions.
+    /// Refuses to record while `flag` is set: work ends with [`GpuError::Interrupted`] between two submissions.
     pub fn interrupt_by(&self, flag: Option<Arc<AtomicBool>>) {
         *lock(&self.shared.interrupt) = flag;
     }

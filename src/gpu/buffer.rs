@@ -54,8 +54,7 @@ impl Gpu {
         self.filled(name, bytemuck::cast_slice(data), storage())
     }
 
-    /// Makes a buffer that holds `data`, to be bound in parts as uniform blocks. The size limit of storage buffers does
-    /// not apply.
+    /// Makes a buffer that holds `data`, to be bound in parts as uniform blocks; storage limits do not apply.
     pub fn uniform_from<T: Pod>(&self, name: &str, data: &[T]) -> Result<Buffer, GpuError> {
         let usage = vk::BufferUsageFlags::UNIFORM_BUFFER | vk::BufferUsageFlags::TRANSFER_DST;
         self.filled(name, bytemuck::cast_slice(data), usage)

@@ -13,8 +13,7 @@ use std::ffi::{CStr, CString};
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-/// Locks a mutex. A panic of another thread cannot leave its contents half-changed: no call into Vulkan or the
-/// allocator panics.
+/// Locks a mutex. Panics cannot leave its contents half-changed: no call into Vulkan or the allocator panics.
 pub(super) fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
@@ -202,8 +201,7 @@ impl Drop for Shared {
     }
 }
 
-/// Finds the first queue family with graphics, compute and timestamps. Returns its index and the mask of valid
-/// timestamp bits.
+/// Finds the first queue family with graphics, compute and timestamps; returns index and mask of timestamp bits.
 fn queue_family(instance: &Instance, physical: vk::PhysicalDevice, info: &DeviceInfo) -> Result<(u32, u64), GpuError> {
     // SAFETY: the physical device belongs to the instance.
     let families = unsafe { instance.raw.get_physical_device_queue_family_properties(physical) };

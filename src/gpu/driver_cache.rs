@@ -7,8 +7,7 @@ use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
 use std::sync::Once;
 
-/// Mesa's switch, and its variable for the cache folder. The default folder is in `$XDG_CACHE_HOME`, else in
-/// `~/.cache`.
+/// Mesa's switch, and its variable for the cache folder (default: in `$XDG_CACHE_HOME` or `~/.cache`).
 const DISABLE: &str = "MESA_SHADER_CACHE_DISABLE";
 const FOLDER: &str = "MESA_SHADER_CACHE_DIR";
 /// The index holds 2^16 keys of 20 bytes; as much again for the first shaders.

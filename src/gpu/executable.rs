@@ -1,7 +1,6 @@
 //! Statistics and texts that the driver's compiler reports of a shader, through VK_KHR_pipeline_executable_properties.
 //!
-//! Descriptors and push constants are read from the SPIR-V, so no resource is needed: devices that execute nothing can
-//! compile too.
+//! Descriptors and push constants are read from the SPIR-V: no resources are needed, even no executing device.
 
 use super::kept_pipeline::{Interface, Pipeline};
 use super::{Gpu, GpuError, GraphicsDescription, shader_code};

@@ -25,8 +25,7 @@ pub(super) type Pipelines = Mutex<HashMap<(Vec<String>, Vec<u32>), Arc<Pipeline>
 
 impl Drop for Pipeline {
     fn drop(&mut self) {
-        // SAFETY: no pending command uses these (or they are null): `submit` waits, and closing the device is the last
-        // use.
+        // SAFETY: no pending command uses these (or they are null): `submit` waits, and closing the device comes last.
         unsafe { self.device.destroy_pipeline(self.raw, None) };
         // SAFETY: likewise.
         unsafe { self.device.destroy_pipeline_layout(self.layout, None) };

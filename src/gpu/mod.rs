@@ -1,5 +1,4 @@
-//! Vulkan: device, memory, pipelines, recording and timestamps; and the end of an X server. The only room with unsafe
-//! code.
+//! Vulkan: device, memory, pipelines, recording, timestamps; the end of an X server. The only unsafe code.
 //!
 //! Buffers and images are handles that share a Vulkan object and free it with the last clone. Pipelines and samplers
 //! are made on first use and live as long as the device. A [`Recorder`] keeps what it records alive and derives

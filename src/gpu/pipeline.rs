@@ -7,8 +7,7 @@ use super::{Format, GpuError};
 use ash::vk;
 use std::sync::Arc;
 
-/// The shaders and input of a draw. State: opaque triangles, counter-clockwise in front, depth test (less), viewport
-/// and scissor of the targets, culling of the call.
+/// A draw: opaque triangles, front counter-clockwise, depth test (less); viewport of the targets, culling of the call.
 #[derive(Clone, Copy, Debug)]
 pub struct GraphicsDescription<'a> {
     /// The vertex and the fragment shader.

@@ -40,8 +40,7 @@ pub fn texel_solid_angle(row: u32, width: u32, height: u32) -> f64 {
     TAU / f64::from(width) * (theta(row).cos() - theta(row + 1).cos())
 }
 
-/// Returns the solid angle (sr) of a texel of a `width` x `height` map at a polar angle with this sine, `2π² sin θ/(W
-/// H)`.
+/// Returns the solid angle (sr) of a texel of a `width` x `height` map at this sine of θ, `2π² sin θ/(W H)`.
 ///
 /// The sine is floored at its value half a texel from a pole: no texel is smaller than in the first row.
 pub fn texel_solid_angle_at(sin_theta: f64, width: u32, height: u32) -> f64 {

@@ -26,8 +26,7 @@ const ROOT_WIDTH: f64 = 0.125;
 /// `W_ij` of a region, three channels.
 type Weights = [[DVec3; NODE_COUNT]; NODE_COUNT];
 
-/// A rectangle of the (u, v) plane, in units of texels: x in [-1/2, W - 1/2], y in [-1/2, H - 1/2], texel centres at
-/// integers.
+/// A rectangle of the (u, v) plane in texels: x in [-1/2, W - 1/2], y in [-1/2, H - 1/2], centres at integers.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Region {
     low: DVec2,
@@ -89,8 +88,7 @@ impl EquirectQuadrature {
         texel(0.0, 0.0).lerp(texel(1.0, 0.0), t.x).lerp(texel(0.0, 1.0).lerp(texel(1.0, 1.0), t.x), t.y)
     }
 
-    /// Integrates `∫ L k dl` for `K` kernels at once; `error` bounds each number. Kernels need not be smooth, but kinks
-    /// cost time.
+    /// Integrates `∫ L k dl` for `K` kernels at once; `error` bounds each number. Kinks cost time.
     pub fn integrate<const K: usize>(
         &self,
         kernel: impl Fn(DVec3) -> [f64; K],
@@ -131,8 +129,7 @@ impl EquirectQuadrature {
         PI * DVec2::new(2.0 * size.x * widest, size.y)
     }
 
-    /// Splits a region into parts closer to squares on the sphere: at a pole, quarters would become ever thinner
-    /// needles.
+    /// Splits a region into parts closer to squares on the sphere: at poles, quarters would become needles.
     fn split_towards_square(&self, region: &Region) -> Vec<Region> {
         let has_children = region.node.is_some_and(|index| !self.nodes[index].children.is_empty());
         let DVec2 { x: width, y: height } = self.extent(region);
@@ -217,8 +214,7 @@ impl EquirectQuadrature {
         Region { node: Some(self.nodes.len() - 1), ..region }
     }
 
-    /// Makes the node over `children`: `W_ij = Σ_children Σ_kl ℓ_i(x_k) ℓ_j(y_l) W_kl`, with the child's nodes in the
-    /// parent's coordinates.
+    /// Makes the node over `children`: `W_ij = Σ_children Σ_kl ℓ_i(x_k) ℓ_j(y_l) W_kl`, in the parent's coordinates.
     fn merge(&self, region: &Region, children: Vec<Region>) -> Node {
         let mut weights = [[DVec3::ZERO; NODE_COUNT]; NODE_COUNT];
         let mut mass = DVec3::ZERO;
@@ -246,8 +242,7 @@ impl EquirectQuadrature {
         Node { weights, mass, children }
     }
 
-    /// Computes `W_ij` and `∫ |L| dω` of any region exactly: the texels' hat functions and sin(π v) are integrated cell
-    /// by cell.
+    /// Computes `W_ij` and `∫ |L| dω` of a region exactly: hat functions and sin(π v) are integrated by cell.
     fn weights(&self, region: &Region) -> (Weights, DVec3) {
         let columns = self.hat_integrals(region.low.x, region.high.x, |_| 2.0 * PI / self.width as f64);
         let rows = self.hat_integrals(region.low.y, region.high.y, |y| {
@@ -277,8 +272,7 @@ impl EquirectQuadrature {
         (weights, mass)
     }
 
-    /// Integrates `∫ hat_t(x) ℓ_i(x) measure(x) dx` over `[low, high]` for every texel t whose hat function reaches
-    /// into it.
+    /// Integrates `∫ hat_t(x) ℓ_i(x) measure(x) dx` over `[low, high]` for every texel t with a hat in it.
     fn hat_integrals(&self, low: f64, high: f64, measure: impl Fn(f64) -> f64) -> Vec<HatIntegrals> {
         let gauss = &self.rule.gauss;
         let first = low.floor() as i64;

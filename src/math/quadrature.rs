@@ -81,8 +81,7 @@ pub struct Bounded {
 /// Stopping rule of an adaptive integration.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tolerance {
-    /// Error of each number relative to it; numbers below [`SCALE_FLOOR`] of the largest get the accuracy of that
-    /// floor.
+    /// Error of each number relative to it, or to [`SCALE_FLOOR`] times the largest number if that is more.
     pub relative: f64,
     /// Most parts, for integrands that never converge. The estimate says what was reached.
     pub max_part_count: usize,
@@ -159,8 +158,7 @@ impl<R, const K: usize> Ord for Part<R, K> {
     }
 }
 
-/// Integrates by global adaptive cubature: splits the region with the largest error until the sum of errors meets
-/// `tolerance`.
+/// Integrates adaptively: splits the region with the largest error until the sum of errors meets `tolerance`.
 ///
 /// The sum of the regions' errors is an upper estimate of the total error if each region's is.
 pub fn integrate_adaptively<R, I: IntoIterator<Item = R>, const K: usize>(
@@ -201,12 +199,10 @@ pub fn integrate_adaptively<R, I: IntoIterator<Item = R>, const K: usize>(
 
 /// Gauss-Legendre nodes along each side of a region.
 pub const NODE_COUNT: usize = 6;
-/// Positions along each side where a region's interpolant is checked. The ends lie outside the nodes, where an
-/// interpolant is worst.
+/// Positions along each side where an interpolant is checked. The ends, outside the nodes, are worst.
 const CHECKS: [f64; 3] = [-1.0, 0.0, 1.0];
 
-/// Interpolates a function on a rectangle by its values at the tensor Gauss-Legendre nodes, with a check of the
-/// interpolant.
+/// Interpolates on a rectangle by values at the tensor Gauss-Legendre nodes, and checks the interpolant.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TensorRule {
     pub gauss: GaussLegendre<NODE_COUNT>,
@@ -221,17 +217,14 @@ impl Default for TensorRule {
 }
 
 impl TensorRule {
-    /// Returns the coordinates in [-1, 1] at which [`TensorRule::evaluate`] calls its function: the nodes, then the
-    /// checks.
+    /// Returns the coordinates in [-1, 1] of [`TensorRule::evaluate`]: the nodes, then the checks.
     pub fn coordinates(&self) -> [f64; NODE_COUNT + CHECKS.len()] {
         std::array::from_fn(|k| if k < NODE_COUNT { self.gauss.nodes[k] } else { CHECKS[k - NODE_COUNT] })
     }
 
-    /// Returns the values of `K` functions at the nodes, and the largest difference of each from its interpolant at the
-    /// checks.
+    /// Returns the values of `K` functions at the nodes, and the largest error of each interpolant at the checks.
     ///
-    /// `f(i, j)` gives the functions at coordinate i along the first and j along the second side (see
-    /// [`TensorRule::coordinates`]).
+    /// `f(i, j)` gives the functions at coordinates i and j of the sides (see [`TensorRule::coordinates`]).
     pub fn evaluate<const K: usize>(&self, f: impl Fn(usize, usize) -> [f64; K]) -> ([Line<K>; NODE_COUNT], [f64; K]) {
         let mut values = [[[0.0; K]; NODE_COUNT]; NODE_COUNT];
         (0..NODE_COUNT).for_each(|i| (0..NODE_COUNT).for_each(|j| values[i][j] = f(i, j)));

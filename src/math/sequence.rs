@@ -121,8 +121,7 @@ pub fn sobol_second_reversed(mut index: u32) -> u32 {
     index ^ ((index & 0xaaaa_aaaa) >> 1)
 }
 
-/// As `sobol_scramble_reversed` of `shaders/lib/sobol.glsl` [Burley20, Vegdahl21]: a function of the lower bits flips
-/// bit k.
+/// As `sobol_scramble_reversed` of `shaders/lib/sobol.glsl` [Burley20, Vegdahl21]: lower bits flip bit k.
 pub fn scramble_reversed(mut x: u32, key: u32) -> u32 {
     x ^= x.wrapping_mul(0x3d20_adea);
     x = x.wrapping_add(key);

@@ -1,5 +1,4 @@
-//! Exact answers in f64 to tables of queries, on the CPU: the references for the device's passes and all
-//! approximations.
+//! Exact answers in f64 to tables of queries, on the CPU: references for the device and all approximations.
 //!
 //! Each [`Kind`] of query is a table with its own columns. [`Queries::read`] checks a whole file before anything is
 //! computed; [`Queries::answer`] computes all rows in parallel. The integrals are the same as in the stages' references: the
@@ -46,8 +45,7 @@ pub enum Kind {
 pub struct KindColumns {
     /// Columns that every table needs, in any order.
     pub required: &'static [&'static str],
-    /// Columns that a table may have. Without them `masking` is `separable`, `weight` `cosine`, `levels` the default
-    /// tables'; `id` is copied.
+    /// Optional columns. Defaults: `masking` `separable`, `weight` `cosine`, `levels` as in the default tables.
     pub optional: &'static [&'static str],
     /// Result columns with three channels and bounds; the results of other kinds are single columns.
     pub colors: &'static [&'static str],
@@ -122,8 +120,7 @@ fn rungs() -> impl Iterator<Item = &'static Method> {
     METHODS.iter().filter(|method| method.is_integrated())
 }
 
-/// The rungs of the diffuse ladder that are integrals, for albedo 1: Fresnel inside, outside, up to degree 2, at least
-/// 0.
+/// The diffuse rungs that are integrals, for albedo 1: Fresnel inside, outside, up to degree 2, at least 0.
 const DIFFUSE_RUNGS: [&str; 4] =
     ["diffuse_fresnel_inside", "diffuse_reference", "diffuse_ladder_truncation", "diffuse_ladder_clamp"];
 

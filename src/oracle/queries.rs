@@ -124,8 +124,7 @@ impl<'a> Reader<'a> {
             if is_header {
                 is_header = false;
                 self.header(line, &record);
-                // Rows mean nothing if a column is missing or repeated; an unknown column does not hide faults below
-                // it.
+                // A missing or repeated column makes rows meaningless; an unknown one does not hide their faults.
                 let count = |column: &str| self.columns.iter().filter(|there| *there == column).count();
                 let has_all = self.kind.columns().required.iter().all(|column| count(column) == 1);
                 if !has_all || self.columns.iter().any(|column| count(column) > 1) {

@@ -7,8 +7,7 @@ use crate::precompute::prefilter::Weight;
 use crate::spelling::Listed;
 use glam::DVec3;
 
-/// Largest deviation of a direction's length from 1; within it the direction is normalised. Five digits per coordinate
-/// suffice.
+/// Largest deviation of a direction's length from 1, below which it is normalised: five digits suffice.
 pub const LENGTH_TOLERANCE: f64 = 1e-5;
 
 /// A fault of a cell.

@@ -16,8 +16,7 @@ use std::sync::Arc;
 /// Points along a pixel's side: 17 steps from uncovered to covered.
 pub(super) const POINTS_PER_SIDE: u32 = 4;
 const POINTS: usize = (POINTS_PER_SIDE * POINTS_PER_SIDE) as usize;
-/// Points with a larger difference belong to different surfaces: normals 37 degrees apart, or a step of one pixel's
-/// width.
+/// Points that differ more belong to different surfaces: normals 37 degrees apart, or a step of a pixel's width.
 const UNLIKE: f32 = 0.2;
 
 /// Position and normal at a point; `None` if nothing is hit.

@@ -1,5 +1,4 @@
-//! Bounded caches of shared results: neither a sweep of thousands of cells nor a window with many sizes may grow
-//! without limit.
+//! Bounded caches of shared results, for sweeps of thousands of cells and windows with many sizes.
 
 /// Most bytes of one cache beside its newest value. A software driver takes them from the host's memory.
 pub const CACHE_BYTES: u64 = 1 << 29;

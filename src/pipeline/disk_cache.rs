@@ -106,8 +106,7 @@ impl DiskCache {
         Some(payload)
     }
 
-    /// Keeps `payload` of these shaders under `key`. A folder that cannot be written causes a warning: the work itself
-    /// is done.
+    /// Keeps `payload` of these shaders under `key`. If the folder cannot be written, adds a warning.
     pub fn store(&mut self, shaders: &[String], key: &str, payload: &[u8]) {
         let key = self.whole_key(shaders, key);
         let length = (MAGIC.len() + CHECKSUM_LENGTH + 8 + key.len() + payload.len()) as u64;

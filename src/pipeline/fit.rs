@@ -48,8 +48,7 @@ fn needs(request: &RenderRequest) -> Vec<Need> {
         ),
     ];
     if request.has_reference_term() {
-        // Means, deviations, squared error; starts and guide entries of the distribution, one word each, rounded up to
-        // powers of two.
+        // Means, deviations, squared error; starts and guide entries of the distribution, rounded up to powers of two.
         let words = u64::from(map.height + 2) * (u64::from(map.width) + u64::from(map.width).next_power_of_two() + 2);
         let bytes = 3 * pixels * VEC4 + 4 * words;
         let buffer_bytes = (4 * words).max(pixels * VEC4);

@@ -16,8 +16,7 @@ pub(super) struct Reference {
     pub(super) convergences: Vec<Convergence>,
 }
 
-/// Returns everything that determines the frame of `request`; `None` if no term of it is a reference, since such frames
-/// are cheap.
+/// Returns everything that determines the frame of `request`; `None` without a reference term: such frames are cheap.
 ///
 /// Of the table settings only the DFG table's matter, and only if the frame reads it.
 pub(super) fn key(request: &RenderRequest) -> Option<SharedKey> {

@@ -146,8 +146,7 @@ impl Pipeline {
         self.gpu.waited_ms()
     }
 
-    /// Makes work fail while `flag` is set ([`PipelineError::is_interrupted`]): no further submission is made. `None`
-    /// removes the flag.
+    /// Makes work fail while `flag` is set ([`PipelineError::is_interrupted`]). `None` removes the flag.
     pub fn interrupt_by(&self, flag: Option<Arc<AtomicBool>>) {
         self.gpu.interrupt_by(flag);
     }

@@ -156,8 +156,7 @@ impl Frame {
 /// Device times of one frame.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct FrameTimings {
-    /// Precompute passes that ran for this frame: `mips`, `sh9`, `irradiance`, `prefilter`, `dfg`. Empty if all tables
-    /// existed.
+    /// Precompute passes that ran: `mips`, `sh9`, `irradiance`, `prefilter`, `dfg`. Empty if all tables existed.
     pub precompute: Vec<PassTime>,
     /// Per-frame passes: `gbuffer`, `shade-specular`, `shade-diffuse`, `shade-lights`, `background`, `tonemap`.
     pub frame: Vec<PassTime>,

@@ -12,8 +12,7 @@ use crate::gpu::{Bind, Buffer, Gpu, GpuError};
 use crate::math::sequence::{PixelPoints, Sequence};
 use std::f64::consts::TAU;
 
-/// Computes the table of `count` points of a set of a sequence. Points that each pixel scrambles are `(xi.x, xi.y, 0,
-/// 0)`.
+/// Computes the table of a sequence's set. Points that each pixel scrambles are `(xi.x, xi.y, 0, 0)`.
 pub fn table(count: u32, sequence: &Sequence, set: u32, of_pixel: PixelPoints) -> Vec<[f32; 4]> {
     let point = |i| {
         let xi = (sequence.point)(i, count, set);

@@ -30,8 +30,7 @@ pub enum PrefilterBy {
 
 listed!(PrefilterBy, "way to prefilter", { "harmonic": Harmonic, "sampled": Sampled });
 
-/// The largest half. Brighter texels (a sun) are clamped, as in engines: an infinite one would spoil all texels
-/// filtered with it.
+/// The largest half. Brighter texels (a sun) are clamped, as in engines: infinity would spoil all filtered texels.
 pub const HALF_MAX: f32 = 65504.0;
 
 /// Sizes and sample counts of all precompute passes.
@@ -114,8 +113,7 @@ pub struct SettingsError {
 }
 
 impl PrecomputeSettings {
-    /// Checks what the passes assume: no size is 0, and the prefiltered map has at least two levels, none too small for
-    /// the layout.
+    /// Checks that nothing is 0 and that the prefiltered map has two levels or more, none too small for the layout.
     pub fn validate(&self) -> Result<(), SettingsError> {
         let fault = |field, what: String| Err(SettingsError { field, what });
         let smaller = |pair: [u32; 2]| pair[0].min(pair[1]);

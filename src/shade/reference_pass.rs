@@ -1,5 +1,4 @@
-//! The device passes of the reference: dispatches over parts of the nets and of the image, then one that adds the term
-//! to the image.
+//! The device passes of the reference: dispatches over parts of nets and image, then one that adds the term.
 
 use super::Shading;
 use super::pass::{Passes, TABLE, with_gbuffer};
@@ -24,8 +23,7 @@ pub enum Lobe {
 }
 
 impl Lobe {
-    /// Specialization constants: masking, whether the driver filters in f32, bend of the level mapping, weight, unused,
-    /// compensation, axes of the DFG table.
+    /// Specialization constants: masking, f32 filter, bend of levels, weight, unused, compensation, DFG table's axes.
     fn constants(self, gpu: &Gpu, shading: &Shading) -> [u32; 7] {
         let PrecomputeSettings { level_mapping, prefilter_weight, .. } = shading.precompute;
         let mut constants = shading.table_constants(MaskingShadowing::default());
@@ -58,8 +56,7 @@ impl Lobe {
 /// One pair of samples in each of the [`SCRAMBLE_COUNT`] scrambles: every sample count is a multiple of this.
 const SAMPLES_PER_PAIR: u32 = 2 * SCRAMBLE_COUNT;
 
-/// Returns the pairs of samples per scramble for exactly `sample_count` samples a pixel; the error suggests counts that
-/// are possible.
+/// Returns the pairs per scramble for exactly `sample_count` samples a pixel; the error suggests possible counts.
 pub fn pair_count(sample_count: u32) -> Result<u32, PartPair> {
     let pairs = sample_count / SAMPLES_PER_PAIR;
     if pairs > 0 && sample_count.is_multiple_of(SAMPLES_PER_PAIR) {
@@ -84,8 +81,7 @@ pub struct PartPair {
 
 /// Samples before the error is first checked.
 const PILOT_SAMPLES: u32 = 64;
-/// The variance of scrambled nets falls with about this power of the count (measured from 256 to 11,520 samples: 1.39,
-/// 1.55).
+/// The variance of scrambled nets falls with about this power of the count (measured, 256 to 11,520: 1.39, 1.55).
 const VARIANCE_EXPONENT: f64 = 1.4;
 
 /// When a reference stops.

@@ -1,5 +1,4 @@
-// Diffuse method `sh9-windowed`: nine spherical-harmonic coefficients under a Hann window, which rings less and blurs
-// more.
+// Diffuse method `sh9-windowed`: nine spherical-harmonic coefficients under a Hann window: less ringing, more blur.
 
 #include "lib/sh.glsl"
 

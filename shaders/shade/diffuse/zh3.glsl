@@ -1,12 +1,10 @@
-// Diffuse method `zh3`: four spherical-harmonic coefficients, and a quadratic part guessed from them about the axis of
-// luminance.
+// Diffuse method `zh3`: four spherical-harmonic coefficients, and a quadratic part guessed about the axis of luminance.
 
 #include "lib/sh.glsl"
 
 const vec3 LUMINANCE = vec3(LUMINANCE_RED, LUMINANCE_GREEN, LUMINANCE_BLUE);
 
-// Of the ratio r of the linear part along the axis to the constant one, the zonal coefficient is L00 (0.08 r + 0.6
-// r^2): a fit. [Roughton24]
+// With r the ratio of linear part along the axis to constant, the zonal one is L00 (0.08 r + 0.6 r^2). [Roughton24]
 vec3 irradiance_over_pi(vec3 n, FILTERED_MAP irradiance_map, vec4 radiance_coefficients[SH9_COUNT]) {
     vec3 constant = radiance_coefficients[0].rgb;
     mat3 linear = mat3(radiance_coefficients[3].rgb, radiance_coefficients[1].rgb, radiance_coefficients[2].rgb);

@@ -1,5 +1,4 @@
-// The diffuse lobe with Fresnel inside the integral: light that a facet along h does not reflect is scattered, (1 -
-// F(v.h)) n.l / pi.
+// The diffuse lobe with Fresnel inside the integral: facets scatter the light they don't reflect, (1 - F) n.l / pi.
 
 #include "lib/frame.glsl"
 #include "lib/fresnel.glsl"

@@ -36,8 +36,7 @@ impl Sky {
         }
     }
 
-    /// Returns the radiance of red, green and blue at angles to the zenith and to the sun, radians. Under a low sun a
-    /// channel may be below 0.
+    /// Returns the RGB radiance at angles to the zenith and to the sun, radians. Under a low sun it may be negative.
     pub fn radiance(&self, theta: f32, gamma: f32) -> [f32; 3] {
         let (cos_gamma, cos_theta) = (gamma.cos(), theta.cos().abs());
         let rayleigh = cos_gamma * cos_gamma;

@@ -32,8 +32,7 @@ pub fn supersampled(size: [u32; 2], n: u32, radiance: impl Fn(DVec2, DVec3) -> D
     by_texel(size, n, v, radiance)
 }
 
-/// Averages `n` x `n` samples per texel; `v` maps a row and an offset in it. Sines and cosines are computed once per
-/// row and column.
+/// Averages `n` x `n` samples per texel; `v` maps a row and an offset in it. One sine and cosine per row and column.
 fn by_texel(
     [width, height]: [u32; 2],
     n: u32,
@@ -60,8 +59,7 @@ fn by_texel(
     image
 }
 
-/// Calls `cover(texel index, share of the texel's solid angle inside the cap)` for every texel that touches the cap
-/// about the unit vector `center`.
+/// Calls `cover(texel index, share of its solid angle in the cap)` for every texel that touches the cap about `center`.
 ///
 /// On the latitude θ the cap spans `|φ - φc| <= acos((cos a - cos θ cos θc) / (sin θ sin θc))` exactly. Only θ is
 /// integrated numerically, over `θ = θc + a sin t`, which removes the square roots at the ends of the span. So the
@@ -91,8 +89,7 @@ pub fn cover_cap([width, height]: [u32; 2], center: DVec3, half_angle: f64, mut 
             let half_span_u = cos_span.clamp(-1.0, 1.0).acos() / TAU;
             add_span(&mut spans, (u_center - half_span_u) * columns, (u_center + half_span_u) * columns, weight);
         }
-        // The row's part between the first and last latitude of the cap is known exactly; this removes the midpoint
-        // error from texels inside.
+        // The row's part within the cap's latitudes is known exactly; this corrects the midpoint error inside.
         let exact = top.max(theta_center - half_angle).cos() - bottom.min(theta_center + half_angle).cos();
         let row = top.cos() - bottom.cos();
         for (x, &span) in spans.iter().enumerate().filter(|(_, span)| **span > 0.0) {

@@ -26,8 +26,7 @@ pub struct MapLayout {
     pub prefilter_size: [u32; 2],
     /// Default size of an irradiance map.
     pub irradiance_size: [u32; 2],
-    /// Size of the finest filtered level for an environment's size: about as many texels as the environment has at its
-    /// widest.
+    /// Size of the finest filtered level for an environment's size: about as many texels as its widest row has.
     pub finest_size: fn([u32; 2]) -> [u32; 2],
     /// Face and texture coordinates of a direction.
     pub place: fn(DVec3) -> (u32, DVec2),
@@ -35,8 +34,7 @@ pub struct MapLayout {
     pub direction: fn(u32, DVec2) -> DVec3,
     /// Mean solid angle (sr) of a texel at a unit direction, for a face size, over a sample of so many sr.
     pub texel_solid_angle: fn(DVec3, [u32; 2], f64) -> f64,
-    /// Face, column and row of the texel at whole coordinates at most one texel outside the face; `None` at corners of
-    /// three faces.
+    /// Face, column and row of the texel at coordinates at most one texel outside a face; `None` at corners of three.
     texel: TexelAt,
 }
 
@@ -49,8 +47,7 @@ pub static LAYOUTS: &[MapLayout] = &[cube::LAYOUT, octahedral::LAYOUT, equirect:
 listed!(MapLayout, "layout", LAYOUTS);
 
 impl MapLayout {
-    /// Returns the texels (face, column, row) and weights that linear filtering reads in a direction, across all edges,
-    /// for a face size.
+    /// Returns the texels (face, column, row) and weights of a linear lookup across all edges, for a face size.
     pub fn stencil(&self, d: DVec3, size: [u32; 2]) -> [([u32; 3], f64); 4] {
         let (face, uv) = (self.place)(d);
         let at = uv * DVec2::new(size[0].into(), size[1].into()) - 0.5;
@@ -82,8 +79,7 @@ impl PartialEq for MapLayout {
     }
 }
 
-/// Returns the level whose texels cover the solid angle `omega_s` of a sample; `omega_p` is the one of a texel of level
-/// 0. Not clamped [Colbert07, section 20.4].
+/// Returns the level whose texels cover a sample; `omega_p` is for level 0. Not clamped [Colbert07, section 20.4].
 pub fn lod_from_solid_angles(omega_s: f64, omega_p: f64) -> f64 {
     0.5 * (omega_s / omega_p).log2()
 }
@@ -102,8 +98,7 @@ impl FilteredMap {
         [face.width, face.height]
     }
 
-    /// Returns the value in a direction at a fractional level, clamped to the chain; linear between texels and levels,
-    /// across all edges.
+    /// Looks up a direction at a fractional level, clamped to the chain; linear in texels and levels, across edges.
     pub fn value(&self, d: DVec3, lod: f64) -> DVec3 {
         let lod = lod.clamp(0.0, self.levels.len() as f64 - 1.0);
         let fine = lod.floor() as usize;

@@ -1,5 +1,4 @@
-//! One square whose texels all have the same solid angle: the unfolded octahedron, +y in the centre, -y in the corners
-//! \[ClarbergSquare08\].
+//! The unfolded octahedron, +y in the centre, -y in the corners: texels of equal solid angle \[ClarbergSquare08\].
 
 use super::MapLayout;
 use glam::{DVec2, DVec3};

@@ -20,8 +20,7 @@ pub(super) struct Block {
     sin: [f64; LANES],
 }
 
-/// Margin of the test `m > degree sin θ + margin`, beyond which rows have no part in order m: functions up to the
-/// degree are below 1e-12.
+/// Margin of the test `m > degree sin θ + margin`, beyond which functions of order m are below 1e-12.
 pub fn margin(degree: usize) -> f64 {
     7.0 * (degree as f64).cbrt().max(4.0)
 }

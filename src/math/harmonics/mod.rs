@@ -1,5 +1,4 @@
-//! Spherical-harmonic transform of a bilinear equirectangular map, and the synthesis of its convolution with a zonal
-//! kernel.
+//! Spherical harmonics of a bilinear equirectangular map, and synthesis of its convolution with a zonal kernel.
 //!
 //! A map with coefficients `L_lm`, convolved with a kernel of the angle γ alone, has coefficients `k_l L_lm` with
 //! `k_l = 2π ∫ K(γ) P_l(cos γ) sin γ dγ` (the theorem of Funk and Hecke): no samples and no noise.
@@ -9,11 +8,9 @@
 //! closed form, from the FFT of the rows, and `P_lm` is a polynomial of degree l: only orders up to the degree matter.
 //! The series cut there is summed on one row more than the degree, where the sum over rows equals the integral.
 //!
-//! Synthesis: Legendre sums on rows, then the inverse FFT of each. Between rows: Lagrange interpolation of order 8,
-//! across the poles.
+//! Synthesis: Legendre sums on rows, the inverse FFT of each, and Lagrange interpolation of order 8 between rows.
 //!
-//! The functions are `P_lm(cos θ) exp(i m φ)`, orthonormal, with `φ = 2π u` and `θ = π v` of the map; orders m < 0 are
-//! conjugates.
+//! The functions are `P_lm(cos θ) exp(i m φ)`, orthonormal, with `φ = 2π u` and `θ = π v`; m < 0 are conjugates.
 
 mod legendre;
 mod smooth_map;
@@ -225,8 +222,7 @@ struct Rows {
     count: usize,
     forward: std::sync::Arc<dyn rustfft::Fft<f64>>,
     inverse: std::sync::Arc<dyn rustfft::Fft<f64>>,
-    /// By order k up to one beyond the degree: factor from the FFT to the Fourier coefficients of the function linear
-    /// between rows.
+    /// By order k up to degree + 1: factor from the FFT to Fourier coefficients of the function linear between rows.
     linear: Vec<Complex<f64>>,
     /// Coefficient of the step at the pole that is constant up to the first row, beyond the linear ramp there.
     step: Vec<Complex<f64>>,

@@ -1,5 +1,4 @@
-//! A function that is smooth between the texels of an equirectangular map, by Lagrange interpolation across seam and
-//! poles.
+//! A smooth function between equirectangular texels, by Lagrange interpolation across seam and poles.
 
 use crate::math::equirect::uv_from_direction;
 use glam::{DVec2, DVec3, DVec4};
@@ -51,8 +50,7 @@ impl SmoothMap {
     }
 }
 
-/// Returns first point, counted with the margin, and weights of the Lagrange interpolation at a position between whole
-/// numbers.
+/// Returns first point (counted with the margin) and weights of the Lagrange interpolation at a position.
 fn stencil(place: f64) -> (usize, [f64; STENCIL]) {
     /// `1 / Π (i - j)` over the other points.
     const SCALES: [f64; STENCIL] = {

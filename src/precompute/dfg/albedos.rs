@@ -9,8 +9,7 @@ use rayon::prelude::*;
 /// The part of constant radiance that a lobe reflects, by n·v.
 #[derive(Clone, Debug)]
 pub struct Albedos {
-    /// `[A, B, ∫ K (1 - Fc), ∫ K Fc]`, with K the kernel with approximated masking, at n·v = s² for s evenly from
-    /// [`Albedos::S_MIN`] to 1.
+    /// `[A, B, ∫ K (1 - Fc), ∫ K Fc]`, K with approximated masking, at n·v = s², s from [`Albedos::S_MIN`] to 1.
     nodes: Vec<DVec4>,
 }
 

@@ -29,14 +29,12 @@ pub enum DfgAxes {
     /// B bend most where both are small, and no lookup lies beyond the outermost texels.
     #[default]
     FourthRoots = 0,
-    /// Evenly in n_dot_v and perceptual roughness, at texel centres, as in engines. Lookups within half a texel of an
-    /// edge are clamped.
+    /// Evenly in n_dot_v and perceptual roughness, at texel centres, as in engines. Lookups at the edges are clamped.
     Centres = 1,
 }
 
 impl DfgAxes {
-    /// Returns `(n_dot_v, alpha)` at a position of a table, in texels (centres at half integers). Inverse:
-    /// [`Self::texel`].
+    /// Returns `(n_dot_v, alpha)` at a position in texels (centres at half integers). Inverse: [`Self::texel`].
     pub fn parameters(self, texel: DVec2, side: u32) -> DVec2 {
         match self {
             Self::FourthRoots => {

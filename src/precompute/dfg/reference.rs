@@ -100,8 +100,7 @@ fn mean_over_facets(
     // At grazing views the first range may end within the core of the lobe.
     let t_low = t_full.min(alpha.ln()) - LOG_WIDTH_BELOW;
 
-    // Half vectors at one angle to the normal, up to a limit of the azimuth on both sides; `step` is dt per unit of the
-    // square.
+    // Half vectors at one angle to the normal, up to an azimuth on both sides; `step` is dt per unit of the square.
     let arc = |t: f64, phi_limit: f64, step: f64| {
         let (sin_theta, cos_theta) = t.exp().atan().sin_cos();
         // dω = sin θ dθ dφ = sin² θ cos θ dt dφ, both signs of φ.

@@ -1,5 +1,4 @@
-//! Irradiance by normal: `E(n) = ∫ L(l) max(n·l, 0) dl`, radiance × sr. Divided by π it is the radiance of a Lambert
-//! surface of albedo 1.
+//! Irradiance by normal, `E(n) = ∫ L(l) max(n·l, 0) dl`: radiance × sr; over π the radiance of a white Lambert surface.
 
 #[cfg(feature = "gpu")]
 pub mod pass;

@@ -17,8 +17,7 @@ pub fn map(gpu: &Gpu, layout: &MapLayout, size: [u32; 2]) -> Result<Image, GpuEr
     gpu.faced_image("irradiance map", size, layout.face_count, 1, Format::Rgba32Float)
 }
 
-/// Integrates the environment's filtered levels of the same layout over the hemisphere of every texel, at `[phi,
-/// theta]` midpoints.
+/// Integrates the environment's filtered levels (same layout) over each texel's hemisphere at `[phi, theta]` midpoints.
 pub fn run(
     gpu: &Gpu,
     layout: &MapLayout,

@@ -12,8 +12,7 @@ use std::f64::consts::{PI, TAU};
 pub enum Objective {
     /// `∫ (K - ŵ)²`: squared error under light that is white noise over the sphere.
     Square,
-    /// `∫ (K - ŵ)² / (b + ŵ)²`, `b = AMBIENT/4π`: squared relative error under one small lamp anywhere, plus even light
-    /// with [`AMBIENT`] times its flux.
+    /// `∫ (K - ŵ)² / (b + ŵ)²`, `b = AMBIENT/4π`: squared relative error under a small lamp anywhere and even light.
     Relative,
 }
 
@@ -74,15 +73,13 @@ impl Widths {
         Self { rows: (0..=(octaves * PER_OCTAVE) as u32).map(row).collect(), rings }
     }
 
-    /// Finds the widths in (0, 1] of the kernels about m closest to the lobe with that share of the part of weight Fc,
-    /// by each objective.
+    /// Finds the widths in (0, 1] of the kernels about m closest to the lobe of that share, by each objective.
     pub fn fit<const N: usize>(&self, lobe: &Lobe, share: f64, m: DVec3, objectives: [Objective; N]) -> [f64; N] {
         let tangent = DVec3::new(m.z, 0.0, -m.x);
         let count = (((PANELS_BELOW - lobe.alpha.ln() / PANEL).ceil() as usize) * RINGS).min(self.rings.len());
         let azimuths: Vec<(f64, f64)> =
             (0..PHI_COUNT).map(|j| (PI * (f64::from(j) + 0.5) / f64::from(PHI_COUNT)).sin_cos()).collect();
-        // Only `Σ K² S - 2 K T` of the objective depends on the kernel: S integrates the weight over a ring, T weight
-        // times lobe.
+        // Only `Σ K² S - 2 K T` depends on the kernel: S integrates the weight over a ring, T weight times lobe.
         let mut sums = vec![[(0.0, 0.0); N]; count];
         for (sums, (sin, cos, measure)) in sums.iter_mut().zip(&self.rings) {
             for (sin_phi, cos_phi) in &azimuths {

@@ -21,8 +21,7 @@ impl LobeTable {
         Self { texels: Pixels::new(LOBE_SHAPE_SIDE, LOBE_SHAPE_PARTS * LOBE_SHAPE_SIDE, texels) }
     }
 
-    /// Returns the unit direction of the lookup: the lobe's first moment for unit vectors n and v, with the `share` in
-    /// [0, 1] of its part of weight Fc.
+    /// Returns the unit direction of the lookup, for unit vectors n and v and the `share` in [0, 1] of weight Fc.
     pub fn direction(&self, [n, v]: [DVec3; 2], alpha: f64, share: f64) -> DVec3 {
         let of = |channels| self.lookup(n.dot(v), alpha, 0, channels);
         let [of_a, of_b] = [of(|t| DVec3::new(t.x, t.y, 0.0)), of(|t| DVec3::new(t.z, t.w, 0.0))];

@@ -21,8 +21,7 @@ pub fn level_count(size: [u32; 2]) -> u32 {
     size[0].max(size[1]).ilog2() + 1
 }
 
-/// Lists the source texels under texel `index` of `count`, when `source_count` texels cover the same side, each with
-/// the ends of the overlap in source texels.
+/// Lists source texels under texel `index` of `count`, with the overlap's ends in source texels.
 pub fn overlaps(index: u32, count: u32, source_count: u32) -> impl Iterator<Item = (u32, f64, f64)> {
     // Exact in integers: a rounded edge would add a sliver of another texel.
     let edge = |i: u32| u64::from(i) * u64::from(source_count);
@@ -34,8 +33,7 @@ pub fn overlaps(index: u32, count: u32, source_count: u32) -> impl Iterator<Item
     })
 }
 
-/// Returns `cos θ_start - cos θ_end` of a band of rows, for `height` rows from pole to pole: its solid angle per radian
-/// of azimuth.
+/// Returns `cos θ_start - cos θ_end` of a band of rows of `height`: its solid angle per radian of azimuth.
 pub fn band(start: f64, end: f64, height: u32) -> f64 {
     let theta = |row: f64| PI * row / f64::from(height);
     // As a product: the difference of cosines loses digits in thin bands.

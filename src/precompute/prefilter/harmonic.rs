@@ -20,8 +20,7 @@ pub const DEGREE_MAX: usize = 1024;
 /// Narrower lobes need higher degrees: `exp(-10)` of them would be lost.
 pub const ALPHA_MIN: f64 = 5.0 / DEGREE_MAX as f64;
 
-/// Returns the degree up to which a lobe of that width matters: for the tail of narrow lobes, for the edge at the
-/// horizon of wide ones.
+/// Returns the degree up to which a lobe of that width matters: tails of narrow lobes, horizon edges of wide ones.
 pub fn degree(alpha: f64) -> usize {
     let counts = f64::max(8.0 / alpha, 192.0 * alpha.sqrt());
     (counts.ceil() as usize).clamp(128, DEGREE_MAX)

@@ -60,11 +60,9 @@ fn density(kernel: Kernel, l_local: DVec3, alpha: f64) -> f64 {
     }
 }
 
-/// Integrates `∫ D(h) w(l) dl` over the hemisphere, in `t = ln tan(θ_l/2)`, where lobes of any width have the same
-/// shape.
+/// Integrates `∫ D(h) w(l) dl` over the hemisphere, in `t = ln tan(θ_l/2)`: lobes of all widths have one shape.
 fn density_integral(kernel: Kernel, alpha: f64) -> f64 {
-    // θ_l below 2 exp(-20) holds 1e-11 of the lobe at alpha 0.001; with panels of 1/4 the 6-point rule is exact to
-    // rounding.
+    // θ_l below 2 exp(-20) holds 1e-11 of the lobe at alpha 0.001; with panels of 1/4 the rule is exact to rounding.
     const T_LOW: f64 = -20.0;
     const PANEL_COUNT: u32 = 80;
     let rule = GaussLegendre::<6>::new();

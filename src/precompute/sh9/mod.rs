@@ -4,7 +4,7 @@
 //! Degree 2 keeps it within a few per cent for broad light; for a point light it errs by +6 % at the peak and is
 //! negative beyond 110°.
 //!
-//! The integral over a map can be read in three ways: the sum `Σ L Y sin θ 2π²/(W H)` at texel centres [Kim22], which
+//! The integral over a map can be read in three ways: the sum `Σ L Y sin θ 2π²/(W H)` at texel centres \[Kim22\], which
 //! the device computes; texels as constant patches with exact solid angles; and the bilinear map of lookups and the
 //! reference.
 

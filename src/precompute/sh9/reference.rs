@@ -11,7 +11,7 @@ use std::f64::consts::PI;
 /// Nine coefficients of radiance, linear RGB.
 pub type Sh9 = [DVec3; COUNT];
 
-/// Sums `Σ L Y sin θ 2π²/(W H)` at texel centres [Kim22].
+/// Sums `Σ L Y sin θ 2π²/(W H)` at texel centres \[Kim22\].
 pub fn project_texel_centers(image: &RgbImage) -> Sh9 {
     project(image, &GaussLegendre::<1>::new())
 }

@@ -53,8 +53,7 @@ pub struct Method {
     pub lobe: Option<&'static str>,
 }
 
-/// Every specular method. To add one: `shaders/shade/method/<stem>.glsl` (or `lobe/`), its file here with its twin, and
-/// a line here.
+/// Every specular method. To add one: `shaders/shade/method/<stem>.glsl` (or `lobe/`), its file and a line here.
 pub static METHODS: &[Method] = &[
     sampled::METHOD,
     sampled_vndf::METHOD,

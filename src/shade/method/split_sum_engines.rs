@@ -5,8 +5,7 @@ use super::split_sum::shifted;
 use crate::brdf::perceptual_roughness_from_alpha;
 use crate::shade::twin::Twin;
 
-/// `getSpecularDominantDirection` of Filament (`shaders/src/surface_light_indirect.fs`), which takes alpha, not
-/// perceptual roughness.
+/// `getSpecularDominantDirection` of Filament (`shaders/src/surface_light_indirect.fs`), by alpha.
 pub const FILAMENT: Method = shifted(
     "split-sum-filament",
     "Filament's shifted lookup: r to n by alpha^2",
@@ -23,8 +22,7 @@ pub const FROSTBITE: Method = shifted(
     }),
 );
 
-/// three.js (`envmap_physical_pars_fragment.glsl.js`: the square of perceptual roughness); Godot copied it
-/// (`scene_forward_clustered.glsl`).
+/// three.js (`envmap_physical_pars_fragment.glsl.js`), copied by Godot (`scene_forward_clustered.glsl`).
 pub const GODOT: Method = shifted(
     "split-sum-godot",
     "Godot's and three.js' shifted lookup: r to n by alpha",

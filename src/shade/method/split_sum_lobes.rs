@@ -1,5 +1,4 @@
-//! Split sums along the first moment of the lobe: `P(m, a) (f0 A + B)`, m the unit vector along `∫ f n·l l dl`, a by
-//! method, from tables.
+//! Split sums along the lobe's first moment, from tables: `P(m, a) (f0 A + B)`, m along `∫ f n·l l dl`, a by method.
 
 use super::Method;
 use super::split_sum::shifted;

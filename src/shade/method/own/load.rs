@@ -47,8 +47,7 @@ fn shader_name(permutation: &str, stem: &str) -> String {
     parts.join(":")
 }
 
-/// Returns the first error of a compiler's log, as `PATH:LINE: message`. An error in the pass around the method is
-/// caused by the file's definitions.
+/// Returns the first error of a compiler's log, as `PATH:LINE: message`. The file causes those of the pass around it.
 fn first_error(log: &str, path: &Path) -> String {
     let first = log.lines().find_map(|line| line.trim().strip_prefix("ERROR: ")).unwrap_or_else(|| log.trim());
     match first.starts_with("shaders/") {
