@@ -41,7 +41,6 @@ pub struct Panel {
 
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scale {
-    /// With the unit.
     pub label: String,
     pub kind: ScaleKind,
 }

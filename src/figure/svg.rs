@@ -56,7 +56,6 @@ fn legend(figure: &Figure, layout: &Layout) -> String {
     layout.entries.iter().map(entry).collect()
 }
 
-/// The colour bar with its ticks.
 fn bar_of(ramp: &Ramp, [left, top, width, height]: [f64; 4], ticks: &[f64]) -> String {
     /// Whole pixels avoid seams.
     const PART: f64 = 2.0;

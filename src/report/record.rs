@@ -35,7 +35,6 @@ pub struct AnswerRecord {
     pub answers: Vec<ToldAnswer>,
     pub cells: usize,
     pub failed: usize,
-    /// Each with its driver.
     pub devices: Vec<String>,
     /// Of the last session.
     pub date_utc: String,

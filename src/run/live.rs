@@ -11,8 +11,10 @@ use crate::pixels::packed::{self, HALF_MAX};
 use crate::pixels::{Pixels, RgbImage};
 use crate::shade::Shading;
 use crate::spelling::Listed;
+use indexmap::IndexMap;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
+use std::hash::Hash;
 
 pub const LIVE_FILE: &str = "live.json";
 /// Most environments that are kept.
@@ -77,12 +79,13 @@ pub struct LiveLobe {
 pub fn record(plan: &Plan, renderer: &mut dyn Renderer) -> Result<LiveRecord, RenderFault> {
     let mut record = LiveRecord { environments: Vec::new(), lobes: Vec::new(), left_out: 0, models: models(plan) };
     let environments = distinct(plan, &[], |request| request.environment.hash.clone());
-    let lobes = distinct(plan, &[BRDF], |request| (request.shading.brdf.name(), request.shading.masking_shadowing));
+    let lobes =
+        distinct(plan, &[BRDF], |request| (request.shading.brdf.name(), request.shading.masking_shadowing.name()));
     for (point, request) in environments.iter().take(ENVIRONMENT_COUNT) {
         let mut environment: Option<LiveEnvironment> = None;
         for (_, of_lobe) in &lobes {
             let (brdf, masking) = (of_lobe.shading.brdf.name().to_owned(), of_lobe.shading.masking_shadowing.name());
-            let has_lobe = record.lobes.iter().any(|lobe| lobe.brdf == brdf && lobe.masking == masking);
+            let has_lobe = record.lobes.iter().any(|lobe| (&lobe.brdf, lobe.masking.as_str()) == (&brdf, masking));
             let is_kept = environment.as_ref().is_some_and(|e| e.prefiltered.iter().any(|map| map.brdf == brdf));
             if has_lobe && is_kept {
                 continue;
@@ -109,21 +112,17 @@ pub fn record(plan: &Plan, renderer: &mut dyn Renderer) -> Result<LiveRecord, Re
 }
 
 /// Point and request of the first cell for every value of `key`, among cells that use all of `axes`.
-fn distinct<K: PartialEq>(
+fn distinct<K: Eq + Hash>(
     plan: &Plan,
     axes: &[usize],
     key: impl Fn(&RenderRequest) -> K,
 ) -> Vec<(Point, RenderRequest)> {
-    let mut found: Vec<(K, (Point, RenderRequest))> = Vec::new();
-    let uses = |point: &Point| axes.iter().all(|&axis| point[axis] != Value::Unset);
-    for cell in plan.cells.iter().filter(|cell| uses(&cell.point)) {
+    let mut found: IndexMap<K, (Point, RenderRequest)> = IndexMap::new();
+    for cell in plan.cells.iter().filter(|cell| axes.iter().all(|&axis| cell.point[axis] != Value::Unset)) {
         let request = plan.request(&cell.point);
-        let own = key(&request);
-        if found.iter().all(|(known, _)| *known != own) {
-            found.push((own, (cell.point.clone(), request)));
-        }
+        found.entry(key(&request)).or_insert_with(|| (cell.point.clone(), request));
     }
-    found.into_iter().map(|(_, entry)| entry).collect()
+    found.into_values().collect()
 }
 
 fn of_environment(point: &Point, request: &RenderRequest, tables: &LightTables) -> LiveEnvironment {

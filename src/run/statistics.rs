@@ -109,20 +109,3 @@ pub fn drift(points: &[(f64, f64)]) -> f64 {
     let slopes: Vec<f64> = pairs.filter(|(a, b)| a.0 != b.0).map(|(a, b)| (b.1 - a.1) / (b.0 - a.0)).collect();
     median(&slopes)
 }
-
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Spread {
-    pub n: usize,
-    pub lower_quartile: f64,
-    pub median: f64,
-    pub upper_quartile: f64,
-}
-
-/// Median and quartiles; `None` without numbers.
-pub fn spread(numbers: &[f64]) -> Option<Spread> {
-    let mut sorted = numbers.to_vec();
-    sorted.sort_by(f64::total_cmp);
-    let at = |p: f64| quantile(&sorted, p);
-    let found = Spread { n: sorted.len(), lower_quartile: at(0.25), median: at(0.5), upper_quartile: at(0.75) };
-    (found.n > 0).then_some(found)
-}

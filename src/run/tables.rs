@@ -23,7 +23,6 @@ pub enum CellResult {
 /// Results by cell id. Cells that were not tried are missing.
 pub type Results = BTreeMap<String, CellResult>;
 
-/// Columns and rows.
 pub type Rows = (Vec<String>, Vec<Vec<Field>>);
 
 fn names_of(columns: &[Column]) -> impl Iterator<Item = String> + '_ {

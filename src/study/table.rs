@@ -35,7 +35,6 @@ pub fn axis_cells(axes: &[usize], key: &[Value]) -> Vec<Cell> {
     axes.iter().zip(key).flat_map(cells).collect()
 }
 
-/// Cells of a row.
 macro_rules! cells {
     ($($cell:expr),* $(,)?) => { vec![$(crate::table::csv::Cell::from($cell)),*] };
 }
@@ -88,7 +87,6 @@ impl Table {
     }
 }
 
-/// A cell in Markdown.
 pub fn shown(cell: &Cell) -> String {
     match cell {
         Cell::Text(text) => text.clone(),

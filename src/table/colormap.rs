@@ -31,7 +31,6 @@ const BLUE_RED: [[u8; 3]; 11] = [
 /// For NaN; not in any palette.
 pub const NAN_COLOR: [u8; 3] = [0, 255, 0];
 
-/// Off the mask.
 pub const OFF_MASK_COLOR: [u8; 3] = [236, 236, 236];
 
 impl Palette {

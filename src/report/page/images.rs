@@ -24,7 +24,6 @@ pub struct Window {
     pub height: u32,
 }
 
-/// The window of a whole image.
 const WHOLE: Window = Window { x: 0, y: 0, width: u32::MAX, height: u32::MAX };
 
 /// The embedded part of the images.

@@ -19,14 +19,14 @@ use std::collections::BTreeSet;
 pub const BUDGET_BYTES: usize = 4 << 20;
 /// An environment is not reduced below so many texels to keep another one.
 const ENVIRONMENT_TEXELS_MIN: u32 = 1 << 15;
-/// Largest file; those of runs are far smaller.
+/// Largest file, bytes.
 const FILE_BYTES_MAX: u64 = 64 << 20;
 #[derive(Debug, Serialize)]
 pub struct Light {
     pub environments: Vec<LiveEnvironment>,
     pub lobes: Vec<LiveLobe>,
     pub methods: Vec<LiveMethod>,
-    /// Those of the runs' cells; 0 if they have none.
+    /// The orientations of the runs' cells, else 0.
     pub orientations: Vec<Orientation>,
     /// Names of the maskings in the order of the shaders' constants.
     pub masking_names: Vec<&'static str>,
@@ -81,7 +81,7 @@ impl Light {
         let record = runs.iter().find_map(|run| match read(run) {
             Ok(record) => {
                 if record.is_some() && runs.len() > 1 {
-                    notes.push(format!("Light and tables are those of {}.", run.finished.dir.display()));
+                    notes.push(format!("Light and tables come from {}.", run.finished.dir.display()));
                 }
                 record
             }

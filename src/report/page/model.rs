@@ -14,7 +14,6 @@ use crate::table::csv::Cell;
 use serde::ser::{Serialize, SerializeMap, Serializer};
 use serde_json::{Value as Json, json};
 
-/// The axis of joined runs.
 const RUN_AXIS: &str = "run";
 const NO_FLOOR: &str = "no-noise-floor";
 

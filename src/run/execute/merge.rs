@@ -23,7 +23,6 @@ pub struct Merged {
 /// Work without a record.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Missing {
-    /// Labels.
     pub cells: Vec<String>,
     pub timings: usize,
     /// The incomplete shards and how each ended.

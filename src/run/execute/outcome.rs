@@ -15,7 +15,6 @@ pub struct RunOptions<'a> {
     pub dir: PathBuf,
     /// Set from outside: stops after the current cell.
     pub stop: &'a AtomicBool,
-    /// For the provenance.
     pub command_line: Vec<String>,
     /// The part of the plan to do, if several processes share the folder. [`merge`](super::merge) then writes the tables.
     pub shard: Option<Shard>,

@@ -138,7 +138,6 @@ impl Store {
         self.write_sealed(&self.record_path(FAILED_FOLDER, &record.cell), record)
     }
 
-    /// Where the reference of this id stopped.
     pub fn reference(&self, id: &str) -> Result<Option<ReferenceStop>, StoreError> {
         usable(self.record(REFERENCES_FOLDER, id))
     }
@@ -230,7 +229,6 @@ impl Store {
 
 #[derive(Serialize)]
 struct Named<'r, T> {
-    /// The id.
     record: String,
     #[serde(flatten)]
     content: &'r T,

@@ -69,7 +69,6 @@ pub fn curves<'r, 'f>(frame: &Frame, images: &[&'r Row<'f>], axes: &[usize]) -> 
     groups.filter_map(curve).collect()
 }
 
-/// The images of methods without samples.
 pub fn without_samples<'r, 'f>(images: &[&'r Row<'f>]) -> Vec<&'r Row<'f>> {
     images.iter().copied().filter(|row| row.samples().is_none() && !row.has_no_method()).collect()
 }
@@ -102,14 +101,17 @@ impl Beside<'_, '_> {
     /// Cells of the case on any axes, from the method that uses them.
     pub fn cells(&self, axes: &[usize]) -> Vec<Cell> {
         let [first, second] = [self.curve.first(), self.fixed].map(|row| row.key(axes));
-        let key: Key = first.into_iter().zip(second).map(|(a, b)| if a == Value::Unset { b } else { a }).collect();
-        axis_cells(axes, &key)
+        axis_cells(axes, &united(&first, &second))
     }
 
     /// The sampling method and the other.
     pub fn names(&self) -> [String; 2] {
         [self.curve.method.to_string(), self.fixed.text(METHOD)]
     }
+}
+
+fn united(a: &[Value], b: &[Value]) -> Key {
+    a.iter().zip(b).map(|(a, b)| if *a == Value::Unset { b } else { a }.clone()).collect()
 }
 
 /// Pairs each curve with the images of methods without samples in the same case, in the order of the rows.
@@ -120,8 +122,7 @@ pub fn beside<'r, 'f>(frame: &Frame, images: &[&'r Row<'f>], axes: &[usize]) -> 
         for &row in &fixed {
             let other = row.key(axes);
             let Some(error) = frame.error(row).filter(|_| fits(&other, &curve.key)) else { continue };
-            let key = curve.key.iter().zip(&other).map(|(a, b)| if *a == Value::Unset { b } else { a }.clone());
-            found.push(Beside { key: key.collect(), curve: curve.clone(), fixed: row, error });
+            found.push(Beside { key: united(&curve.key, &other), curve: curve.clone(), fixed: row, error });
         }
     }
     found

@@ -275,7 +275,6 @@ pub fn pair<'r, 'f>(rows: &[&'r Row<'f>], axis: usize, base: &Value) -> Vec<(&'r
     others.filter_map(|row| Some((*row, **bases.iter().find(|other| agrees(row, other))?))).collect()
 }
 
-/// The set values of rows on an axis.
 fn set_values(rows: &[&Row], axis: usize) -> Vec<Value> {
     rows.iter().map(|row| row.point.0[axis].clone()).filter(|value| *value != Value::Unset).collect()
 }

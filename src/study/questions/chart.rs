@@ -41,7 +41,6 @@ pub struct Chart<'n> {
     pub note: String,
     pub x: Along<'n>,
     pub y: Along<'n>,
-    /// Title and marks.
     pub panels: Vec<(String, Vec<Mark>)>,
     pub series: Vec<String>,
 }

@@ -108,7 +108,6 @@ fn sentence(frame: &Frame, ways: &[Way], base: &Value) -> Option<String> {
     Some(first_words + &next.unwrap_or_default() + &all.ratios.scope(frame))
 }
 
-/// The axes of rows and panels.
 fn row_axes(frame: &Frame) -> Vec<usize> {
     distinct_in_order([F0, frame.row_axis()]).into_iter().filter(|axis| frame.shape.is_swept(*axis)).collect()
 }
