@@ -1,38 +1,36 @@
-//! Colour: luminance, the sRGB transfer functions, conversions between primaries. Linear RGB has Rec.709 primaries throughout.
+//! Colour: luminance, sRGB, conversions between primaries. Linear RGB has Rec.709 primaries.
 
 use glam::{DMat3, DVec2, DVec3};
 
-/// Luminance weights of linear Rec.709 RGB \[BT709\] item 3.2.
+/// Luminance weights of linear Rec.709 \[BT709\] item 3.2.
 pub const REC709_LUMINANCE: [f64; 3] = [0.2126, 0.7152, 0.0722];
 
-/// Luminance of a linear Rec.709 colour, in the unit of its channels.
+/// Luminance of linear Rec.709, in the unit of its channels.
 pub fn luminance(rgb: [f32; 3]) -> f64 {
     rgb.iter().zip(REC709_LUMINANCE).map(|(&channel, weight)| f64::from(channel) * weight).sum()
 }
 
-/// Linear [0, 1] to the sRGB signal [0, 1] \[Srgb99\]. Values outside are clamped: an 8-bit file holds no others; NaN gives 0.
+/// Encodes linear [0, 1] as an sRGB signal [0, 1] \[Srgb99\]. Clamps; NaN gives 0.
 pub fn srgb_encode(linear: f32) -> f32 {
-    // In f64: 1.055 - 0.055 is 1 only there.
+    // In f32 1.055 - 0.055 is not 1.
     let linear = if linear.is_nan() { 0.0 } else { f64::from(linear.clamp(0.0, 1.0)) };
     let signal = if linear <= 0.003_130_8 { 12.92 * linear } else { 1.055 * linear.powf(1.0 / 2.4) - 0.055 };
     signal as f32
 }
 
-/// The sRGB signal [0, 1] to linear [0, 1]; inverse of [`srgb_encode`].
+/// Decodes an sRGB signal; inverse of [`srgb_encode`].
 pub fn srgb_decode(signal: f32) -> f32 {
     let signal = f64::from(signal);
     let linear = if signal <= 0.040_45 { signal / 12.92 } else { ((signal + 0.055) / 1.055).powf(2.4) };
     linear as f32
 }
 
-/// CIE xy positions of the primaries and the white of an RGB space.
+/// CIE 1931 xy of the primaries and the white of an RGB space.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Chromaticities {
-    /// CIE 1931 (x, y) of each primary.
     pub red: DVec2,
     pub green: DVec2,
     pub blue: DVec2,
-    /// (x, y) of the white point.
     pub white: DVec2,
 }
 
@@ -44,7 +42,7 @@ pub const REC709: Chromaticities = Chromaticities {
     white: DVec2::new(0.3127, 0.3290),
 };
 
-/// The RGB space of the Radiance programs (`color.h`): nearly the primaries of Rec.709, but the equal-energy white.
+/// RGB space of the Radiance programs (`color.h`): nearly Rec.709, with equal-energy white.
 pub const RADIANCE: Chromaticities = Chromaticities {
     red: DVec2::new(0.640, 0.330),
     green: DVec2::new(0.290, 0.600),
@@ -53,19 +51,19 @@ pub const RADIANCE: Chromaticities = Chromaticities {
 };
 
 impl Chromaticities {
-    /// Matrix from linear RGB of this space to CIE XYZ; white has Y = 1. `None` when the primaries span no triangle
-    /// (zeros, as some writers leave) or the white is not inside it.
+    /// Returns the matrix to CIE XYZ; white has Y = 1. `None` if the primaries span no triangle or the white is
+    /// outside.
     pub fn to_xyz(&self) -> Option<DMat3> {
         let xyz = |xy: DVec2| DVec3::new(xy.x, xy.y, 1.0 - xy.x - xy.y);
         let primaries = DMat3::from_cols(xyz(self.red), xyz(self.green), xyz(self.blue));
-        // A NaN fails both comparisons.
+        // NaN fails both comparisons.
         let usable = primaries.determinant().abs() > 1e-6 && self.white.y > 1e-6;
         let amounts = usable.then(|| primaries.inverse() * (xyz(self.white) / self.white.y))?;
         (amounts.min_element() > 0.0).then(|| primaries * DMat3::from_diagonal(amounts))
     }
 
-    /// Matrix from linear RGB of this space to linear Rec.709, white to white (Bradford adaptation \[Lam85\]).
-    /// `None` as in [`Chromaticities::to_xyz`].
+    /// Returns the matrix to linear Rec.709, white to white (Bradford adaptation \[Lam85\]); `None` as
+    /// [`Chromaticities::to_xyz`].
     pub fn to_rec709(&self) -> Option<DMat3> {
         let bradford = DMat3::from_cols_array_2d(&[
             [0.8951, -0.7502, 0.0389],
@@ -79,7 +77,7 @@ impl Chromaticities {
         Some(rec709_to_xyz.inverse() * bradford.inverse() * adapt * bradford * to_xyz)
     }
 
-    /// As [`Self::to_rec709`] for what a file's header calls `name`; a warning says what became of the colours.
+    /// Converts as [`Self::to_rec709`] and adds a warning about the header field `name`.
     pub fn to_rec709_with_warning(&self, name: &str, warnings: &mut Vec<String>) -> Option<DMat3> {
         let matrix = self.to_rec709();
         warnings.push(match matrix {
@@ -89,7 +87,7 @@ impl Chromaticities {
         matrix
     }
 
-    /// Whether no coordinate differs by more than 0.001, the rounding that files use.
+    /// Whether no coordinate differs by more than 0.001, as files round.
     pub fn is_close_to(&self, other: &Self) -> bool {
         [(self.red, other.red), (self.green, other.green), (self.blue, other.blue), (self.white, other.white)]
             .iter()

@@ -1,4 +1,4 @@
-//! What the numbers of a bake stand for, as data: each convention by name, and the presets of known tools.
+//! Meaning of a bake's numbers as data: conventions by name, and presets of known tools.
 
 use super::product::{Chain, LAST_SIDE, Product};
 use crate::brdf::MaskingShadowing;
@@ -8,19 +8,19 @@ use crate::spelling::listed;
 use glam::{DVec2, DVec3};
 use std::fmt;
 
-/// The world's axes in those of the file, such as `-z+y+x`: the world's x is the file's -z. A file's own axes are those of a cube map in
-/// Vulkan, or of our lat-long map ([`crate::math::equirect`]).
+/// World axes in file axes: in `-z+y+x` the world's x is the file's -z. A file's own axes are those of a Vulkan cube
+/// map, or
+/// of our lat-long map ([`crate::math::equirect`]).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Axes {
-    /// Of each axis of the world: that of the file, and whether it is turned about.
+    /// File axis of each world axis, and whether it is negated.
     of: [(usize, bool); 3],
 }
 
 impl Axes {
-    /// The file's axes are the world's.
     pub const SAME: Self = Self { of: [(0, false), (1, false), (2, false)] };
 
-    /// Those of a text such as `-z+y+x`.
+    /// Parses a text such as `-z+y+x`.
     pub fn parse(text: &str) -> Result<Self, String> {
         Self::all().find(|axes| axes.to_string() == text).ok_or_else(|| {
             format!(
@@ -29,7 +29,7 @@ impl Axes {
         })
     }
 
-    /// All 48, turns and mirrors.
+    /// Lists all 48 orientations, mirrors included.
     pub fn all() -> impl Iterator<Item = Self> {
         let orders = [[0, 1, 2], [0, 2, 1], [1, 0, 2], [1, 2, 0], [2, 0, 1], [2, 1, 0]];
         orders.into_iter().flat_map(|order| {
@@ -37,19 +37,18 @@ impl Axes {
         })
     }
 
-    /// The file's direction of one in the world. Inverse: [`Self::to_world`].
+    /// Converts a world direction to the file. Inverse: [`Self::to_world`].
     pub fn to_file(self, world: DVec3) -> DVec3 {
         let mut file = DVec3::ZERO;
         (0..3).for_each(|i| file[self.of[i].0] = self.sign(i) * world[i]);
         file
     }
 
-    /// Inverse of [`Self::to_file`].
+    /// Converts a file direction to the world. Inverse: [`Self::to_file`].
     pub fn to_world(self, file: DVec3) -> DVec3 {
         DVec3::from_array(std::array::from_fn(|i| self.sign(i) * file[self.of[i].0]))
     }
 
-    /// Whether it mirrors.
     pub fn is_mirror(self) -> bool {
         let [x, y, z] = [DVec3::X, DVec3::Y, DVec3::Z].map(|axis| self.to_world(axis));
         x.cross(y).dot(z) < 0.0
@@ -68,10 +67,10 @@ impl fmt::Display for Axes {
     }
 }
 
-/// Which way the parameters of a DFG table run.
+/// Directions of a DFG table's parameters.
 #[derive(Debug)]
 pub struct TableAxes {
-    /// What runs to the right and then what runs down, `n` for n·v and `r` for perceptual roughness, `-` where it falls.
+    /// Parameter to the right, then downwards: `n` for n·v, `r` for perceptual roughness, `-` if it falls.
     pub name: &'static str,
     is_transposed: bool,
     falls: [bool; 2],
@@ -81,7 +80,7 @@ const fn table_axes(name: &'static str, is_transposed: bool, falls: [bool; 2]) -
     TableAxes { name, is_transposed, falls }
 }
 
-/// Every way; the first is ours.
+/// Every variant; the first is ours.
 pub static TABLE_AXES: &[TableAxes] = &[
     table_axes("n+r+", false, [false, false]),
     table_axes("n+r-", false, [false, true]),
@@ -94,13 +93,13 @@ pub static TABLE_AXES: &[TableAxes] = &[
 ];
 
 impl TableAxes {
-    /// n·v and perceptual roughness of texture coordinates.
+    /// Returns n·v and perceptual roughness at texture coordinates.
     pub fn parameters(&self, uv: DVec2) -> DVec2 {
         let [u, v] = [(uv.x, self.falls[0]), (uv.y, self.falls[1])].map(|(t, falls)| if falls { 1.0 - t } else { t });
         if self.is_transposed { DVec2::new(v, u) } else { DVec2::new(u, v) }
     }
 
-    /// Texture coordinates of n·v and perceptual roughness. Inverse: [`Self::parameters`].
+    /// Returns texture coordinates of n·v and perceptual roughness. Inverse: [`Self::parameters`].
     pub fn place(&self, parameters: DVec2) -> DVec2 {
         let at = if self.is_transposed { DVec2::new(parameters.y, parameters.x) } else { parameters };
         let [u, v] = [(at.x, self.falls[0]), (at.y, self.falls[1])].map(|(t, falls)| if falls { 1.0 - t } else { t });
@@ -108,17 +107,16 @@ impl TableAxes {
     }
 }
 
-/// What the first two channels of a DFG table hold, of the scale A of f0 and the bias B.
+/// Content of a DFG table's first two channels: scale A of F0 and bias B.
 #[derive(Debug)]
 pub struct TableChannels {
     pub name: &'static str,
-    /// One phrase for docs and help.
     pub about: &'static str,
-    /// A and B of the channels.
+    /// Converts the channels to A and B.
     pub pair: fn(DVec2) -> DVec2,
 }
 
-/// Every way; the first is ours.
+/// Every variant; the first is ours.
 pub static TABLE_CHANNELS: &[TableChannels] = &[
     TableChannels { name: "scale-bias", about: "A, B", pair: |texel| texel },
     TableChannels { name: "bias-scale", about: "B, A", pair: |texel| DVec2::new(texel.y, texel.x) },
@@ -129,11 +127,10 @@ pub static TABLE_CHANNELS: &[TableChannels] = &[
     },
 ];
 
-/// What a bake's numbers stand for.
 #[derive(Clone, Debug)]
 pub struct Convention {
     pub axes: Axes,
-    /// Perceptual roughness of each level, where `alphas` does not say it.
+    /// Perceptual roughness of each level, unless `alphas` is set.
     pub mapping: &'static LevelMapping,
     /// Width of each level.
     pub alphas: Option<Vec<f64>>,
@@ -146,28 +143,34 @@ pub struct Convention {
     pub masking: MaskingShadowing,
 }
 
-/// The conventions of a tool.
 #[derive(Debug)]
 pub struct Preset {
     pub name: &'static str,
-    /// One sentence for help and docs.
     pub about: &'static str,
     axes: &'static str,
     mapping: &'static str,
     table_axes: &'static str,
     pub masking: MaskingShadowing,
-    /// What `splitsum bake --for` writes.
+    /// Output of `splitsum bake --for`.
     pub product: Product,
 }
+
+/// Most common values; presets override what differs.
+const PLAIN: Preset = Preset {
+    name: "",
+    about: "",
+    axes: "+x+y+z",
+    mapping: "linear",
+    table_axes: "n+r+",
+    masking: MaskingShadowing::Correlated,
+    product: Product::PLAIN,
+};
 
 /// Every preset; the first is the default.
 pub static PRESETS: &[Preset] = &[
     Preset {
         name: "splitsum",
         about: "what splitsum bake writes; bake.json is read",
-        axes: "+x+y+z",
-        mapping: "linear",
-        table_axes: "n+r+",
         masking: MaskingShadowing::Separable,
         product: Product {
             engine: "raw",
@@ -177,104 +180,83 @@ pub static PRESETS: &[Preset] = &[
             tables: &["dfg.exr", "dfg.ktx2", "dfg.dds", "dfg.png"],
             sh: Some("sh.txt"),
             texel: "rgba32f",
-            is_packed: false,
-            chain: Chain::DownTo(LAST_SIDE),
+            ..Product::PLAIN
         },
+        ..PLAIN
     },
     Preset {
         name: "cmgen",
         about: "Filament's cmgen as it mirrors by default; --axes -x+y+z for its --no-mirror",
-        axes: "+x+y+z",
         mapping: "quadratic",
         table_axes: "n+r-",
-        masking: MaskingShadowing::Correlated,
         product: Product {
             engine: "filament",
             about: "Filament: a KTX 1 as cmgen writes it, SH in it and beside it",
             specular: "ibl.ktx",
-            irradiance: None,
             tables: &["dfg.exr"],
             sh: Some("sh.txt"),
             texel: "r11g11b10f",
-            is_packed: false,
             chain: Chain::DownTo(16),
+            ..Product::PLAIN
         },
+        ..PLAIN
     },
     Preset {
         name: "khronos",
         about: "glTF-IBL-Sampler: roughness level/(levels - 1), y down, a quarter turn from ours",
         axes: "-z+y+x",
-        mapping: "linear",
-        table_axes: "n+r+",
-        masking: MaskingShadowing::Correlated,
         product: Product {
             engine: "khronos",
             about: "the glTF Sample Viewer: two KTX 2 cubes and the table",
             specular: "specular.ktx2",
             irradiance: Some("diffuse.ktx2"),
             tables: &["lut_ggx.png"],
-            sh: None,
-            texel: "rgba16f",
-            is_packed: false,
-            chain: Chain::DownTo(LAST_SIDE),
+            ..Product::PLAIN
         },
+        ..PLAIN
     },
     Preset {
         name: "bevy",
         about: "cubes as Bevy looks them up, (x, y, -z): checked by pictures of Bevy 0.19.1 and its DFG table",
         axes: "+x+y-z",
-        mapping: "linear",
-        table_axes: "n+r+",
-        masking: MaskingShadowing::Correlated,
         product: Product {
             engine: "bevy",
             about: "EnvironmentMapLight of Bevy: two KTX 2 cubes; features ktx2 and zstd",
             specular: "specular.ktx2",
             irradiance: Some("diffuse.ktx2"),
-            tables: &[],
-            sh: None,
             texel: "rgb9e5",
             is_packed: true,
-            chain: Chain::DownTo(LAST_SIDE),
+            ..Product::PLAIN
         },
+        ..PLAIN
     },
     Preset {
         name: "cesium",
         about: "cubes as Cesium looks them up, x east and z south: from its shader, not checked against a bake",
-        axes: "+x+y+z",
-        mapping: "linear",
-        table_axes: "n+r+",
-        masking: MaskingShadowing::Correlated,
         product: Product {
             engine: "cesium",
             about: "Cesium: a KTX 2 cube for specularEnvironmentMaps, SH for sphericalHarmonicCoefficients, both of one run",
             specular: "specular.ktx2",
-            irradiance: None,
-            tables: &[],
             sh: Some("sh.txt"),
-            texel: "rgba16f",
-            is_packed: false,
-            chain: Chain::DownTo(LAST_SIDE),
+            ..Product::PLAIN
         },
+        ..PLAIN
     },
     Preset {
         name: "unity",
         about: "left-handed cubes with Unity's 7 levels: from its shaders, not checked against a bake",
         axes: "-x+y+z",
         mapping: "unity",
-        table_axes: "n+r+",
-        masking: MaskingShadowing::Correlated,
         product: Product {
             engine: "unity",
             about: "a DDS cube of 7 levels and the table as DDS; for an importer of your own, as Unity filters what it imports",
             specular: "specular.dds",
-            irradiance: None,
             tables: &["dfg.dds"],
             sh: Some("sh.txt"),
-            texel: "rgba16f",
-            is_packed: false,
             chain: Chain::Exactly(7),
+            ..Product::PLAIN
         },
+        ..PLAIN
     },
 ];
 
@@ -284,14 +266,13 @@ listed!(
     Preset,
     "preset",
     PRESETS,
-    /// Finds the preset of that name, or of the engine of that name.
+    /// Finds a preset by its name or its engine's.
     fn by_name(name: &str) -> Option<&'static Self> {
         Self::all().find(|preset| preset.name == name || preset.product.engine == name)
     }
 );
 
 impl Preset {
-    /// Its conventions.
     pub fn convention(&self) -> Convention {
         Convention {
             axes: Axes::parse(self.axes).expect("a preset's axes"),
@@ -307,7 +288,7 @@ impl Preset {
 }
 
 impl Convention {
-    /// Width of each of `count` levels.
+    /// Returns the width of each of `count` levels.
     pub fn alphas(&self, count: usize) -> Result<Vec<f64>, String> {
         match &self.alphas {
             Some(alphas) if alphas.len() == count => Ok(alphas.clone()),
@@ -322,7 +303,7 @@ impl Convention {
         }
     }
 
-    /// Levels that the mapping counts on, of `count`.
+    /// Returns the number of levels that the mapping assumes.
     pub fn mapping_levels(&self, count: usize) -> u32 {
         self.mapping.engine_levels.unwrap_or(count as u32)
     }

@@ -1,4 +1,4 @@
-//! Tables of other tools in the place of ours: what `prefiltered` and `dfg` of an experiment name, turned to our axes texel by texel.
+//! Other tools' tables for `prefiltered` and `dfg` of an experiment, converted to our axes texel by texel.
 
 use super::convention::{Convention, PRESETS, Preset};
 use super::source::{Reading, read};
@@ -11,31 +11,28 @@ use glam::DVec2;
 use std::path::Path;
 use std::sync::Arc;
 
-/// The value that stands for our own table.
+/// Selects the program's own table.
 pub const OWN: &str = "own";
-/// The value that stands for a DFG table that is laid out as engines lay theirs out.
+/// Selects our DFG table sampled at texel centres, as engines do.
 pub const CENTRES: &str = "centres";
-/// Between the path and the name of its conventions.
+/// Separates the path from its preset.
 const PRESET: char = '#';
-/// How far a width may be from its mapping's.
+/// Largest difference of a width from its mapping's.
 const ALPHA_WITHIN: f64 = 1e-4;
 
-/// A prefiltered map as the device reads it.
 #[derive(Debug)]
 pub struct GivenMap {
-    /// As the experiment names it.
     pub name: String,
-    /// Of the texels and the mapping.
+    /// Hash of the texels and the mapping.
     pub hash: String,
     pub layout: &'static MapLayout,
-    /// Texels a side of a face of level 0.
+    /// Side of a face of level 0, texels.
     pub side: u32,
     pub mapping: &'static LevelMapping,
-    /// Each with its faces one after the other.
+    /// Levels, each with its faces one after the other.
     pub levels: Vec<Vec<[f32; 4]>>,
 }
 
-/// A DFG table as the device reads it.
 #[derive(Debug)]
 pub struct GivenTable {
     pub name: String,
@@ -46,7 +43,7 @@ pub struct GivenTable {
     pub texels: Vec<[f32; 4]>,
 }
 
-/// What stands in the place of our own tables.
+/// Tables that replace the program's own.
 #[derive(Clone, Debug, Default)]
 pub struct Given {
     pub prefiltered: Option<Arc<GivenMap>>,
@@ -54,13 +51,13 @@ pub struct Given {
 }
 
 impl Given {
-    /// The tables that two values name, relative to `dir`.
+    /// Loads the tables of two values, relative to `dir`.
     pub fn load(prefiltered: &str, dfg: &str, dir: &Path) -> Result<Self, String> {
         Ok(Self { prefiltered: map(prefiltered, dir)?, dfg: table(dfg, dir)? })
     }
 }
 
-/// The map that a value names, relative to `dir`; none for [`OWN`].
+/// Loads the map of a value, relative to `dir`; `None` for [`OWN`].
 pub fn map(value: &str, dir: &Path) -> Result<Option<Arc<GivenMap>>, String> {
     let Some((bake, convention)) = opened(value, dir)? else { return Ok(None) };
     let refuse = |what: String| Err(format!("{value}: {what}"));
@@ -69,7 +66,7 @@ pub fn map(value: &str, dir: &Path) -> Result<Option<Arc<GivenMap>>, String> {
     if map.layout != layout {
         return refuse(format!("it is a map of layout {}; expected a cube", map.layout.name));
     }
-    // Its engine reads no further ones.
+    // The engine reads no further levels.
     map.levels.truncate(convention.mapping.engine_levels.unwrap_or(u32::MAX) as usize);
     let count = map.levels.len();
     let side = map.levels[0][0].width;
@@ -88,7 +85,7 @@ pub fn map(value: &str, dir: &Path) -> Result<Option<Arc<GivenMap>>, String> {
         let own = (0..count).map(|k| mapping.alpha_from_mip(k as f64, count as u32));
         own.zip(&alphas).all(|(own, alpha)| (own - alpha).abs() < ALPHA_WITHIN)
     };
-    // Of few levels several mappings have the widths: the convention's own comes first, as widths between levels are its, too.
+    // Tries the convention's own mapping first: short chains fit several.
     let Some(mapping) = [convention.mapping].into_iter().chain(LEVEL_MAPPINGS).find(holds) else {
         return refuse(format!("its levels hold the widths {alphas:?}, which no level mapping has"));
     };
@@ -96,7 +93,7 @@ pub fn map(value: &str, dir: &Path) -> Result<Option<Arc<GivenMap>>, String> {
         let side = faces[0].width;
         let texel = |index: u32| {
             let at = DVec2::new((index % side).into(), (index / side % side).into()) + 0.5;
-            // Turns and mirrors of a cube lead centres of texels to centres.
+            // Orientations of a cube map texel centres to texel centres.
             let world = (layout.direction)(index / (side * side), at / f64::from(side));
             let (face, uv) = (layout.place)(convention.axes.to_file(world));
             let [x, y] = (uv * f64::from(side)).to_array().map(|at| (at as u32).min(side - 1));
@@ -110,7 +107,7 @@ pub fn map(value: &str, dir: &Path) -> Result<Option<Arc<GivenMap>>, String> {
     Ok(Some(Arc::new(GivenMap { name: value.to_owned(), hash, layout, side, mapping, levels })))
 }
 
-/// The DFG table that a value names, relative to `dir`; none for [`OWN`].
+/// Loads the DFG table of a value, relative to `dir`; `None` for [`OWN`].
 pub fn table(value: &str, dir: &Path) -> Result<Option<Arc<GivenTable>>, String> {
     if value == CENTRES {
         return Ok(None);
@@ -142,7 +139,7 @@ fn hash<'t>(mapping: &str, side: u32, texels: impl Iterator<Item = &'t [f32; 4]>
     hasher.finalize().to_hex().to_string()
 }
 
-/// The bake that a value names, and its conventions: those after `#`, or those that it names itself.
+/// Reads the bake of a value with the preset after `#`, else its own.
 fn opened(value: &str, dir: &Path) -> Result<Option<(super::Bake, Convention)>, String> {
     if value == OWN {
         return Ok(None);

@@ -1,4 +1,4 @@
-//! Baking what an engine takes: exact levels by the conventions of its preset, written, read back and compared.
+//! Bakes tables for an engine: exact levels by its preset, written, read back and compared.
 //!
 //! A small map for Bevy, without a device:
 //!
@@ -41,74 +41,65 @@ use rayon::prelude::*;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-/// What to bake.
 #[derive(Clone, Debug)]
 pub struct Making<'a> {
     pub preset: &'static Preset,
     pub environment: &'a Environment,
     pub brdf: &'static dyn Brdf,
-    /// Masking-shadowing of the table.
     pub masking: MaskingShadowing,
-    /// Weight of the prefiltered map.
     pub weight: &'static Weight,
-    /// Pixel format of the cubes.
     pub texel: &'static Texel,
-    /// Side of a face, of the irradiance map and of the table.
+    /// Sides of a face, of the irradiance map and of the table, texels.
     pub side: u32,
     pub irradiance_side: u32,
     pub table_side: u32,
-    /// Levels of the prefiltered map, from 2 to one for each halving of `side`.
+    /// Levels of the prefiltered map, from 2 to one per halving of `side`.
     pub level_count: u32,
 }
 
-/// Side of a face, where none is asked for.
+/// Default sides, texels.
 pub const SIDE: u32 = 256;
 pub const IRRADIANCE_SIDE: u32 = 32;
 pub const TABLE_SIDE: u32 = 64;
-/// relMSE up to which a level holds its integral.
 pub const GOOD: f64 = 1e-3;
-/// Bound of the relative error of a table's integrals. True errors are 1.2e-5 at most (GGX and Beckmann, 289 texels of 64x64), a fortieth of
-/// what halves round to.
+/// Bound on the relative error of a table's integrals. True errors are at most 1.2e-5 (GGX and Beckmann, 289 texels of
+/// 64x64).
 const TABLE_WITHIN: f64 = 3e-3;
 
 /// A level as its file has it.
 #[derive(Clone, Debug)]
 pub struct Written {
     pub name: String,
-    /// Texels a side of a face.
+    /// Texels per side of a face.
     pub side: u32,
-    /// Width of its lobe, in [0, 1].
     pub alpha: f64,
-    /// Against its integral.
+    /// relMSE against its integral.
     pub relmse: f64,
-    /// Why it is above [`GOOD`].
+    /// Why relMSE is above [`GOOD`].
     pub why: Option<String>,
 }
 
-/// What was baked.
 #[derive(Clone, Debug)]
 pub struct Baked {
     /// Every file, `bake.json` last.
     pub files: Vec<PathBuf>,
     pub levels: Vec<Written>,
-    /// relMSE of the last prefiltered level where it is looked up between its texels, and what would lower it.
+    /// relMSE between the texels of the last prefiltered level, and how to lower it.
     pub last_between: (f64, Option<String>),
-    /// Largest error of the table as its first file has it.
+    /// Largest error of the table in its first file.
     pub table_error: Option<f64>,
 }
 
-/// A map before it is written.
 struct Planned {
     name: &'static str,
     levels: Vec<Vec<RgbImage>>,
-    /// Of each level, what it should hold, and where.
+    /// Exact texels of each level.
     exact: Vec<(Directions, Vec<DVec3>)>,
     alphas: Vec<f64>,
 }
 
-/// Bakes into the folder `out`, which must hold none of the files yet, and `bake.json` last. Reads everything back and compares it.
-///
-/// Fails if a file exists or cannot be written; [`Making::check`] names what the engine's format cannot hold.
+/// Bakes into the folder `out`, `bake.json` last, then reads everything back and compares it.
+/// | Fails if a file exists or cannot be written. [`Making::check`] reports what the engine's format cannot hold.
 pub fn make(making: &Making, out: &Path) -> Result<Baked, PixelsError> {
     let (product, convention) = (&making.preset.product, making.preset.convention());
     let names = [Some(product.specular), product.irradiance, product.sh, Some(MANIFEST)];
@@ -174,7 +165,7 @@ pub fn make(making: &Making, out: &Path) -> Result<Baked, PixelsError> {
 }
 
 impl<'a> Making<'a> {
-    /// What an engine takes by default: GGX, faces of `side` texels, in the engine's pixel format and number of levels.
+    /// Starts with an engine's defaults: GGX, faces of `side` texels, its pixel format and number of levels.
     pub fn new(preset: &'static Preset, environment: &'a Environment, side: u32) -> Self {
         let product = &preset.product;
         Self {
@@ -191,7 +182,7 @@ impl<'a> Making<'a> {
         }
     }
 
-    /// What the form cannot hold, in words.
+    /// Reports what the engine's format cannot hold.
     pub fn check(&self) -> Result<(), String> {
         let product = &self.preset.product;
         let engine = product.engine;
@@ -227,12 +218,12 @@ impl<'a> Making<'a> {
     }
 }
 
-/// The container of a file of that name; none for a folder of faces.
+/// Returns the container of a file name; `None` for a folder of faces.
 fn container(name: &str) -> Option<&'static Format> {
     FORMATS.iter().find(|format| name.ends_with(&format!(".{}", format.extension)))
 }
 
-/// Whether colours are written in that format.
+/// Whether colours can have that format.
 fn holds(container: Option<&Format>, texel: &Texel) -> bool {
     match container {
         None => texel.name == "rgba32f",
@@ -243,7 +234,7 @@ fn holds(container: Option<&Format>, texel: &Texel) -> bool {
 fn planned(name: &'static str, exact: Vec<(Directions, Vec<DVec3>)>, alphas: Vec<f64>) -> Planned {
     let faces = |(_, values): &(Directions, Vec<DVec3>)| -> Vec<RgbImage> {
         let side = (values.len() / FACE_COUNT).isqrt() as u32;
-        // The sum of a series may ring below 0 by rounding.
+        // Rounding may take a series below 0.
         let texel = |value: &DVec3| value.max(DVec3::ZERO).as_vec3().to_array();
         let face = |values: &[DVec3]| Pixels::new(side, side, values.iter().map(texel).collect());
         values.chunks_exact(values.len() / FACE_COUNT).map(face).collect()
@@ -277,7 +268,7 @@ fn write_map(
     Ok(())
 }
 
-/// A and B at the centres of texels, as the preset lays them out.
+/// Computes A and B at texel centres, laid out by the preset.
 fn dfg(making: &Making, convention: &Convention) -> RgbImage {
     let side = making.table_side;
     let texel = |index: u32| {
@@ -301,7 +292,7 @@ fn write_table(table: &RgbImage, keys: &[(String, String)], path: &Path) -> Resu
         let byte = |value: f32| (255.0 * value.clamp(0.0, 1.0)).round() as u8;
         return png::write_rgb8(path, &Rgb8Image::from_fn(table.width, table.height, |x, y| table.get(x, y).map(byte)));
     }
-    // R and G, because viewers show nothing under the names A and B.
+    // Viewers show nothing under the names A and B.
     exr::write_channels(path, vec![("R".into(), channel(0)), ("G".into(), channel(1))])
 }
 
@@ -334,7 +325,7 @@ fn manifest(making: &Making, convention: &Convention, alphas: &[f64]) -> Manifes
     }
 }
 
-/// What a container says of itself. SH comes last: Filament's reader looks for it under that key.
+/// Builds a container's metadata. SH comes last: Filament's reader searches for that key.
 fn keys(manifest: &Manifest, radiance: &crate::precompute::sh9::reference::Sh9) -> Vec<(String, String)> {
     let alphas: Vec<String> = manifest.prefilter_alphas.iter().map(|alpha| format!("{alpha:.6}")).collect();
     let own = [
@@ -357,7 +348,7 @@ fn keys(manifest: &Manifest, radiance: &crate::precompute::sh9::reference::Sh9) 
     common.into_iter().chain(own).chain([("sh".to_owned(), lines)]).collect()
 }
 
-/// The error of the last level at four points of each of its texels.
+/// Scores the last level at four points per texel.
 fn between(making: &Making, truth: &Truth, convention: &Convention, alpha: f64, map: &Map) -> (f64, Option<String>) {
     let faces = &map.levels[map.levels.len() - 1];
     let relmse = level::between_texels(truth, map.layout, faces, convention, alpha);
@@ -374,7 +365,7 @@ fn between(making: &Making, truth: &Truth, convention: &Convention, alpha: f64, 
     (relmse, why)
 }
 
-/// The levels of a map as they were read back.
+/// Scores the levels of a map as read back.
 fn compared(making: &Making, truth: &Truth, map: &Planned, found: &Map) -> Vec<Written> {
     let is_only = map.levels.len() == 1;
     let level = |k: usize| {

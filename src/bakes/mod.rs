@@ -1,7 +1,7 @@
-//! Tables of the split sum that other programs baked: reading them, what their numbers stand for, and how wrong they are.
-//!
-//! [`container`] reads files, [`source`] finds the parts of a bake in them, [`convention`] says what directions, levels and channels mean,
-//! [`check`] scores each part against its exact integral, and [`make`] bakes what an engine takes, by the same conventions.
+//! Tables of the split sum from other programs: reading, conventions, errors, and baking by the same conventions.
+//! | [`container`] reads files, [`source`] finds the parts of a bake, [`convention`] defines directions, levels and
+//! channels,
+//! [`check`] scores parts against exact integrals, [`make`] bakes for engines.
 
 pub mod check;
 pub mod container;

@@ -6,17 +6,16 @@ use minijinja::{AutoEscape, Environment, context};
 use std::io::{Error, Write};
 use std::path::Path;
 
-/// How a page begins.
 pub const START: &str = "<!doctype html>";
 
-/// A row of the page's table, as text but for the length of its bar.
+/// A row of the page's table.
 #[derive(serde::Serialize)]
 pub struct Row {
     pub name: String,
     pub size: [u32; 2],
     pub alpha: String,
     pub relmse: String,
-    /// log10 of the relmse.
+    /// log10 of relmse, for the length of a bar.
     pub log: f64,
     /// relmse between texels.
     pub between: String,
@@ -25,7 +24,7 @@ pub struct Row {
     pub verdict: String,
 }
 
-/// Writes the page of the scores `bake`, as `--json` prints them, of these files.
+/// Writes a page of the JSON scores `bake` of these files.
 pub fn write(path: &Path, files: &[String], bake: &serde_json::Value, rows: &[Row]) -> Result<(), PixelsError> {
     let mut templates = Environment::new();
     templates.set_auto_escape_callback(|_| AutoEscape::Html);

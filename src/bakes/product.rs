@@ -1,42 +1,55 @@
-//! What engines take of a bake, as data: one entry a preset ([`super::convention::PRESETS`]).
+//! Output for each engine as data ([`super::convention::PRESETS`]).
 
 /// The files that `splitsum bake --for` writes.
 #[derive(Debug)]
 pub struct Product {
-    /// The name after `--for`.
+    /// Name after `--for`.
     pub engine: &'static str,
-    /// What takes the files, and how; one sentence for help and docs.
+    /// One sentence for help and docs.
     pub about: &'static str,
-    /// Name of the prefiltered map: its extension names the container, and without one it is a folder of EXR faces.
+    /// Prefiltered map: a container by its extension, else a folder of EXR faces.
     pub specular: &'static str,
-    /// The same of the irradiance map, where the engine takes one; others light by SH.
+    /// Irradiance map; `None` if the engine uses SH.
     pub irradiance: Option<&'static str>,
-    /// Names of the same DFG table in the forms that are wanted.
+    /// Files of the DFG table.
     pub tables: &'static [&'static str],
-    /// Name of SH, as cmgen's text.
+    /// SH as cmgen's text.
     pub sh: Option<&'static str>,
-    /// Pixel format of the cubes, where none is asked for.
+    /// Default pixel format of the cubes.
     pub texel: &'static str,
-    /// Whether KTX 2 packs its levels by zstd.
+    /// Whether KTX 2 levels are compressed by zstd.
     pub is_packed: bool,
     pub chain: Chain,
 }
 
-/// Texels a side of the last level. Fewer are too few for lookups between them at alpha 1; more leave too few levels below alpha 0.2
-/// (docs/bakes.md has the errors).
+/// Side of the last level, texels. Fewer are too few for lookups at alpha 1; more leave too few levels below alpha 0.2
+/// (docs/bakes.md).
 pub const LAST_SIDE: u32 = 8;
 
-/// Levels of a cube, where no number is asked for.
 #[derive(Clone, Copy, Debug)]
 pub enum Chain {
-    /// Halved down to a side, two at least; other numbers are good, too.
+    /// Halves down to this side, two at least, by default.
     DownTo(u32),
-    /// What the engine's shaders count on.
+    /// The number of levels that the engine's shaders assume.
     Exactly(u32),
 }
 
+impl Product {
+    /// Most common values; presets override what differs.
+    pub(super) const PLAIN: Self = Self {
+        engine: "",
+        about: "",
+        specular: "specular.ktx2",
+        irradiance: None,
+        tables: &[],
+        sh: None,
+        texel: "rgba16f",
+        is_packed: false,
+        chain: Chain::DownTo(LAST_SIDE),
+    };
+}
+
 impl Chain {
-    /// Levels of a cube of that side.
     pub fn level_count(self, side: u32) -> u32 {
         match self {
             Self::DownTo(least) => (side / least).max(2).ilog2() + 1,

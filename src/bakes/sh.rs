@@ -9,22 +9,22 @@ use glam::DVec3;
 use std::f64::consts::PI;
 use std::path::Path;
 
-/// Coefficients of radiance in the order and signs of [`crate::math::spherical_harmonics`], in the file's own axes.
+/// Coefficients of radiance as in [`crate::math::spherical_harmonics`], in the file's axes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Coefficients {
     pub radiance: Sh9,
-    /// What the file's numbers are.
+    /// Meaning of the file's numbers.
     pub form: &'static str,
 }
 
-/// Reads the coefficients at `path`: `.json` is ours, other text cmgen's.
+/// Reads `.json` as ours and other text as cmgen's.
 pub fn read(path: &Path) -> Result<Coefficients, PixelsError> {
     let text = read_text(path, TEXT_BYTES_MAX)
         .map_err(|error| Fault::new(format!("cannot be read ({error})"), "a text of nine coefficients").at(path))?;
     parse(path, &text)
 }
 
-/// As [`read`], of the text of the file at `path`.
+/// Parses the text of the file at `path`.
 pub fn parse(path: &Path, text: &str) -> Result<Coefficients, PixelsError> {
     let is_json = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("json"));
     let found = if is_json { from_json(text) } else { from_cmgen(text) };
@@ -45,8 +45,9 @@ fn from_json(text: &str) -> Result<Coefficients, Fault> {
     finite(Coefficients { radiance: radiance.map(DVec3::from_array), form: "radiance" })
 }
 
-/// cmgen's lines `( r, g, b); // L00, irradiance, pre-scaled base`: each stands before its polynomial, such as `3 z² - 1`, in the sum that
-/// is irradiance over π.
+/// Parses cmgen's lines `( r, g, b); // L00, irradiance, pre-scaled base`. Each number multiplies its polynomial, such
+/// as
+/// `3 z² - 1`, in irradiance over π.
 fn from_cmgen(text: &str) -> Result<Coefficients, Fault> {
     const EXPECTED: &str =
         "nine lines such as \"( 0.5, 0.4, 0.6); // L00, irradiance, pre-scaled base\", as cmgen writes them";
@@ -56,7 +57,7 @@ fn from_cmgen(text: &str) -> Result<Coefficients, Fault> {
         let triple: Option<Vec<f64>> =
             numbers.and_then(|(inside, _)| inside.split(',').map(|number| number.trim().parse().ok()).collect());
         let triple = triple.and_then(|numbers| <[f64; 3]>::try_from(numbers).ok());
-        // A radiance basis would need other factors, and no guess should choose between them.
+        // Other bases need other factors, so they are refused.
         match triple.filter(|_| line.contains("irradiance") && line.contains("pre-scaled")) {
             Some(triple) => found.push(DVec3::from_array(triple)),
             None => return Err(Fault::new(format!("line {number} is no coefficient of irradiance"), EXPECTED)),
@@ -71,9 +72,9 @@ fn from_cmgen(text: &str) -> Result<Coefficients, Fault> {
     })
 }
 
-/// Of each function: what cmgen's coefficient is of ours, `A_l / π` times the constant before the function's polynomial.
+/// Returns cmgen's coefficient over ours for each function: `A_l / π` times the constant of its polynomial.
 pub fn prescaled() -> [f64; COUNT] {
-    // At z = 1 the polynomials z and 3 z² - 1 are 1 and 2; at a diagonal those of two letters are 1/2.
+    // At z = 1 the polynomials z and 3 z² - 1 are 1 and 2; xy, yz and xz are 1/2 at a diagonal.
     let (z, xy, yz, xz) =
         (basis(DVec3::Z), DVec3::new(1.0, 1.0, 0.0), DVec3::new(0.0, 1.0, 1.0), DVec3::new(1.0, 0.0, 1.0));
     let two = |diagonal: DVec3, k: usize| 2.0 * basis(diagonal.normalize())[k];
@@ -91,7 +92,6 @@ pub fn prescaled() -> [f64; COUNT] {
     std::array::from_fn(|k| constants[k] * COSINE_LOBE[DEGREE[k]] / PI)
 }
 
-/// cmgen's text of coefficients of radiance.
 pub fn to_cmgen(radiance: &Sh9) -> String {
     const NAMES: [&str; COUNT] = ["L00", "L1-1", "L10", "L11", "L2-2", "L2-1", "L20", "L21", "L22"];
     let line = |(name, [r, g, b]): (&str, [f64; 3])| {
@@ -100,15 +100,14 @@ pub fn to_cmgen(radiance: &Sh9) -> String {
     NAMES.into_iter().zip(scaled(radiance)).map(line).collect()
 }
 
-/// cmgen's numbers of coefficients of radiance.
 pub fn scaled(radiance: &Sh9) -> [[f64; 3]; COUNT] {
     let factors = prescaled();
     std::array::from_fn(|k| (radiance[k] * factors[k]).to_array())
 }
 
-/// The coefficients of `n -> f(turn(n))`, f given by its own.
+/// Returns the coefficients of `n -> f(turn(n))`.
 pub fn turned(f: &Sh9, turn: impl Fn(DVec3) -> DVec3) -> Sh9 {
-    // Products of two functions are polynomials of degree 4: six nodes of z and six azimuths are exact.
+    // Products of two functions have degree 4, for which six nodes of z and six azimuths are exact.
     let rule = GaussLegendre::<6>::new();
     let mut sums = Sh9::default();
     for (z, weight) in rule.nodes.iter().zip(rule.weights) {

@@ -1,7 +1,7 @@
-//! Finding the parts of a bake in files and folders.
-//!
-//! A cube or lat-long map is prefiltered radiance, or irradiance where it has one level; a square image is a DFG table; text is SH. What
-//! is meant otherwise is named: `irradiance=FILE`.
+//! Finds the parts of a bake in files and folders.
+//! | A cube or lat-long map is prefiltered radiance, or irradiance if it has one level; a square image is a DFG table;
+//! text is
+//! SH. `irradiance=FILE` and so on override this.
 
 use super::container::{FACE_COUNT, Texture, read_texture};
 use super::parts::{Bake, Manifest, Map, Told};
@@ -13,7 +13,6 @@ use crate::pixels::{Fault, Pixels, PixelsError, RgbImage};
 use crate::spelling::Listed;
 use std::path::{Path, PathBuf};
 
-/// A part of a bake.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Part {
     Specular,
@@ -22,27 +21,27 @@ pub enum Part {
     Sh,
 }
 
-/// Names before `=` of a file.
+/// Prefixes of a file argument.
 pub const PARTS: &[(&str, Part)] =
     &[("specular", Part::Specular), ("irradiance", Part::Irradiance), ("dfg", Part::Dfg), ("sh", Part::Sh)];
 
-/// How [`read`] takes what does not say what it is.
+/// How [`read`] takes ambiguous files.
 #[derive(Clone, Copy, Debug)]
 pub struct Reading<'a> {
-    /// The layout of images that are no cube and no table.
+    /// Layout of images that are neither a cube nor a table.
     pub layout: Option<&'static MapLayout>,
-    /// The model whose tables are taken from a folder of several.
+    /// Model whose tables to read from a folder of several.
     pub brdf: &'a str,
 }
 
 impl Default for Reading<'_> {
-    /// Tables of GGX; images are lat-long.
+    /// Reads tables of GGX and lat-long images.
     fn default() -> Self {
         Self { layout: None, brdf: MODELS[0].name() }
     }
 }
 
-/// Reads the parts of a bake from `FILE`, `FOLDER` or `PART=FILE`. Images of one level make a chain in the order given.
+/// Reads a bake from `FILE`, `FOLDER` or `PART=FILE`. Images of one level each form a chain in the given order.
 pub fn read(files: &[String], reading: Reading) -> Result<Bake, PixelsError> {
     let mut bake = Bake::default();
     for file in files {
@@ -113,7 +112,7 @@ fn add_texture(
         levels = levels.into_iter().map(|mut level| split(level.swap_remove(0))).collect::<Result<_, _>>()?;
     }
     let map = Map { layout, levels };
-    // A single level in a cube or in a container is irradiance; images are files of one level each.
+    // A single level in a cube or container is irradiance.
     let is_irradiance = part.map_or(faces == FACE_COUNT && count == 1, |part| part == Part::Irradiance);
     match &mut bake.specular {
         _ if is_irradiance => once(&mut bake.irradiance, map, "irradiance map", path),
@@ -134,7 +133,7 @@ fn cube() -> &'static MapLayout {
     &LAYOUTS[0]
 }
 
-/// The faces of a level that lie below each other in one image.
+/// Splits an image of faces below each other.
 fn split(image: RgbImage, layout: &'static MapLayout) -> Result<Vec<RgbImage>, Fault> {
     let Pixels { width, height, data } = image;
     let side = height / layout.face_count;
@@ -170,10 +169,10 @@ fn read_folder(path: &Path, part: Option<Part>, reading: Reading, bake: &mut Bak
     once(place, map, what, path)
 }
 
-/// Faces by name, in the order of a cube.
+/// Names of faces in cube order.
 pub const FACES: [&str; FACE_COUNT] = ["px", "nx", "py", "ny", "pz", "nz"];
 
-/// Level, face and name of the files `mL_px.exr` and so on of cmgen, or `px.exr`.
+/// Parses level and face of cmgen's `mL_px.exr`, or of `px.exr`.
 fn face_of(name: &str) -> Option<(usize, usize)> {
     let (stem, _) = name.rsplit_once('.')?;
     let (level, face) = match stem.rsplit_once('_') {
@@ -228,10 +227,9 @@ fn read_faces(path: &Path, names: &[String]) -> Result<Map, PixelsError> {
     Ok(Map { layout: cube(), levels: found.into_iter().enumerate().map(whole).collect::<Result<_, _>>()? })
 }
 
-/// What `splitsum bake` names its list of files.
 pub const MANIFEST: &str = "bake.json";
 
-/// The folder of `splitsum bake`.
+/// Reads a folder of `splitsum bake`.
 fn read_ours(path: &Path, names: &[String], reading: Reading, bake: &mut Bake) -> Result<(), PixelsError> {
     #[derive(serde::Deserialize)]
     struct File {
@@ -243,7 +241,6 @@ fn read_ours(path: &Path, names: &[String], reading: Reading, bake: &mut Bake) -
     let manifest = path.join(MANIFEST);
     let refuse = |what: String| Fault::new(what, "the bake.json of splitsum bake").at(&manifest);
     let text = read_text(&manifest, RECORD_BYTES_MAX).map_err(|error| refuse(format!("cannot be read ({error})")))?;
-    // An engine's names its preset.
     if serde_json::from_str::<serde_json::Value>(&text).is_ok_and(|file| file.get("preset").is_some()) {
         let file = serde_json::from_str(&text).map_err(|error| refuse(format!("is not read ({error})")))?;
         return read_engines(path, file, reading, bake);
@@ -284,7 +281,7 @@ fn read_ours(path: &Path, names: &[String], reading: Reading, bake: &mut Bake) -
     Ok(())
 }
 
-/// The folder of `splitsum bake --for`.
+/// Reads a folder of `splitsum bake --for`.
 fn read_engines(path: &Path, file: Manifest, reading: Reading, bake: &mut Bake) -> Result<(), PixelsError> {
     if file.brdf != reading.brdf {
         let what = format!("it is of the model {}", file.brdf);
@@ -292,7 +289,7 @@ fn read_engines(path: &Path, file: Manifest, reading: Reading, bake: &mut Bake) 
     }
     let maps = [(Some(&file.specular), Part::Specular), (file.irradiance.as_ref(), Part::Irradiance)];
     let maps = maps.into_iter().filter_map(|(name, part)| Some((name?, part)));
-    // One of the forms is enough.
+    // One table format is enough.
     for (name, part) in maps.chain(file.tables.first().map(|name| (name, Part::Dfg))) {
         let path = path.join(name);
         if !path.is_dir() {

@@ -12,7 +12,7 @@ use splitsum::study::questions::answers;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-/// Answers the questions of finished runs again, from their tables alone: answers/, summary.md and, where there is one, report.html.
+/// Answer the questions of finished runs again, from their tables.
 #[derive(Args, Debug)]
 #[command(
     after_help = "Needs neither a device nor the inputs of the run. While a run is under way its cells so far are answered, and nothing \
@@ -24,13 +24,13 @@ pub struct Arguments {
     /// Folders of runs.
     #[arg(required = true, value_name = "DIR")]
     dirs: Vec<PathBuf>,
-    /// Answers by this metric (`splitsum list metrics`) instead of the experiment's.
+    /// Answer by this metric (`splitsum list metrics`) [default: the experiment's].
     #[arg(long, value_name = "NAME", value_parser = known_metric)]
     metric: Option<String>,
-    /// Copies the small files of each run to FOLDER/NAME, and writes FOLDER/README.md and the blocks of README.md and docs/ beside FOLDER.
+    /// Copy each run's tables to FOLDER/NAME; update README.md and docs/ beside it.
     #[arg(long, value_name = "FOLDER")]
     publish: Option<PathBuf>,
-    /// Publishes over a run of the same name and another plan.
+    /// Replace a published run of another plan.
     #[arg(long, requires = "publish")]
     replace: bool,
 }
@@ -42,7 +42,7 @@ impl From<PublishError> for Failure {
 }
 
 pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
-    // Of several runs all are published, or none.
+    // Publish all of several runs or none.
     if let Some(into) = &arguments.publish {
         let faults: Vec<PublishError> =
             arguments.dirs.iter().filter_map(|dir| check(dir, into, arguments.replace).err()).collect();
@@ -69,7 +69,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         }
         let is_new = written.write().map_err(Failure::failed)?;
         print(&format!("{}: {}\n", dir.display(), written.record.headline()))?;
-        // All files of a run speak of one metric.
+        // All files of a run use one metric.
         let options = PageOptions { metric: arguments.metric.clone(), ..PageOptions::in_folder(dir) };
         if is_new && is_page(&options.out) {
             print(&line(&write(&options, &Told::of_runs(&[(run, answers)]))?))?;

@@ -1,4 +1,4 @@
-//! `splitsum bake`: what the precompute passes make, as files.
+//! `splitsum bake`: precomputed tables as files.
 
 use super::check_bake::named;
 use super::run::open_device;
@@ -19,7 +19,7 @@ use splitsum::spelling::suggestion;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// Writes prefiltered mips, DFG table and lobes of each BRDF model (EXR; lobes as C and GLSL, too), SH9 (JSON) and irradiance map (EXR).
+/// Write the prefiltered map, DFG table, lobes, SH9 and irradiance map as files.
 #[derive(Args, Debug)]
 #[command(
     allow_negative_numbers = true,
@@ -29,24 +29,22 @@ use std::sync::Arc;
     splitsum bake studio.hdr --for bevy --out assets/studio"
 )]
 pub struct Arguments {
-    /// builtin:NAME, or an .hdr or .exr file.
+    /// Bake builtin:NAME, or an .hdr or .exr file.
     environment: String,
-    /// Folder of the files; it is made when missing.
+    /// Write the files to DIR.
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
-    /// A size, sample count or format of the tables, masking=NAME, or brdf=NAME for one model only; `splitsum list axes` names them.
+    /// Set a size, sample count, format, masking or brdf (`splitsum list axes`).
     #[arg(long = "set", value_name = "NAME=VALUE", value_parser = setting)]
     settings: Vec<(usize, Value)>,
-    /// Sets NaN, infinite and negative texels of the environment to 0, with a warning, instead of refusing them.
     #[arg(long)]
     clamp_invalid: bool,
-    /// Index of the device, as `splitsum devices` lists them.
     #[arg(long, value_name = "N")]
     device: Option<usize>,
-    /// Writes what an engine takes instead, exact and without a device; --set then takes sizes, level count, brdf, masking and weight.
+    /// Write an engine's files instead, exact and without a device.
     #[arg(long = "for", value_name = "ENGINE", long_help = engines_help())]
     engine: Option<String>,
-    /// Pixel format of the cubes of --for: rgba16f, rgba32f, rgb9e5, r11g11b10f, ...
+    /// Set the pixel format of --for's cubes: rgba16f, rgba32f, rgb9e5, ...
     #[arg(long, value_name = "NAME", requires = "engine")]
     format: Option<String>,
 }
@@ -92,7 +90,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Bakes by the preset of an engine.
+/// Bakes by an engine's preset.
 fn execute_for(
     engine: &str,
     arguments: &Arguments,
@@ -154,7 +152,7 @@ fn execute_for(
     ))
 }
 
-/// `name=value` of an axis that the tables cost by.
+/// Parses `name=value` of an axis that changes the tables.
 fn setting(text: &str) -> Result<(usize, Value), String> {
     let (name, value) = text.split_once('=').ok_or_else(|| format!("{text:?} is not NAME=VALUE"))?;
     let axes = || AXES.iter().enumerate().filter(|(_, axis)| axis.tables_cost && axis.part != Part::Method);

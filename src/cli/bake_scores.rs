@@ -1,4 +1,4 @@
-//! What `splitsum check-bake` found, as text, as JSON and as rows of a page.
+//! Output of `splitsum check-bake`: text, JSON and rows of a page.
 
 use glam::DVec3;
 use serde_json::{Value, json};
@@ -7,7 +7,6 @@ use splitsum::bakes::check::{Judged, guess, image};
 use splitsum::bakes::page::Row;
 use splitsum::table::markdown::{Align, MarkdownTable};
 
-/// For people.
 pub fn as_text(judged: &Judged, is_guessed: bool) -> String {
     let mut text = String::new();
     for (what, fits) in &judged.axes {
@@ -70,7 +69,7 @@ pub fn as_text(judged: &Judged, is_guessed: bool) -> String {
     text
 }
 
-/// The scores of maps as people read them.
+/// Formats the scores of maps.
 pub fn rows(judged: &Judged) -> Vec<Row> {
     let numbered = judged.levels.iter().enumerate().map(|(k, score)| (k.to_string(), score));
     let all = numbered.chain(judged.irradiance.iter().map(|score| ("irradiance".to_owned(), score)));
@@ -94,7 +93,6 @@ pub fn rows(judged: &Judged) -> Vec<Row> {
     all.map(row).collect()
 }
 
-/// For programs.
 pub fn as_json(environment: &str, preset: &str, judged: &Judged) -> Value {
     let level = |score: &LevelScore| {
         let worst = &score.worst;

@@ -1,4 +1,4 @@
-//! Where runs keep tables and references for later ones.
+//! Flags for the cache of tables and references.
 
 use super::tell;
 use clap::Args;
@@ -8,22 +8,21 @@ use splitsum::run::estimate::speeds::SPEEDS_FILE;
 use std::env;
 use std::path::PathBuf;
 
-/// Which cache to use.
 #[derive(Args, Debug)]
 pub struct CacheArguments {
-    /// Folder of tables and references kept for later runs; $XDG_CACHE_HOME/splitsum or ~/.cache/splitsum when left out.
+    /// Keep tables and references in DIR [default: ~/.cache/splitsum].
     #[arg(long, value_name = "DIR", conflicts_with = "no_cache")]
     cache: Option<PathBuf>,
-    /// Makes everything anew and keeps nothing for later runs.
+    /// Compute everything again and keep nothing.
     #[arg(long)]
     no_cache: bool,
-    /// Size of the cache; what was used longest ago goes first.
+    /// Limit the cache's size, dropping the least recently used.
     #[arg(long, value_name = "MIB", default_value_t = 2048)]
     cache_limit: u64,
 }
 
 impl CacheArguments {
-    /// The file with the speeds of earlier runs, if there is to be a cache.
+    /// Returns the file of earlier runs' speeds, if there is a cache.
     pub fn speeds(&self) -> Option<PathBuf> {
         Some(self.dir()?.join(SPEEDS_FILE))
     }
@@ -32,7 +31,7 @@ impl CacheArguments {
         self.cache.clone().or_else(default_dir).filter(|_| !self.no_cache)
     }
 
-    /// The cache, if there is to be one. A folder that was asked for must work; the default one may not.
+    /// Opens the cache, if any. Failure is an error only for a folder that the user chose.
     pub fn open(&self) -> Result<Option<DiskCache>, RenderFault> {
         let Some(dir) = self.dir() else { return Ok(None) };
         match DiskCache::open(&dir, self.cache_limit << 20) {

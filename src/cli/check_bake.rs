@@ -1,4 +1,4 @@
-//! `splitsum check-bake`: how wrong the tables are that some tool baked.
+//! `splitsum check-bake`: how wrong a bake is.
 
 use super::bake_scores::{as_json, as_text, rows};
 use super::{Failure, print, print_data, progress};
@@ -16,7 +16,7 @@ use std::fs::File;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
-/// Scores tables that any tool baked against their exact integrals, level by level.
+/// Score tables baked by any tool against exact integrals, level by level.
 #[derive(Args, Debug)]
 #[command(
     allow_negative_numbers = true,
@@ -31,67 +31,66 @@ use std::path::{Path, PathBuf};
     splitsum check-bake baked --environment studio.hdr --json --fail-above 0.01"
 )]
 pub struct Arguments {
-    /// Files and folders of one bake.
+    /// Check the files and folders of one bake.
     #[arg(required = true, value_name = "FILES")]
     files: Vec<String>,
-    /// The map that was baked: builtin:NAME, or an .hdr or .exr file.
+    /// Compare with the baked map: builtin:NAME, or an .hdr or .exr file.
     #[arg(long, value_name = "MAP")]
     environment: String,
-    /// The conventions of a tool; the flags below override them one by one.
+    /// Use the conventions of a tool; the flags below override them.
     #[arg(long, value_name = "NAME", long_help = presets_help())]
     preset: Option<String>,
-    /// The file's axis of the world's x, y and z, such as -x+y+z; y is up, and the centre of a lat-long map is +z.
+    /// Set the file's axes for the world's x, y and z, such as -x+y+z (y is up).
     #[arg(long, value_parser = Axes::parse, allow_hyphen_values = true)]
     axes: Option<Axes>,
-    /// Which perceptual roughness a level holds; `splitsum list level-mappings` has the names.
+    /// Set the roughness of each level (`splitsum list level-mappings`).
     #[arg(long, value_name = "NAME")]
     level_mapping: Option<String>,
-    /// The width alpha of each level instead, such as 0,0.0625,0.25,1.
+    /// Set the width alpha of each level, such as 0,0.0625,0.25,1.
     #[arg(long, value_name = "LIST", value_delimiter = ',')]
     alphas: Option<Vec<f64>>,
-    /// Radiance that a texel of 1 stands for.
+    /// Set the radiance of a texel of 1.
     #[arg(long, value_name = "X")]
     scale: Option<f64>,
-    /// Irradiance over pi that a texel of 1 of an irradiance map stands for: 0.31831 where it holds irradiance.
+    /// Set irradiance/pi of a texel of 1: 0.31831 if the map holds irradiance.
     #[arg(long, value_name = "X")]
     irradiance_scale: Option<f64>,
-    /// What runs right and down in the DFG table: n is n·v, r perceptual roughness, as in n+r+ or r-n+.
+    /// Set the table's directions: n·v (n) and roughness (r), as in n+r+ or r-n+.
     #[arg(long, value_name = "NAME")]
     table_axes: Option<String>,
-    /// What the table's first channels hold: scale-bias (A, B), bias-scale (B, A) or bias-albedo (B, A + B).
+    /// Set the table's channels: scale-bias, bias-scale or bias-albedo.
     #[arg(long, value_name = "NAME")]
     table_channels: Option<String>,
-    /// Masking-shadowing of the DFG table.
+    /// Set the DFG table's masking-shadowing.
     #[arg(long, value_name = "NAME")]
     masking: Option<String>,
-    /// Weight of the prefiltered map; `splitsum list prefilter-weights` has the names.
+    /// Set the map's weight (`splitsum list prefilter-weights`).
     #[arg(long, value_name = "NAME")]
     weight: Option<String>,
-    /// The model that was baked.
+    /// Set the baked model.
     #[arg(long, value_name = "NAME", default_value = "ggx")]
     brdf: String,
-    /// Layout of images that are neither lat-long nor six faces below each other.
+    /// Set the layout of images that are neither lat-long nor six faces in a column.
     #[arg(long, value_name = "NAME")]
     layout: Option<String>,
-    /// Tries all 48 axes of each map and every convention of the table, and uses those that fit best.
+    /// Try all 48 axes and every table convention; use the best fit.
     #[arg(long, conflicts_with_all = ["axes", "table_axes", "table_channels", "masking"])]
     guess: bool,
-    /// Leaves out what the tables do to an image, which takes half of the time.
+    /// Skip the effect on an image, which takes half of the time.
     #[arg(long)]
     no_image: bool,
-    /// Prints JSON for programs.
+    /// Print JSON.
     #[arg(long)]
     json: bool,
-    /// Writes the scores as a page, too.
+    /// Write the scores as a page, too.
     #[arg(long, value_name = "FILE")]
     html: Option<PathBuf>,
-    /// Ends with exit code 1 where the relmse of a level, of irradiance or of SH is above X.
+    /// Exit 1 if the relmse of a level, of irradiance or of SH is above X.
     #[arg(long, value_name = "X", value_parser = threshold)]
     fail_above: Option<f64>,
-    /// The same for the largest error of the DFG table.
+    /// Exit 1 if the largest error of the DFG table is above X.
     #[arg(long, value_name = "X", value_parser = threshold)]
     fail_table_above: Option<f64>,
-    /// Sets NaN, infinite and negative texels of the environment to 0, with a warning, instead of refusing them.
     #[arg(long)]
     clamp_invalid: bool,
 }
@@ -105,7 +104,7 @@ fn presets_help() -> String {
     )
 }
 
-/// The entry that a flag names.
+/// Finds the entry of a flag's value.
 pub fn named<T: Listed + ?Sized>(flag: &str, name: &str) -> Result<&'static T, Failure> {
     T::parse(name).map_err(|fault| Failure::input(format!("{flag}: {fault}")))
 }
@@ -147,7 +146,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     judge(arguments, &judged)
 }
 
-/// Refuses what is known to fail after the work, and files that are no pages, which may be the bake itself.
+/// Refuses targets that cannot be written, and files that are not pages of this command.
 fn writable(path: &Path) -> Result<(), String> {
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     if path.is_dir() || !folder.is_dir() {
@@ -161,7 +160,7 @@ fn writable(path: &Path) -> Result<(), String> {
     }
 }
 
-/// Refuses thresholds of which none has anything to judge.
+/// Refuses thresholds for parts that the bake lacks.
 fn thresholds(arguments: &Arguments, bake: &Bake) -> Result<(), Failure> {
     let has_map = bake.specular.is_some() || bake.irradiance.is_some() || bake.sh.is_some();
     let given = [(arguments.fail_above, has_map), (arguments.fail_table_above, bake.dfg.is_some())];
@@ -175,13 +174,13 @@ fn thresholds(arguments: &Arguments, bake: &Bake) -> Result<(), Failure> {
     Ok(())
 }
 
-/// The preset that is named, or that the files name.
+/// Finds the preset of `--preset`, else of the files.
 fn preset(arguments: &Arguments, told: &Told) -> Result<&'static Preset, Failure> {
     let name = arguments.preset.as_deref().or(told.preset.as_deref()).unwrap_or(PRESETS[0].name);
     named("--preset", name)
 }
 
-/// The preset's conventions, what the files say, and the flags, in this order.
+/// Applies the preset, the files' statements and the flags, in this order.
 fn convention(arguments: &Arguments, told: &Told) -> Result<Convention, Failure> {
     let mut convention = preset(arguments, told)?.convention();
     convention.alphas = arguments.alphas.clone().or_else(|| told.alphas.clone());
@@ -215,7 +214,7 @@ fn convention(arguments: &Arguments, told: &Told) -> Result<Convention, Failure>
     Ok(convention)
 }
 
-/// Whether the bake passes `--fail-above` and `--fail-table-above`.
+/// Fails if a score is above `--fail-above` or `--fail-table-above`.
 fn judge(arguments: &Arguments, judged: &Judged) -> Result<(), Failure> {
     let levels = judged.levels.iter().enumerate().map(|(k, score)| (format!("level {k}"), score.errors.relmse));
     let irradiance = judged.irradiance.iter().map(|score| ("irradiance".to_owned(), score.errors.relmse));
@@ -228,7 +227,7 @@ fn judge(arguments: &Arguments, judged: &Judged) -> Result<(), Failure> {
     let failed: Vec<String> = of_maps
         .chain(table)
         .filter_map(|(name, what, value, limit)| Some((name, what, value, limit?)))
-        // A score that is no number is no pass.
+        // NaN does not pass.
         .filter(|(_, _, value, limit)| value.is_nan() || value > limit)
         .map(|(name, what, value, limit)| format!("{name}: {what} {value:.2e} is above {limit:.2e}"))
         .collect();

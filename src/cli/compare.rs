@@ -11,7 +11,7 @@ use splitsum::table::markdown::{Align, MarkdownTable};
 use splitsum::tonemap::ToneCurve;
 use std::path::{Path, PathBuf};
 
-/// Scores a linear EXR image against a reference.
+/// Score a linear EXR image against a reference.
 #[derive(Args, Debug)]
 #[command(
     allow_negative_numbers = true,
@@ -19,24 +19,23 @@ use std::path::{Path, PathBuf};
     splitsum render --method reference --out reference.exr\n  splitsum compare ball.exr reference.exr --json"
 )]
 pub struct Arguments {
-    /// The image to judge.
+    /// Score this image.
     test: PathBuf,
-    /// The image that it should be.
+    /// Compare with this image.
     reference: PathBuf,
-    /// Image that is 1 where pixels count and 0 elsewhere; the reference's alpha channel when left out, else all pixels.
+    /// Count pixels where this image is 1 [default: the reference's alpha, else all].
     #[arg(long, value_name = "MASK.exr")]
     mask: Option<PathBuf>,
-    /// Prints JSON for programs.
+    /// Print JSON.
     #[arg(long)]
     json: bool,
-    /// Factor before the tone curve, for the display metrics.
+    /// Set the factor before the tone curve, for display metrics.
     #[arg(long, value_name = "E", default_value = "1", value_parser = |text: &str| number(EXPOSURE, text))]
     exposure: f64,
-    /// Exponent of the tone curve times 2.2, for the display metrics.
+    /// Set the exponent of the tone curve times 2.2, for display metrics.
     #[arg(long, value_name = "C", default_value = "1", value_parser = |text: &str| number(CONTRAST, text))]
     contrast: f64,
-    /// Mean luminance m of the light, for the relative metrics: they have 0.01 m^2 beside r^2. `environments.csv` of a run has it, before
-    /// environment_scale; with the default they are those of light of mean luminance 1.
+    /// Set the light's mean luminance m; relative metrics add 0.01 m^2 to r^2.
     #[arg(long, value_name = "M", default_value = "1", value_parser = mean)]
     environment_mean: f64,
 }
@@ -49,7 +48,7 @@ fn number(axis: usize, text: &str) -> Result<f64, String> {
     AXES[axis].kind.parse_text(text).map(|value| value.number())
 }
 
-/// Most pixels of images that are compared, a frame of 3840 x 2160: FLIP and SSIM hold some 180 bytes a pixel.
+/// Most pixels of a comparison (3840 x 2160): FLIP and SSIM need 180 bytes per pixel.
 const COMPARED_PIXELS_MAX: u64 = 1 << 23;
 
 pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
@@ -97,12 +96,12 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     print(&table.to_string())
 }
 
-/// Scores as a JSON object in the order of [`METRICS`]; a map of `serde_json` would sort them.
+/// Serializes scores in the order of [`METRICS`], which `serde_json`'s map would sort.
 struct InOrder<'a>(&'a [(&'static str, f64)]);
 
 impl Serialize for InOrder<'_> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        // JSON has no infinity: PSNR of equal images becomes the text "inf".
+        // JSON has no infinity, so PSNR of equal images is the text "inf".
         let value = |x: f64| if x.is_finite() { serde_json::json!(x) } else { serde_json::json!(x.to_string()) };
         serializer.collect_map(self.0.iter().map(|(name, x)| (name, value(*x))))
     }

@@ -14,14 +14,13 @@ use splitsum::shade::{FILE_PREFIX, METHODS, own};
 use splitsum::spelling::Listed;
 use std::path::{Path, PathBuf};
 
-/// Every family.
 const ALL: &str = "all";
 
-/// Counts instructions, registers and lookups of the specular pass as compiled for AMD GPUs you don't own.
+/// Count instructions, registers and lookups of compiled shaders for AMD GPUs.
 #[derive(Args, Debug)]
 #[command(after_help = after_help())]
 pub struct Arguments {
-    /// Families of GPUs after commas, or all, listed below [default: the newest that the installed Mesa has].
+    /// Compile for these families, or all [default: the newest that Mesa has].
     #[arg(long, value_name = "NAME", value_delimiter = ',', value_parser = family)]
     family: Vec<Asked>,
     /// Write all counts to FILE as CSV.
@@ -31,11 +30,10 @@ pub struct Arguments {
     compiled: CompiledFlags,
 }
 
-/// A family, or all of them.
+/// A family; `None` for all.
 #[derive(Clone, Debug)]
 struct Asked(Option<&'static Family>);
 
-/// Every axis; those that change no code are refused.
 #[derive(Debug)]
 struct CompiledFlags(SweptFlags);
 
@@ -84,7 +82,7 @@ Examples:
     )
 }
 
-/// The first method that samples, and the split sums of the fewest and of the most lookups.
+/// Returns the first sampled method, and the split sums with the fewest and the most lookups.
 fn leading() -> Vec<Value> {
     let split_sums = || METHODS.iter().filter(|method| method.has_pass() && method.uses_dfg);
     let methods = [
@@ -95,14 +93,14 @@ fn leading() -> Vec<Value> {
     methods.into_iter().flatten().map(|method| Value::from(method.name)).collect()
 }
 
-/// The job of a point with another value on an axis.
+/// Returns the job of a point with another value on an axis.
 fn job(point: &Point, axis: usize, value: &Value) -> Job {
     let mut point = point.clone();
     point[axis] = value.clone();
     point.collapsed(false).settings().specular_job()
 }
 
-/// Whether another value of an axis means another code: of its names and of these values.
+/// Whether another value of an axis, listed or given, changes the code.
 fn hangs_on(point: &Point, axis: usize, given: &[Value]) -> bool {
     let names = match AXES[axis].kind {
         Kind::Name { names, .. } | Kind::NameOrFile { names, .. } => names().into_iter().map(Value::from).collect(),
@@ -137,7 +135,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     print(&markdown(&passes))
 }
 
-/// Every combination of the given values, with the leading methods where none is given; the passes of equal code once.
+/// Combines the given values; drops passes whose code is known.
 fn asked(flags: &SweptFlags) -> Result<Vec<(Point, Job)>, Failure> {
     let methods = flags.get(METHOD).map_or_else(leading, <[Value]>::to_vec);
     for file in methods.iter().filter(|method| method.text().starts_with(FILE_PREFIX)) {
@@ -230,7 +228,7 @@ fn compiled(arguments: &Arguments) -> Result<Vec<Shaded>, Failure> {
     Ok(shaded)
 }
 
-/// Those that are asked for, of those that the driver has; the newest one for none.
+/// Selects the requested families among those of the driver; by default the newest.
 fn families(
     asked: &[Asked],
     mut found: Vec<(&'static Family, Compiler)>,
@@ -255,12 +253,12 @@ fn families(
     Ok(found)
 }
 
-/// A host without the compiler lacks what is needed; one whose compiler fails has found a fault.
+/// A missing compiler is bad input, a failing one a failure.
 fn failure(fault: CompileFault) -> Failure {
     Failure::of(matches!(fault, CompileFault::NoRadv { .. }), fault)
 }
 
-/// The child's command.
+/// Runs the hidden command.
 pub fn compile_shaders() -> Result<(), Failure> {
     serve(std::io::stdin().lock(), std::io::stdout().lock()).map_err(Failure::failed)
 }

@@ -1,4 +1,4 @@
-//! The flags of `render` and `view`: what is seen, and one for each name of an axis, made from the list of axes.
+//! Flags of `render` and `view`: the view, and one for each axis, made from the list of axes.
 
 use super::Failure;
 use clap::builder::ValueParser;
@@ -12,34 +12,32 @@ use splitsum::experiment::value::{Kind, Value};
 use splitsum::scene::{CameraKind, Light, Orbit, Scene};
 use splitsum::spelling::Listed;
 
-/// What is seen, beside the axes.
+/// Flags beside the axes.
 #[derive(Args, Clone, Debug)]
 pub struct SeenFlags {
-    /// ortho or perspective.
+    /// Choose the camera: ortho or perspective.
     #[arg(long, value_name = "NAME", default_value = CameraKind::names()[0], value_parser = |name: &str| CameraKind::parse(name).copied())]
     camera: CameraKind,
-    /// Turns the camera about the middle of the scene: yaw and pitch in degrees, and a factor of its distance in [0.1, 4].
+    /// Turn the camera: yaw and pitch in degrees, and a distance factor in [0.1, 4].
     #[arg(long, value_name = "YAW,PITCH,DISTANCE", allow_hyphen_values = true, value_parser = parse_orbit)]
     orbit: Option<Orbit>,
-    /// Shows the environment where nothing is hit.
+    /// Show the environment behind the scene.
     #[arg(long)]
     pub background: bool,
-    /// Adds an analytic light, directional:X,Y,Z:R,G,B (towards the light; irradiance) or point:X,Y,Z:R,G,B (intensity).
+    /// Add a light: directional (towards it; irradiance) or point (intensity).
     #[arg(long = "light", value_name = "KIND:X,Y,Z:R,G,B", allow_hyphen_values = true, value_parser = parse_light)]
     pub lights: Vec<Light>,
-    /// Seed of the reference's scrambles.
+    /// Seed the reference's samples.
     #[arg(long, value_name = "N", default_value = "1", value_parser = |text: &str| SEED.parse_text(text))]
     seed: Value,
-    /// Sets NaN, infinite and negative texels of the environment to 0, with a warning, instead of refusing them.
     #[arg(long)]
     pub clamp_invalid: bool,
-    /// Index of the device, as `splitsum devices` lists them.
     #[arg(long, value_name = "N")]
     pub device: Option<usize>,
 }
 
 impl SeenFlags {
-    /// The flags as a view whose reference draws as many samples as it does by default.
+    /// Builds the view, with a reference's default sample count.
     pub fn view(&self) -> View {
         View {
             camera: self.camera,
@@ -53,7 +51,7 @@ impl SeenFlags {
         }
     }
 
-    /// What the scene cannot show.
+    /// Refuses what the scene cannot show.
     pub fn check(&self, scene: &Scene) -> Result<(), Failure> {
         let lights = self.lights.iter().filter_map(|light| Some(format!("--light: {}", light.fault_in(scene)?)));
         let of_design = [
@@ -73,14 +71,11 @@ fn parse_orbit(text: &str) -> Result<Orbit, String> {
     coordinates(text).map_err(|_| format!("{text:?} is not yaw,pitch,distance")).and_then(Orbit::new)
 }
 
-/// The axes that flags set.
 #[derive(Clone, Debug, Default)]
 pub struct AxisFlags(Vec<Given>);
 
-/// A flag that was given.
 #[derive(Clone, Debug)]
 pub struct Given {
-    /// The flag without its dashes.
     pub flag: String,
     /// Index into [`AXES`].
     pub axis: usize,
@@ -88,25 +83,23 @@ pub struct Given {
 }
 
 impl AxisFlags {
-    /// The flags as a point; an axis without a flag has its default.
+    /// Returns the point; axes without a flag have their defaults.
     pub fn point(&self) -> Point {
         let mut point = Point::default();
         self.0.iter().for_each(|given| point[given.axis] = given.value.clone());
         point
     }
 
-    /// The value of an axis, where a flag sets it.
     pub fn get(&self, axis: usize) -> Option<&Value> {
         self.0.iter().find(|given| given.axis == axis).map(|given| &given.value)
     }
 
-    /// Every flag that was given.
     pub fn iter(&self) -> impl Iterator<Item = &Given> {
         self.0.iter()
     }
 }
 
-/// One line of help: the phrase, the values, the default.
+/// Writes one line of help: phrase, values, default.
 fn help(named: Named) -> String {
     let about = named.about();
     let first = about.chars().next().map(|c| c.to_uppercase().to_string()).unwrap_or_default();
@@ -118,7 +111,6 @@ fn help(named: Named) -> String {
     if facts.is_empty() { format!("{first}{rest}") } else { format!("{first}{rest} [{}]", facts.join("; ")) }
 }
 
-/// The flag of a name, with a parser of its text.
 fn flag(named: Named, parser: ValueParser) -> Arg {
     let arg = Arg::new(named.name())
         .long(named.flag())
@@ -163,17 +155,16 @@ impl FromArgMatches for AxisFlags {
     }
 }
 
-/// The axes that flags set, each to any number of values: repeated, after commas, or `all` of a list.
+/// Axes with any number of values: flags repeated, with commas, or `all` of a list.
 #[derive(Clone, Debug, Default)]
 pub struct SweptFlags(pub Vec<(usize, Vec<Value>)>);
 
 impl SweptFlags {
-    /// The values of an axis, where a flag sets it.
     pub fn get(&self, axis: usize) -> Option<&[Value]> {
         self.0.iter().find(|(own, _)| *own == axis).map(|(_, values)| &values[..])
     }
 
-    /// Adds the flags to a command, those alone with a help text that `is_told`.
+    /// Adds the flags to a command and hides those that are not shown.
     pub fn augment(command: Command, is_told: impl Fn(usize) -> bool) -> Command {
         let values = |named: Named| {
             move |text: &str| match named.kind() {

@@ -12,28 +12,26 @@ use splitsum::shade::reference::TOLERANCE;
 use splitsum::spelling::Listed;
 use std::path::{Path, PathBuf};
 
-/// Exact answers for a table of queries, in f64 on the CPU (no Vulkan).
+/// Answer a table of queries exactly, in f64 on the CPU (no Vulkan).
 #[derive(Args, Debug)]
 #[command(after_help = after_help())]
 pub struct Arguments {
-    /// The queries; see below for the columns.
+    /// Read queries from this CSV file; see below for its columns.
     queries: PathBuf,
-    /// What is asked: shading, ladder, dfg, prefilter, irradiance or sh9.
+    /// Choose shading, ladder, dfg, prefilter, irradiance or sh9.
     #[arg(long, value_name = "NAME", default_value = "shading", value_parser = |name: &str| Kind::parse(name).copied())]
     kind: Kind,
-    /// The table to write; standard output when left out.
+    /// Write the table to FILE.csv [default: standard output].
     #[arg(long, value_name = "FILE.csv")]
     out: Option<PathBuf>,
-    /// Error at which an integration stops, relative to its brightest channel (dfg: always 5e-7; sh9: always 1e-9). What each answer
-    /// has stands in its error columns.
+    /// Stop an integration at this relative error (dfg: 5e-7; sh9: 1e-9).
     #[arg(long, value_name = "R", default_value_t = TOLERANCE.relative, value_parser = tolerance)]
     tolerance: f64,
-    /// Sets NaN, infinite and negative texels of environments to 0, with a warning, instead of refusing them.
     #[arg(long)]
     clamp_invalid: bool,
 }
 
-/// The columns of each kind, with the names that its cells may hold.
+/// Lists the columns of each kind and the names in their cells.
 fn after_help() -> String {
     let [models, maskings, weights] = [<dyn Brdf>::names(), MaskingShadowing::names(), Weight::names()].map(either);
     format!("\
@@ -66,7 +64,7 @@ Examples:
   splitsum integrate albedo.csv --kind dfg --out answers.csv")
 }
 
-/// "a, b or c".
+/// Joins words as "a, b or c".
 fn either(names: Vec<&str>) -> String {
     match &names[..] {
         [first @ .., last] if !first.is_empty() => format!("{} or {last}", first.join(", ")),
@@ -112,6 +110,6 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
 
 fn tolerance(text: &str) -> Result<f64, String> {
     let number: f64 = text.parse().map_err(|_| format!("{text:?} is not a number"))?;
-    // Below 1e-9 rounding is in the way; a bound above 0.1 says nothing.
+    // Below 1e-9 rounding dominates; above 0.1 a bound is useless.
     if (1e-9..=0.1).contains(&number) { Ok(number) } else { Err(format!("{text} is outside [1e-9, 0.1]")) }
 }

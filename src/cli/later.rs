@@ -1,11 +1,10 @@
-//! Commands that this build left out: they say so.
+//! Commands of features that this build lacks.
 
 use super::Failure;
 use clap::Args;
 
 #[derive(Args, Debug)]
 pub struct Arguments {
-    /// Taken and ignored.
     #[arg(trailing_var_arg = true, allow_hyphen_values = true, hide = true)]
     rest: Vec<String>,
 }

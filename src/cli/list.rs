@@ -1,4 +1,4 @@
-//! `splitsum list`: every name that can be written in a file or after a flag.
+//! `splitsum list`: every name for files and flags.
 
 use super::{Failure, print, print_data};
 use clap::{Args, ValueEnum};
@@ -13,11 +13,11 @@ use splitsum::study::questions::QUESTIONS;
 use splitsum::table::markdown::{Align, MarkdownTable};
 use splitsum::{brdf, metrics, scene, shade};
 
-/// Lists the names that can be used.
+/// List names for files and flags.
 #[derive(Args, Debug)]
 #[command(after_help = "Examples:\n  splitsum list\n  splitsum list axes")]
 pub struct Arguments {
-    /// What to list; everything when left out.
+    /// List only these [default: everything].
     what: Option<What>,
 }
 
@@ -25,7 +25,7 @@ pub struct Arguments {
 enum What {
     Methods,
     Diffuse,
-    /// The BRDF models.
+    /// BRDF models.
     #[value(alias = "brdfs")]
     Models,
     Environments,
@@ -35,7 +35,7 @@ enum What {
     Sequences,
     /// Layouts of filtered maps.
     Layouts,
-    /// Which roughness the levels of a prefiltered map hold.
+    /// Roughness of the levels of a prefiltered map.
     LevelMappings,
     PrefilterWeights,
     /// Level biases of known prefilters.

@@ -11,7 +11,7 @@ use splitsum::run::store::StoreError;
 use splitsum::run::{Merged, RunOptions, merge, provenance};
 use std::path::PathBuf;
 
-/// Writes the tables, answers and report of a run that shards made.
+/// Write the tables, answers and report of a run made by shards.
 #[derive(Args, Debug)]
 #[command(
     after_help = "The folder is then what one `splitsum run` would have left. Exit codes: 0 whole; 1 a record or an image is damaged, and \
@@ -20,15 +20,14 @@ use std::path::PathBuf;
     splitsum merge /shared/sweep"
 )]
 pub struct Arguments {
-    /// The folder that the shards share.
+    /// Merge the shards of this folder.
     #[arg(value_name = "DIR")]
     dir: PathBuf,
-    /// Sets NaN, infinite and negative texels of environments to 0, as the shards did.
     #[arg(long)]
     clamp_invalid: bool,
 }
 
-/// Cells that are named.
+/// Missing cells that a message lists.
 const NAMED_CELLS: usize = 3;
 
 pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
@@ -52,7 +51,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     }
 }
 
-/// What no shard has done, and the commands that do it.
+/// Describes what is missing, with the commands that render it.
 fn missing(arguments: &Arguments, merged: &Merged) -> Option<String> {
     let (missing, dir) = (&merged.missing, arguments.dir.display());
     let cells = missing.cells.len();

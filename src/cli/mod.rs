@@ -1,4 +1,4 @@
-//! The command line: one file a command, each a thin layer over the library.
+//! The command line: a file for each command, each a thin layer over the library.
 
 mod answers;
 mod bake;
@@ -31,7 +31,7 @@ use splitsum::run::{RenderFault, RunError};
 use splitsum::spelling::printable;
 use std::process::ExitCode;
 
-/// Measures how wrong the split-sum approximation of image-based lighting is.
+/// Measure how wrong the split-sum approximation of image-based lighting is.
 #[derive(Debug, Parser)]
 #[command(
     version,
@@ -56,11 +56,11 @@ enum Command {
     Compare(compare::Arguments),
     Bake(bake::Arguments),
     Cost(cost::Arguments),
-    /// Compiles shaders for `cost`.
+    /// Compile shaders for `cost`.
     #[command(name = COMMAND, hide = true)]
     CompileShaders,
     CheckBake(Box<check_bake::Arguments>),
-    /// Lists the Vulkan devices.
+    /// List the Vulkan devices.
     Devices,
     List(list::Arguments),
     Integrate(integrate::Arguments),
@@ -68,12 +68,12 @@ enum Command {
     Answers(answers::Arguments),
     #[cfg(feature = "view")]
     View(Box<view::Arguments>),
-    /// Opens a window, in a build with `--features view`.
+    /// Open a window (needs a build with `--features view`).
     #[cfg(not(feature = "view"))]
     View(later::Arguments),
 }
 
-/// Why a command did not end well, with its exit code.
+/// Why a command failed, with its exit code.
 #[derive(Debug)]
 struct Failure {
     code: u8,
@@ -81,17 +81,16 @@ struct Failure {
 }
 
 impl Failure {
-    /// A fault of the work itself.
+    /// The work failed.
     fn failed(text: impl ToString) -> Self {
         Self { code: 1, text: text.to_string() }
     }
 
-    /// A fault of what the user wrote or gave.
+    /// The user's input is wrong.
     fn input(text: impl ToString) -> Self {
         Self { code: 2, text: text.to_string() }
     }
 
-    /// One of the two.
     fn of(is_misuse: bool, text: impl ToString) -> Self {
         if is_misuse { Self::input(text) } else { Self::failed(text) }
     }
@@ -104,17 +103,16 @@ impl Failure {
         Self { code: 4, text: text.to_string() }
     }
 
-    /// The same command may succeed later.
+    /// Temporary; the same command may succeed later.
     fn passing(text: impl ToString) -> Self {
         Self { code: 75, text: text.to_string() }
     }
 
-    /// A device that cannot be opened: the host lacks what is needed, unless it was lost.
+    /// Opening the device failed: the host lacks something, unless the device was lost.
     fn opening(fault: RenderFault) -> Self {
         if fault.device_lost { Self::passing(fault.message) } else { Self::input(fault.message) }
     }
 
-    /// A frame that cannot be made.
     fn rendering(fault: RenderFault) -> Self {
         match fault {
             RenderFault { device_lost: true, message, .. } => Self::passing(message),
@@ -137,7 +135,6 @@ impl From<RunError> for Failure {
     }
 }
 
-/// Parses the arguments and runs the command.
 pub fn main() -> ExitCode {
     let result = match Cli::parse().command {
         Command::Run(arguments) => run::execute(&arguments),
@@ -163,14 +160,13 @@ pub fn main() -> ExitCode {
     match result {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => {
-            // Several faults are several lines.
             tell(&failure.text);
             ExitCode::from(failure.code)
         }
     }
 }
 
-/// Writes to standard output for people: names of anyone's making are shown so that a terminal obeys none of them.
+/// Writes to standard output for people, with control characters escaped.
 fn print(text: &str) -> Result<(), Failure> {
     let safe: String = text
         .split_inclusive(['\n', '\t'])
@@ -182,7 +178,8 @@ fn print(text: &str) -> Result<(), Failure> {
     print_data(&safe)
 }
 
-/// Writes to standard output for programs, byte for byte; a closed pipe (`splitsum list | head`) is no failure.
+/// Writes to standard output for programs; a closed pipe (`splitsum list
+/// head`) is not a failure.
 fn print_data(text: &str) -> Result<(), Failure> {
     use std::io::Write;
     match progress::beside(|| std::io::stdout().write_all(text.as_bytes())) {
@@ -193,20 +190,17 @@ fn print_data(text: &str) -> Result<(), Failure> {
     }
 }
 
-/// Writes lines to standard error, without what would steer a terminal. Where nobody can read it (a closed pipe, a log on a full disk) the work goes on, and the exit code
-/// still says how it ended; `eprintln!` would panic.
+/// Writes lines to standard error, with control characters escaped. Ignores errors, where `eprintln!` would panic.
 fn tell(text: &str) {
     use std::io::Write;
     let lines: Vec<String> = text.lines().map(printable).collect();
     let _ = progress::beside(|| writeln!(std::io::stderr(), "{}", lines.join("\n")));
 }
 
-/// Lines about an odd but usable input.
 fn warn_all(name: &str, warnings: &[String]) {
     warnings.iter().for_each(|warning| warn(name, warning));
 }
 
-/// One such line.
 fn warn(name: &str, warning: &str) {
     tell(&format!("warning: {name}: {warning}"));
 }

@@ -1,4 +1,4 @@
-//! `splitsum plan`: what a run would do.
+//! `splitsum plan`.
 
 use super::cache::CacheArguments;
 use super::subject::Subject;
@@ -17,7 +17,7 @@ use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::path::Path;
 
-/// Shows the cells of an experiment, what is left out and why, what is done, and what the rest will cost.
+/// Show an experiment's cells, exclusions, progress and predicted time.
 #[derive(Args, Debug)]
 #[command(
     allow_negative_numbers = true,
@@ -28,21 +28,20 @@ use std::path::Path;
 pub struct Arguments {
     #[command(flatten)]
     subject: Subject,
-    /// Prints JSON for programs.
+    /// Print JSON.
     #[arg(long)]
     json: bool,
     #[command(flatten)]
     cache: CacheArguments,
-    /// Index of the device to predict for, as `splitsum devices` lists them.
+    /// Predict for this device (an index of `splitsum devices`).
     #[arg(long, value_name = "N")]
     device: Option<usize>,
 }
 
 const DONE: &str = "done";
-/// Bytes of JSON that are written in one piece.
+/// JSON bytes per write.
 const BLOCK_BYTES: usize = 1 << 16;
 
-/// How far a cell is.
 fn state(store: &Store, cell: &Cell) -> Result<&'static str, StoreError> {
     let failure = store.failure(&cell.id)?;
     Ok(match (store.cell(&cell.id)?, failure) {
@@ -66,7 +65,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let open: Vec<&Cell> =
         plan.cells.iter().zip(&states).filter(|(_, state)| **state != DONE).map(|(c, _)| c).collect();
     let jobs = timing::jobs(&plan);
-    // The samples of a block belong together: one that lacks a record is timed anew as a whole.
+    // A block with a missing record is timed again as a whole.
     let blocks = jobs.chunk_by(|a, b| a.block == b.block);
     let left: Vec<_> =
         blocks.filter(|block| !block.iter().all(|job| store.has_timing(&job.id))).flatten().cloned().collect();
@@ -84,7 +83,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     Ok(())
 }
 
-/// The forecast of these cells and timings by the speeds of earlier runs, and the device that these are of.
+/// Predicts cells and timings by the speeds of earlier runs; also returns the device of those.
 fn forecast<'p>(
     plan: &'p Plan,
     open: &[&Cell],
@@ -112,21 +111,20 @@ fn forecast<'p>(
     Ok((Forecast::new(plan, open, jobs, kept, speeds.unwrap_or_default(), host), source))
 }
 
-/// The printed plan.
 struct Shown<'a> {
     plan: &'a Plan,
     states: &'a [&'static str],
     /// Timed configurations, and how many are done.
     timings: [usize; 2],
     forecast: &'a Forecast<'a>,
-    /// The device whose earlier runs say how fast it is.
+    /// Device of the earlier runs.
     source: Option<String>,
-    /// Of files.
+    /// Size of the files, bytes.
     bytes: f64,
 }
 
 impl Shown<'_> {
-    /// Count, reason and place of each exclusion.
+    /// Lists count, reason and place of each exclusion.
     fn excluded(&self) -> impl Iterator<Item = (usize, &str, String)> {
         let lines = Lines::new(&self.plan.config.text);
         let exclusions = self.plan.config.exclusions.iter().zip(&self.plan.excluded);
@@ -178,11 +176,10 @@ impl Shown<'_> {
         self.forecast.ahead(0.0).seconds
     }
 
-    /// One object, its cells first, a line each: they are written as they are made.
+    /// Writes one object, its cells first, one per line.
     fn write_json(&self) -> Result<(), Failure> {
         let plan = self.plan;
         print_data("{\n  \"cells\": [")?;
-        // A block is one write.
         let mut block = String::new();
         for (place, (cell, state)) in plan.cells.iter().zip(self.states).enumerate() {
             let names = |axis: usize| columns(axis).zip(fields(axis, &cell.point[axis]));
@@ -198,7 +195,7 @@ impl Shown<'_> {
         print_data(&format!("{block}\n  ],\n{}", rest.trim_start_matches("{\n")))
     }
 
-    /// All but the cells.
+    /// Returns everything but the cells.
     fn rest(&self) -> serde_json::Value {
         let plan = self.plan;
         let exclusions =

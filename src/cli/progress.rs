@@ -1,5 +1,4 @@
-//! Signs of life on standard error: what is being done, how far it is, how long it will take. A bar on a terminal, elsewhere a line every few
-//! seconds.
+//! Progress on standard error: a bar on a terminal, elsewhere a line every few seconds.
 
 use indicatif::{HumanDuration, ProgressBar, ProgressStyle};
 use splitsum::run::Progress;
@@ -9,32 +8,31 @@ use std::io::{IsTerminal, Write};
 use std::sync::{Mutex, MutexGuard, Once, PoisonError};
 use std::time::{Duration, Instant};
 
-/// Work that takes less shows nothing.
+/// Shorter work is silent.
 const SILENT: Duration = Duration::from_secs(2);
-/// Time between lines; of long work a hundredth of its time.
+/// Time between lines; a hundredth of longer work.
 const LINES_APART: Duration = Duration::from_secs(5);
 /// Time between two drawings of the bar.
 const TICK: Duration = Duration::from_millis(200);
-/// Length of a bar, in whatever a step is.
+/// Steps of a bar.
 const BAR_LENGTH: u64 = 1000;
 
 static SHOWN: Mutex<Option<Shown>> = Mutex::new(None);
 
-/// Work that is being followed.
 struct Shown {
     words: String,
     began: Instant,
-    /// When a line was last written.
+    /// Time of the last line.
     said: Instant,
     steps: Option<Steps>,
     bar: Option<ProgressBar>,
 }
 
-/// Work whose number of steps is known.
+/// Work with a known number of steps.
 struct Steps {
     total: usize,
     done: usize,
-    /// The finished share, and the seconds that were left at `told`.
+    /// Finished share, and seconds left at `told`.
     ahead: Ahead,
     told: Instant,
 }
@@ -43,17 +41,16 @@ fn shown() -> MutexGuard<'static, Option<Shown>> {
     SHOWN.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Says what is being done from now on.
+/// Starts work without steps.
 pub fn doing(words: impl Into<String>) {
     follow(words.into(), None);
 }
 
-/// Says what is being done from now on, in this many steps of about equal length; [`one_more`] follows each.
+/// Starts work of `total` steps of about equal length; [`one_more`] ends each.
 pub fn counting(words: impl Into<String>, total: usize) {
     follow(words.into(), Some(Steps { total, done: 0, ahead: Ahead::default(), told: Instant::now() }));
 }
 
-/// Notes the end of a step.
 pub fn one_more() {
     if let Some(Shown { steps: Some(steps), began, .. }) = &mut *shown() {
         let (done, left) = (steps.done + 1, steps.total.saturating_sub(steps.done + 1));
@@ -63,14 +60,13 @@ pub fn one_more() {
     }
 }
 
-/// Ends the signs of life.
 pub fn end() {
     if let Some(Shown { bar: Some(bar), .. }) = shown().take() {
         bar.finish_and_clear();
     }
 }
 
-/// Writes to standard output or error while no bar is drawn.
+/// Writes while no bar is drawn.
 pub fn beside<T>(write: impl FnOnce() -> T) -> T {
     match &*shown() {
         Some(Shown { bar: Some(bar), .. }) => bar.suspend(write),
@@ -96,7 +92,7 @@ fn follow(words: String, steps: Option<Steps>) {
 impl Shown {
     fn tick(&mut self) {
         let elapsed = self.began.elapsed();
-        // A run says from the first second how long it will take.
+        // A run predicts its time from the first second.
         let is_due = elapsed >= SILENT || self.steps.as_ref().is_some_and(|steps| steps.ahead.seconds > 0.0);
         if !std::io::stderr().is_terminal() {
             let apart = LINES_APART.max(elapsed / 100);
@@ -121,7 +117,7 @@ impl Shown {
 
     fn say(&mut self) {
         self.said = Instant::now();
-        // Nobody may be reading: the work goes on.
+        // Nobody may be reading.
         let _ = writeln!(std::io::stderr(), "{}", printable(&self.message()));
     }
 
@@ -138,7 +134,6 @@ impl Shown {
     }
 }
 
-/// Follows a run.
 #[derive(Debug, Default)]
 pub struct Terminal;
 
@@ -180,5 +175,4 @@ impl Progress for Terminal {
     }
 }
 
-/// What follows the steps of a run.
 const END: &str = "writing tables and contact sheets";

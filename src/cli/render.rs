@@ -16,7 +16,7 @@ use splitsum::shade::{FILE_PREFIX, own};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// Renders one image: linear EXR (R, G, B, A; A is the mask) or tone-mapped PNG.
+/// Render one image: linear EXR (A is the mask) or tone-mapped PNG.
 #[derive(Args, Debug)]
 #[command(
     allow_negative_numbers = true,
@@ -26,13 +26,13 @@ use std::sync::Arc;
     splitsum render --environment studio.hdr --scene teapot.obj --camera perspective --background --size 800x600 --out teapot.png"
 )]
 pub struct Arguments {
-    /// The image to write, .exr or .png.
+    /// Write the image to FILE, .exr or .png.
     #[arg(long, value_name = "FILE")]
     out: PathBuf,
-    /// Computes the specular term by GLSL of yours, as --method file:FILE does; docs/own-method.md says what it may read.
+    /// Compute the specular term by your GLSL (docs/own-method.md).
     #[arg(long, value_name = "FILE", conflicts_with = AXES[METHOD].name)]
     method_shader: Option<PathBuf>,
-    /// Stops the reference before --samples, once the relative standard error of each of its terms is at most this.
+    /// Stop the reference early, at this relative standard error.
     #[arg(long, value_name = "E", value_parser = |text: &str| Kind::Number(Range::above(0.0, 1.0)).parse_text(text))]
     relative_error: Option<Value>,
     /// Antialias edges; pixels on them leave the mask.
@@ -44,7 +44,6 @@ pub struct Arguments {
     axes: AxisFlags,
 }
 
-/// The kind of file that the output's name asks for.
 enum Output {
     LinearExr,
     DisplayPng,
@@ -104,7 +103,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     print(&format!("{}\n", arguments.out.display()))
 }
 
-/// The flags as a point, its method compiled where it is a file. The reference has a sample count of its own where none is given.
+/// Builds the point and compiles a method in a file. The reference has a default sample count of its own.
 fn point(arguments: &Arguments) -> Result<Point, Failure> {
     let mut point = arguments.axes.point();
     if let Some(file) = &arguments.method_shader {
@@ -119,7 +118,7 @@ fn point(arguments: &Arguments) -> Result<Point, Failure> {
     Ok(point)
 }
 
-/// A flag that changes nothing here is a misunderstanding: of what a method does, or of what a file holds.
+/// Refuses flags without effect.
 fn check_used(arguments: &Arguments, point: &Point, output: &Output) -> Result<(), Failure> {
     let collapsed = point.collapsed(!arguments.seen.lights.is_empty());
     let (method, diffuse) = (point.method().name, point.diffuse().name);
@@ -144,12 +143,12 @@ fn check_used(arguments: &Arguments, point: &Point, output: &Output) -> Result<(
     if faults.is_empty() { Ok(()) } else { Err(Failure::input(faults.join("\n"))) }
 }
 
-/// Samples a pixel of the reference, wherever it is the method or the diffuse term.
+/// Returns the reference's samples per pixel, whichever term it computes.
 fn reference_samples(arguments: &Arguments) -> u32 {
     arguments.axes.get(SAMPLES).map_or(Reference::default().samples, Value::count)
 }
 
-/// Checked before anything is rendered: the extension, and that the folder takes a file.
+/// Checks the extension and that the folder is writable, before rendering.
 fn output(path: &Path) -> Result<Output, Failure> {
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     if !folder.is_dir() {
@@ -163,7 +162,7 @@ fn output(path: &Path) -> Result<Output, Failure> {
     if path.is_dir() {
         return Err(Failure::input(format!("--out: {} is a folder; expected a file", path.display())));
     }
-    // Asking the permission bits would not see read-only file systems; the file made here is gone at once.
+    // Permission bits do not reveal read-only file systems.
     tempfile::tempfile_in(folder).map_err(|error| {
         Failure::input(format!("--out: no file can be made in the folder {}: {error}", folder.display()))
     })?;

@@ -10,26 +10,26 @@ use splitsum::study::finished::{Finished, notes};
 use splitsum::study::questions::{Answer, answers};
 use std::path::{Path, PathBuf};
 
-/// (Re)writes the report of one or more finished runs.
+/// Write the report of one or more finished runs.
 #[derive(Args, Debug)]
 #[command(
     after_help = "Of a run that is under way it shows the cells that are done. Several runs (two devices, two commits) are joined in one report, with what tells them apart.\n\n\
     Examples:\n  splitsum report runs/quick\n  splitsum report runs/laptop runs/desktop --out comparison.html"
 )]
 pub struct Arguments {
-    /// Folders of runs.
+    /// Report these runs.
     #[arg(required = true, value_name = "DIR")]
     dirs: Vec<PathBuf>,
-    /// Links the images instead of embedding them.
+    /// Link the images instead of embedding them.
     #[arg(long)]
     no_images: bool,
-    /// Embeds only this part of every image, texels from the top left corner.
+    /// Embed only this part of each image, pixels from the top left corner.
     #[arg(long, value_name = "X,Y,W,H", value_parser = window, conflicts_with = "no_images")]
     crop: Option<Window>,
-    /// Answers by this metric (`splitsum list metrics`) instead of the experiment's.
+    /// Answer by this metric (`splitsum list metrics`) [default: the experiment's].
     #[arg(long, value_name = "NAME", value_parser = known_metric)]
     metric: Option<String>,
-    /// The file to write; report.html in the first folder when left out.
+    /// Write to FILE [default: report.html in the first folder].
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
 }
@@ -42,7 +42,7 @@ fn window(text: &str) -> Result<Window, String> {
     }
 }
 
-/// The value of `--metric`.
+/// Checks the value of `--metric`.
 pub fn known_metric(name: &str) -> Result<String, String> {
     <dyn Metric>::parse(name).map(|metric| metric.name().to_owned())
 }
@@ -76,14 +76,13 @@ impl From<PageError> for Failure {
     }
 }
 
-/// A finished run with the answers to what it asks.
 fn told(dir: &Path, metric: Option<&str>) -> Result<(Finished, Vec<Answer>), splitsum::study::finished::FinishedError> {
     let run = Finished::read(dir)?;
     let answers = answers(&run, metric);
     Ok((run, answers))
 }
 
-/// What to tell the user of a written report.
+/// Describes a written report.
 pub fn line(written: &Written) -> String {
     let notes: String = written.notes.iter().map(|note| format!("{note}\n")).collect();
     format!("{notes}Report: {} ({:.1} MB)\n", written.path.display(), written.bytes as f64 / 1e6)

@@ -18,7 +18,7 @@ use splitsum::study::questions::answers;
 use std::path::Path;
 use std::time::Instant;
 
-/// Runs an experiment, or what is left of it.
+/// Run an experiment, or what is left of it.
 #[derive(Args, Debug)]
 #[command(
     allow_negative_numbers = true,
@@ -38,15 +38,12 @@ use std::time::Instant;
 pub struct Arguments {
     #[command(flatten)]
     subject: Subject,
-    /// Does part K of N in the folder --out, which all parts share; `splitsum merge` then writes the tables.
-    #[arg(long, value_name = "K/N", requires = "out")]
     shard: Option<Shard>,
-    /// Ends the run at the first cell that fails; without it the others are still done.
+    /// Stop at the first cell that fails.
     #[arg(long)]
     fail_fast: bool,
     #[command(flatten)]
     cache: CacheArguments,
-    /// Index of the device, as `splitsum devices` lists them.
     #[arg(long, value_name = "N")]
     device: Option<usize>,
 }
@@ -85,7 +82,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     print(&format!("Shard {shard} is done: {cells} of {} cells, in {dir}\n", plan.cells.len()))
 }
 
-/// What the user typed, for the provenance: where the program lies is nobody's business.
+/// Returns the command line for the provenance, without the program's folder.
 pub fn command_line() -> Vec<String> {
     let mut words: Vec<String> = std::env::args().collect();
     if let Some(program) = words.first_mut() {
@@ -94,7 +91,7 @@ pub fn command_line() -> Vec<String> {
     words
 }
 
-/// Says what is odd about the experiment and takes requests to stop.
+/// Prints warnings and handles Ctrl-C.
 fn begin(plan: &Plan) -> Result<Terminal, Failure> {
     let mut progress = Terminal;
     for warning in plan.inputs.warnings().into_iter().chain(plan.warnings()) {
@@ -104,8 +101,7 @@ fn begin(plan: &Plan) -> Result<Terminal, Failure> {
     Ok(progress)
 }
 
-/// Answers the questions of a run that has ended, prints the summary and writes the report; the result says which of
-/// its cells failed.
+/// Answers the questions of an ended run, prints the summary and writes the report. Returns the failure of its cells.
 pub fn conclude(plan: &Plan, outcome: &Outcome) -> Result<Option<Failure>, Failure> {
     progress::doing("answering the questions");
     let run = Finished::read(&outcome.dir).map_err(Failure::failed)?;
@@ -115,7 +111,7 @@ pub fn conclude(plan: &Plan, outcome: &Outcome) -> Result<Option<Failure>, Failu
     let told = format!("{}Written to {}\n", written.summary, outcome.dir.display());
     print(&told)?;
     progress::doing("writing the report");
-    // The run is kept whatever becomes of its report.
+    // A failed report does not fail the run.
     let options = PageOptions::in_folder(&outcome.dir);
     let report = write(&options, &Told::of_runs(&[(run, answers)]));
     let line = report.as_ref().map_or_else(|error| format!("No report: {error}\n"), super::report::line);
@@ -137,7 +133,6 @@ fn stopped() -> Failure {
     Failure::failed(format!("stopped; to go on: {}", std::env::args().collect::<Vec<_>>().join(" ")))
 }
 
-/// Opens the device, with the cache beside it.
 fn opener(arguments: &Arguments) -> impl FnMut() -> Result<Box<dyn Renderer>, RenderFault> {
     || {
         let cache = arguments.cache.open()?;
@@ -149,7 +144,6 @@ fn opener(arguments: &Arguments) -> impl FnMut() -> Result<Box<dyn Renderer>, Re
     }
 }
 
-/// Opens the device of `--device`.
 pub fn open_device(index: Option<usize>) -> Result<Pipeline, RenderFault> {
     let device = index.map_or(DeviceChoice::Default, DeviceChoice::Index);
     Ok(Pipeline::new(Options { device, ..Options::default() })?)

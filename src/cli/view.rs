@@ -1,4 +1,4 @@
-//! `splitsum view`: a window.
+//! `splitsum view`.
 
 use super::Failure;
 use super::flags::{AxisFlags, SeenFlags};
@@ -14,23 +14,23 @@ use splitsum::spelling::Listed;
 use splitsum::view::{Opened, Picture, State, Windowed, open};
 use std::path::{Path, PathBuf};
 
-/// Opens a window: two methods side by side, turned by hand, beside a reference that refines while nothing moves.
+/// Open a window with two methods side by side, and a reference that refines.
 #[derive(Args, Debug)]
 #[command(
     allow_negative_numbers = true,
     after_help = after_help()
 )]
 pub struct Arguments {
-    /// Shows a saved state, beside which no other flag of what is shown is taken.
+    /// Open a saved state; excludes flags of the view.
     #[arg(long, value_name = "FILE", conflicts_with_all = ["right", "camera", "orbit", "background", "lights", "seed"])]
     state: Option<PathBuf>,
-    /// The folder in which saved states are put.
+    /// Save states in DIR.
     #[arg(long, value_name = "DIR", default_value = ".")]
     out: PathBuf,
-    /// The method of the right half.
+    /// Choose the method of the right half.
     #[arg(long, value_name = "NAME", value_parser = |text: &str| AXES[METHOD].kind.parse_text(text))]
     right: Option<Value>,
-    /// Runs under the validation layer; its messages make the exit code 1.
+    /// Use the validation layer; its messages make the exit code 1.
     #[arg(long, hide = true)]
     validation: bool,
     #[command(flatten)]
@@ -78,7 +78,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         )));
     }
     let load = LoadOptions { clamp_invalid: arguments.seen.clamp_invalid, ..LoadOptions::default() };
-    // What cannot be shown at all is told before a window opens.
+    // Bad input is reported before a window opens.
     let (settings, here) = (state.point.settings(), Path::new(""));
     let environment = Environment::load(&settings.environment, here, &load).map(|environment| environment.warnings);
     super::warn_all(&settings.environment, &environment.map_err(Failure::input)?);
@@ -130,7 +130,7 @@ fn state(arguments: &Arguments) -> Result<State, Failure> {
     Ok(State { right, ..state })
 }
 
-/// What the window shows without flags: the split sum beside the reference.
+/// Starts with the split sum beside the reference.
 fn first_point() -> Point {
     let mut point = Point::default();
     let first = METHODS.iter().find(|method| method.uses_prefiltered()).expect("a method that looks a map up");

@@ -1,4 +1,4 @@
-//! Checks of values together: combinations, sizes, lights in their scenes, and exclusions against the axes they speak of.
+//! Checks of values together: combinations, sizes, lights in their scenes, exclusions.
 
 use super::axis::{
     ALBEDO, ALPHA, AXES, COMPENSATION, DFG_TABLE, DIFFUSE_METHOD, METALLIC, METHOD, Named, PREFILTER_BY,
@@ -18,7 +18,7 @@ use crate::shade::reference_pass::pair_count;
 use crate::spelling::Listed;
 use crate::spelling::suggestion;
 
-/// Values that are right one by one but not together.
+/// Reports values that are valid alone but not together.
 pub fn check_combinations(config: &Config, faults: &mut Faults) {
     for point in config.combinations().filter(|point| config.exclusion_of(point).is_none()) {
         let has_lights = !config.lights.is_empty();
@@ -34,12 +34,11 @@ pub fn check_combinations(config: &Config, faults: &mut Faults) {
     }
 }
 
-/// Every size of the images, with its place.
 pub fn sizes(config: &Config) -> Vec<(Place, [u32; 2])> {
     config.values(SIZE).map(|(value, place)| (place.clone(), value.pair())).collect()
 }
 
-/// Sizes that no device can hold.
+/// Reports sizes that no device can hold.
 pub fn check_sizes(config: &Config, faults: &mut Faults) {
     for (place, [width, height]) in sizes(config) {
         if image_buffer_bytes([width, height]) > BUFFER_BYTES_MAX {
@@ -56,7 +55,7 @@ pub fn check_sizes(config: &Config, faults: &mut Faults) {
 /// Fewer pixels leave a band of n·v without views.
 const LADDER_PIXELS_MIN: u32 = 64;
 
-/// Steps are told of terms that have a ladder, of tables of our own, of one scattering, of lobes whose harmonics are known, and over views.
+/// Reports cells whose error [ladder] cannot take apart.
 fn check_ladder(config: &Config, point: &Point, faults: &mut Faults) {
     let of = ladder_of(point.method(), point.diffuse());
     let Some(of) = of.filter(|_| config.ladder.is_some() && is_design(point[SCENE].text())) else { return };
@@ -94,7 +93,7 @@ fn check_ladder(config: &Config, point: &Point, faults: &mut Faults) {
     }
 }
 
-/// A row must not name another number of samples than the reference draws.
+/// Reports sample counts that the reference would not draw exactly.
 fn check_reference_counts(config: &Config, point: &Point, judge: &Point, faults: &mut Faults) {
     let is_method = point.method().is_integrated();
     if is_method && let Err(error) = pair_count(point[SAMPLES].count()) {
@@ -109,7 +108,7 @@ fn check_reference_counts(config: &Config, point: &Point, judge: &Point, faults:
     }
 }
 
-/// Lights that cannot stand in one of the scenes.
+/// Reports lights inside a sphere of a scene.
 pub fn check_lights(config: &Config, inputs: &Inputs, faults: &mut Faults) {
     for (light, place) in config.lights.iter().zip(&config.light_places) {
         for fault in inputs.scenes().filter_map(|scene| light.fault_in(scene)) {
@@ -118,23 +117,23 @@ pub fn check_lights(config: &Config, inputs: &Inputs, faults: &mut Faults) {
     }
 }
 
-/// Values that exclusions name and their axis does not have. A condition without any other is a slip: its exclusion would leave nothing out.
-/// Beside values that the axis has one may be left from an earlier sweep ([`idle_values`]). Values that only `--set` took away are those of
-/// the file.
+/// Reports exclusion conditions that match no value of their axis. If others of a condition match, the value may be
+/// left
+/// over from an earlier sweep ([`idle_values`]).
 pub fn check_exclusions(config: &Config, faults: &mut Faults) {
-    // Values of an axis that could not be read have faults of their own.
+    // Values that could not be read have their own faults.
     let is_read =
         |axis: usize| config.axes.iter().all(|s| s.axis != axis || s.values.len() == s.written && s.written > 0);
     let slips = idle(config).filter(|(axis, .., is_slip)| *is_slip && is_read(*axis));
     slips.for_each(|(_, place, text, _)| faults.add(&place, text));
 }
 
-/// Values of exclusions that their axis does not have, each with its place and a sentence.
+/// Lists values of exclusions that their axis does not have, each with its place and a sentence.
 pub fn idle_values(config: &Config) -> impl Iterator<Item = (Place, String)> + '_ {
     idle(config).map(|(_, place, text, _)| (place, text))
 }
 
-/// Swept axes that no cell uses: their values are one cell.
+/// Lists swept axes that no cell uses.
 pub fn idle_sweeps<'p>(config: &Config, points: impl Iterator<Item = &'p Point> + Clone) -> Vec<(Place, String)> {
     let is_idle = |axis: usize| points.clone().all(|point| point[axis] == Value::Unset);
     let would_be_used = |axis: usize| {
@@ -160,7 +159,7 @@ pub fn idle_sweeps<'p>(config: &Config, points: impl Iterator<Item = &'p Point> 
     config.axes.iter().filter(|sweep| sweep.values.len() > 1 && is_idle(sweep.axis)).map(told).collect()
 }
 
-/// Albedos of 0 beside scenes whose metals keep their own `metallic`: the albedo is what a metal reflects, so these would be black.
+/// Lists cells whose metals are black because their albedo, which a metal reflects, is 0.
 pub fn black_metals<'p>(
     config: &Config,
     inputs: &Inputs,
@@ -187,7 +186,8 @@ pub fn black_metals<'p>(
     })
 }
 
-/// Axis, place and sentence of each value of an exclusion that its axis does not have, and whether no other one of its condition is there.
+/// Lists each excluded value that its axis lacks: axis, place, sentence, and whether its whole condition matches
+/// nothing.
 fn idle(config: &Config) -> impl Iterator<Item = (usize, Place, String, bool)> + '_ {
     let conditions = config.exclusions.iter().flat_map(|exclusion| &exclusion.conditions);
     conditions.flat_map(|(axis, values)| {
@@ -201,7 +201,7 @@ fn idle(config: &Config) -> impl Iterator<Item = (usize, Place, String, bool)> +
     })
 }
 
-/// The values that an axis has in the file and by `--set`, or the one that all cells take where it is not swept.
+/// Returns the values of an axis in the file and by `--set`, or its one fixed value.
 fn values_of(config: &Config, axis: usize) -> Vec<&Value> {
     let sweeps: Vec<&Sweep> = config.axes.iter().chain(&config.set_aside).filter(|sweep| sweep.axis == axis).collect();
     let mut known: Vec<&Value> = Vec::new();

@@ -1,6 +1,5 @@
-//! The experiment file as written: TOML with places, every value checked on its own.
-//!
-//! Reading never stops at the first fault. Paths in the file are relative to the file.
+//! The experiment file as written: every value checked alone, with its place.
+//! | Reading never stops at the first fault. Paths are relative to the file.
 
 use super::axis::{AXES, METHOD, Named, Point, Reference, SAMPLES, Terms, index_of};
 use super::fault::{Faults, Place};
@@ -14,31 +13,28 @@ use std::path::{Path, PathBuf};
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-/// A value and where it was written.
 #[derive(Clone, Debug)]
 pub struct Placed {
     pub value: Value,
     pub place: Place,
 }
 
-/// An axis with its values.
 #[derive(Clone, Debug)]
 pub struct Sweep {
     /// Index into [`AXES`].
     pub axis: usize,
-    /// By the name that was written.
+    /// The name that the file uses.
     pub named: Named,
     pub values: Vec<Placed>,
-    /// How many values were written; more than `values` holds where some are faulty.
+    /// Number of values in the file; more than `values` if some are faulty.
     pub written: usize,
 }
 
-/// A question that is asked of the run.
 #[derive(Clone, Debug)]
 pub struct Ask {
     pub question: String,
     pub place: Place,
-    /// The axis whose values make the rows of its answer, as an index into [`AXES`].
+    /// The axis (index into [`AXES`]) of the answer's rows.
     pub by: Option<(usize, Place)>,
 }
 
@@ -50,46 +46,41 @@ pub struct Zip {
     pub place: Place,
 }
 
-/// Combinations that are left out: every condition must hold.
+/// Combinations to leave out: every condition must match.
 #[derive(Clone, Debug)]
 pub struct Exclusion {
-    /// Axis index and the values it matches.
+    /// Index of an axis, and the values that match.
     pub conditions: Vec<(usize, Vec<Placed>)>,
     pub why: String,
-    /// Where it was written.
     pub place: Place,
 }
 
-/// Executions before those that count.
+/// Executions before the first timed one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Warmup {
-    /// This many executions.
     Frames(u32),
     /// Until the times have settled, at most a few seconds.
     Stable,
 }
 
-/// How often passes are timed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Timing {
     pub warmup: Warmup,
-    /// Executions that are kept.
+    /// Timed executions.
     pub rounds: u32,
 }
 
-/// An experiment file, read and checked value by value.
+/// An experiment file, checked value by value.
 #[derive(Clone, Debug, Default)]
 pub struct Config {
     pub path: PathBuf,
-    /// The file's text, for the frozen copy.
     pub text: String,
     pub name: String,
     pub question: String,
-    /// Names of the questions to answer, each with its place; the first one leads. Nothing here knows which names there are.
+    /// Questions to answer, unchecked; the first one leads.
     pub asks: Vec<Ask>,
-    /// Name of the metric that the answers rest on; one of [`crate::metrics::METRICS`].
+    /// Metric of the answers; one of [`crate::metrics::METRICS`].
     pub metric: &'static str,
-    /// Where the metric was written.
     pub metric_place: Place,
     pub seed: u32,
     pub camera: CameraKind,
@@ -97,43 +88,35 @@ pub struct Config {
     pub background: bool,
     pub antialias: bool,
     pub reference: Reference,
-    /// Where its sample count was written.
     pub reference_samples_place: Place,
-    /// Values of what is not swept: defaults, `scene` and `[precompute]`.
+    /// Values of axes that are not swept.
     pub base: Point,
-    /// Where each value of `base` was written, in the order of [`AXES`].
+    /// Place of each value of `base`, in the order of [`AXES`].
     pub base_places: Vec<Place>,
     /// In the order of the file, then of the command line.
     pub axes: Vec<Sweep>,
-    /// Axes as the file has them, where `--set` replaced or narrowed them.
+    /// Axes of the file that `--set` replaced or narrowed.
     pub set_aside: Vec<Sweep>,
-    /// Axes that take their values together, first with first.
     pub zips: Vec<Zip>,
     pub exclusions: Vec<Exclusion>,
     pub timing: Option<Timing>,
-    /// Renders with further point sets for each image of a sampled method, to part bias from variance.
+    /// Renders of each sampled image with further point sets, to separate bias from variance.
     pub repeats: Option<u32>,
-    /// Samples a pixel of what the steps of the split sum's error are drawn by, where they are asked for.
+    /// Samples per pixel for the steps of [ladder].
     pub ladder: Option<u32>,
-    /// Where that was written.
     pub ladder_place: Place,
     pub lights: Vec<Light>,
-    /// Where each light was written.
     pub light_places: Vec<Place>,
-    /// Contact sheets are drawn.
     pub has_sheets: bool,
-    /// `--set` texts that took part.
     pub overrides: Vec<String>,
-    /// The folder that files named in the file are relative to, where not its own.
+    /// Folder of paths in the file, if not the file's own.
     pub file_dir: Option<PathBuf>,
-    /// The folder that files named by `--set` are relative to; the current one when empty.
+    /// Folder of paths in `--set`; the current one if empty.
     pub set_dir: PathBuf,
 }
 
-/// The names of axes.
 pub(super) const AXIS: Kind = Kind::Name { what: "axis", names: axis_names };
 
-/// The key of the metric.
 pub(super) const METRIC_KEY: &str = "metric";
 
 pub(super) const KEYS: &[&str] = &[
@@ -158,12 +141,11 @@ pub(super) const KEYS: &[&str] = &[
     "sheets",
 ];
 
-/// Seeds.
 pub const SEED: Kind = Kind::Count { min: 0, max: u32::MAX };
 
 impl Config {
-    /// Reads `text` as the experiment at `path`, with `--set axis=v1,v2` texts. Faults are noted, never raised: the
-    /// result is only to be used further when `faults` stays empty (or to look for more faults).
+    /// Reads `text` as the experiment at `path` with `--set axis=v1,v2` texts. The result is complete only if `faults`
+    /// is empty.
     pub fn parse(path: &Path, text: &str, overrides: &[String], faults: &mut Faults) -> Self {
         let root = parsed(text, faults);
         let is_whole = faults.is_empty();
@@ -182,7 +164,7 @@ impl Config {
             config.read_key(key, value, &place, faults);
         }
         for key in ["name", "axes"] {
-            // After a syntax fault the recovered table may lack what the file has.
+            // After a syntax fault the recovered table may lack keys of the file.
             if !root.contains_key(key) && is_whole {
                 faults.add(&Place::File(0), format!("{key} is missing"));
             }
@@ -194,12 +176,12 @@ impl Config {
         config
     }
 
-    /// An empty collection for faults of this experiment: later checks add theirs at the places of this config.
+    /// Starts a collection of faults in this experiment.
     pub fn faults(&self) -> Faults<'_> {
         Faults::new(&self.path, &self.text)
     }
 
-    /// A parameter is set for all cells or swept, never both.
+    /// Reports parameters that are set and swept.
     fn check_double_settings(&self, root: &DeTable, faults: &mut Faults) {
         let precompute = root.get("precompute").and_then(|value| value.get_ref().as_table());
         let fixed = precompute.into_iter().flat_map(entries).map(|(key, _, place)| ("precompute.", key, place));
@@ -216,17 +198,16 @@ impl Config {
         self.base_places[axis] = place;
     }
 
-    /// The sweep of an axis, where it has one.
     pub fn sweep(&self, axis: usize) -> Option<&Sweep> {
         self.axes.iter().find(|sweep| sweep.axis == axis)
     }
 
-    /// An axis by the name that the experiment writes it by, if that name has every value.
+    /// Returns an axis by the name in the experiment, if that name can write every value.
     pub fn named(&self, axis: usize) -> Named {
         self.sweep(axis).map_or(Named::own(axis), |sweep| sweep.named.invertible())
     }
 
-    /// Every value of an axis, swept or not, with its place.
+    /// Lists every value of an axis, swept or not, with its place.
     pub fn values(&self, axis: usize) -> impl Iterator<Item = (&Value, &Place)> {
         let sweep = self.sweep(axis);
         let fixed = sweep.is_none().then(|| (&self.base[axis], &self.base_places[axis]));
@@ -234,13 +215,13 @@ impl Config {
         swept.chain(fixed)
     }
 
-    /// Where a point's value on an axis was written.
+    /// Finds the place of a point's value on an axis.
     pub fn place_of(&self, axis: usize, point: &Point) -> Place {
         let found = self.values(axis).find(|(value, _)| **value == point[axis]);
         found.map_or_else(|| self.base_places[axis].clone(), |(_, place)| place.clone())
     }
 
-    /// The first exclusion that leaves a point out.
+    /// Finds the first exclusion that matches a point.
     pub fn exclusion_of(&self, point: &Point) -> Option<usize> {
         let matches =
             |(axis, values): &(usize, Vec<Placed>)| values.iter().any(|placed| placed.value == point.0[*axis]);
@@ -350,10 +331,10 @@ pub(super) fn axis_names() -> Vec<&'static str> {
     Named::all().map(Named::name).collect()
 }
 
-/// Characters of an experiment's name: with what is put before and after it, it stays a file's name.
+/// Longest name of an experiment.
 const NAME_LENGTH_MAX: usize = 100;
 
-/// A dot would hide the folder of the run, and a dash make it an option of other programs.
+/// A leading dot would hide the run's folder; a leading dash would look like an option.
 fn is_file_name(name: &str) -> bool {
     (1..=NAME_LENGTH_MAX).contains(&name.len())
         && !name.starts_with(['.', '-'])

@@ -1,21 +1,19 @@
-//! Faults of an experiment: each with its place, all reported at once.
+//! Faults of an experiment, all reported at once, each with its place.
 
 use std::collections::HashSet;
 use std::fmt;
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::path::Path;
 
-/// Faults that are told; of further ones there is a count. More than anybody mends before the next try.
+/// Faults printed before the rest are only counted.
 pub const FAULTS_SHOWN: usize = 50;
-/// Characters of a fault that are shown: a value may be as long as the file.
+/// Longest printed fault, characters.
 const TEXT_LENGTH_MAX: usize = 2000;
 
-/// One thing that is wrong.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Fault {
-    /// Line and column in the file, from 1; (0, 0) for the command line, which sorts first.
+    /// Line and column from 1; (0, 0), which sorts first, for the command line.
     position: (usize, usize),
-    /// `experiments/x.toml:12:9` or `--set alpha`.
     place: String,
     /// The key, the value and what was expected.
     text: String,
@@ -33,19 +31,19 @@ impl fmt::Display for Fault {
 pub struct ConfigError {
     /// At most [`FAULTS_SHOWN`].
     pub faults: Vec<Fault>,
-    /// How many more there are.
+    /// Number of further faults.
     pub more: usize,
 }
 
 impl ConfigError {
-    /// These faults and those of another check of the same experiment, in the order of the file.
+    /// Merges the faults of two checks, in the order of the file.
     pub fn and(mut self, other: Self) -> Self {
         self.faults.extend(other.faults);
         self.faults.sort();
         Self { more: self.more + other.more, ..self }
     }
 
-    /// A line for each fault, and one for those that are not shown.
+    /// Returns a line for each fault, and one that counts the rest.
     pub fn lines(&self) -> Vec<String> {
         let more = (self.more > 0).then(|| format!("and {} more", self.more));
         self.faults.iter().map(Fault::to_string).chain(more).collect()
@@ -57,15 +55,14 @@ impl ConfigError {
 pub enum Place {
     /// Byte offset in the experiment file.
     File(usize),
-    /// `--set` with this axis.
+    /// `--set` of this axis.
     Set(String),
-    /// The program's own default.
     #[default]
     Default,
 }
 
 impl Place {
-    /// The place for people, in the file at `path` with these lines: `experiments/x.toml:12:9` or `--set alpha`.
+    /// Writes the place: `experiments/x.toml:12:9` or `--set alpha`.
     pub fn words(&self, path: &Path, lines: &Lines) -> String {
         match self {
             Self::File(offset) => {
@@ -78,22 +75,20 @@ impl Place {
     }
 }
 
-/// Where the lines of a text begin.
 #[derive(Debug)]
 pub struct Lines<'t> {
     text: &'t str,
-    /// Byte offsets, ascending.
+    /// Byte offsets of line starts, ascending.
     starts: Vec<usize>,
 }
 
 impl<'t> Lines<'t> {
-    /// Finds them.
     pub fn new(text: &'t str) -> Self {
         let after_breaks = text.match_indices('\n').map(|(offset, _)| offset + 1);
         Self { text, starts: std::iter::once(0).chain(after_breaks).collect() }
     }
 
-    /// Line and column (in characters), both from 1, of a byte offset.
+    /// Returns line and column (in characters), both from 1, of a byte offset.
     pub fn line_column(&self, offset: usize) -> (usize, usize) {
         let offset = if self.text.is_char_boundary(offset) { offset } else { self.text.len() };
         let line = self.starts.partition_point(|start| *start <= offset);
@@ -101,24 +96,22 @@ impl<'t> Lines<'t> {
     }
 }
 
-/// Collects faults of one file.
 pub struct Faults<'a> {
     path: &'a Path,
     lines: Lines<'a>,
     found: Vec<Fault>,
-    /// Hashes of place and text of each: many combinations have one fault.
+    /// Hashes of known faults: many combinations have the same one.
     seen: HashSet<u64>,
-    /// How many more than those in `found`.
+    /// Number of faults beyond `found`.
     more: usize,
 }
 
 impl<'a> Faults<'a> {
-    /// No faults yet of the file at `path` with this text.
     pub fn new(path: &'a Path, text: &'a str) -> Self {
         Self { path, lines: Lines::new(text), found: Vec::new(), seen: HashSet::new(), more: 0 }
     }
 
-    /// Notes a fault, unless it is noted already.
+    /// Adds a fault unless it is known.
     pub fn add(&mut self, place: &Place, text: impl Into<String>) {
         let mut text = text.into();
         let mut hasher = DefaultHasher::new();
@@ -141,7 +134,7 @@ impl<'a> Faults<'a> {
         self.found.push(Fault { position, place: place.words(self.path, &self.lines), text });
     }
 
-    /// As [`Faults::add`], of the only fault at its place, whose text takes long to make: where it would not be shown it is not made.
+    /// Adds a fault whose text is expensive; builds it only if it will be printed.
     pub fn add_with(&mut self, place: &Place, text: impl FnOnce() -> String) {
         if self.found.len() == FAULTS_SHOWN {
             self.more += 1;
@@ -150,12 +143,10 @@ impl<'a> Faults<'a> {
         }
     }
 
-    /// Whether nothing is wrong so far.
     pub fn is_empty(&self) -> bool {
         self.found.is_empty()
     }
 
-    /// The faults, in the order of the file.
     pub fn into_result(mut self) -> Result<(), ConfigError> {
         self.found.sort();
         if self.found.is_empty() { Ok(()) } else { Err(ConfigError { faults: self.found, more: self.more }) }

@@ -1,4 +1,4 @@
-//! Environments and scenes of an experiment, each loaded once.
+//! Environments, scenes, methods and tables of an experiment, each loaded once.
 
 use super::axis::{DFG_TABLE, ENVIRONMENT, METHOD, PREFILTERED, SCENE, Settings};
 use super::config::Config;
@@ -12,27 +12,25 @@ use std::fmt::Display;
 use std::path::Path;
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// Everything that the cells of an experiment read, by the name that the experiment uses.
+/// Everything that the cells read, by its name in the experiment.
 #[derive(Clone, Debug, Default)]
 pub struct Inputs {
     environments: BTreeMap<String, Arc<Environment>>,
     scenes: BTreeMap<String, Arc<Scene>>,
-    /// Methods in files.
     methods: BTreeMap<String, &'static Method>,
-    /// None for our own.
+    /// `None` for the program's own.
     maps: BTreeMap<String, Arc<Option<Arc<GivenMap>>>>,
     tables: BTreeMap<String, Arc<Option<Arc<GivenTable>>>>,
     clipped: Arc<Mutex<Vec<Clipped>>>,
 }
 
-/// An environment cut off at 2 to a power: name, power, result.
+/// A clipped environment: name, power of two, result.
 type Clipped = (String, f64, Arc<Environment>);
 
-/// Cut-off environments kept at a time: a sweep takes them one after the other.
+/// Clipped environments in memory; a sweep uses them one after the other.
 const CLIPPED_COUNT: usize = 4;
 
-/// A short name for each of these files, none like another: the stem of its file name; where that names two, the file name, then with folders.
-/// Formulas keep their own names.
+/// Gives each file a unique short name: its stem, else its file name, else with folders. Formulas keep their names.
 pub fn short_names<'n>(names: impl IntoIterator<Item = &'n str>) -> BTreeMap<String, String> {
     let mut forms: BTreeMap<&str, Vec<String>> = BTreeMap::new();
     for name in names {
@@ -48,7 +46,7 @@ pub fn short_names<'n>(names: impl IntoIterator<Item = &'n str>) -> BTreeMap<Str
     forms.iter().map(|(name, own)| (name.to_string(), shortest(name, own))).collect()
 }
 
-/// A path without folders and extension, without folders, with one folder, with two and so on; a layer stays behind each.
+/// Lists the stem of a path, its file name, then with one folder, two and so on, each with the layer.
 fn shortenings(name: &str) -> Vec<String> {
     let (file, layer) =
         name.rsplit_once('#').map_or((name, String::new()), |(file, layer)| (file, format!("#{layer}")));
@@ -58,7 +56,7 @@ fn shortenings(name: &str) -> Vec<String> {
     stem.into_iter().chain(with_folders).map(|form| form + &layer).collect()
 }
 
-/// What stands behind each value of an axis.
+/// Loads each value of an axis.
 fn each<T, E: Display>(
     config: &Config,
     axis: usize,
@@ -75,7 +73,7 @@ fn each<T, E: Display>(
     loaded
 }
 
-/// The methods in files that an experiment names, compiled.
+/// Compiles the experiment's methods in files.
 pub fn load_methods(config: &Config, faults: &mut Faults) -> BTreeMap<String, &'static Method> {
     let mut loaded = BTreeMap::new();
     for (value, place) in config.values(METHOD).filter(|(value, _)| value.text().starts_with(FILE_PREFIX)) {
@@ -88,7 +86,6 @@ pub fn load_methods(config: &Config, faults: &mut Faults) -> BTreeMap<String, &'
 }
 
 impl Inputs {
-    /// Loads what an experiment names; failures become faults.
     pub fn load(config: &Config, options: &LoadOptions, faults: &mut Faults) -> Self {
         let environments = each(config, ENVIRONMENT, faults, |name, dir| Environment::load(name, dir, options));
         let scenes = each(config, SCENE, faults, Scene::load);
@@ -98,21 +95,19 @@ impl Inputs {
         Self { environments, scenes, methods, maps, tables, clipped: Arc::default() }
     }
 
-    /// Whether an environment of that name is loaded.
     pub fn has_environment(&self, name: &str) -> bool {
         self.environments.contains_key(name)
     }
 
-    /// A loaded environment.
     pub fn environment(&self, name: &str) -> &Arc<Environment> {
         self.environments.get(name).unwrap_or_else(|| panic!("the plan loaded no environment {name}"))
     }
 
-    /// A loaded environment without radiance above 2 to the power `clip_log2`.
+    /// Returns a loaded environment clipped at 2 to the power `clip_log2`.
     pub fn clipped(&self, name: &str, clip_log2: Option<f64>) -> Arc<Environment> {
         let whole = self.environment(name);
         let Some(power) = clip_log2 else { return whole.clone() };
-        // A thread that panicked left a whole list: entries are added in one step.
+        // Entries are added in one step, so a poisoned list is intact.
         let mut kept = self.clipped.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some((.., environment)) = kept.iter().find(|(known, at, _)| known == name && *at == power) {
             return environment.clone();
@@ -125,23 +120,20 @@ impl Inputs {
         environment
     }
 
-    /// A loaded scene.
     pub fn scene(&self, name: &str) -> &Arc<Scene> {
         self.scenes.get(name).unwrap_or_else(|| panic!("the plan loaded no scene {name}"))
     }
 
-    /// The tables of other tools that settings name.
     pub fn given(&self, settings: &Settings) -> Given {
         let prefiltered = self.maps.get(&settings.prefiltered).and_then(|map| (**map).clone());
         Given { prefiltered, dfg: self.tables.get(&settings.dfg).and_then(|table| (**table).clone()) }
     }
 
-    /// Every loaded scene.
     pub fn scenes(&self) -> impl Iterator<Item = &Scene> {
         self.scenes.values().map(Arc::as_ref)
     }
 
-    /// Name and content hash of every input: environments, scenes, methods in files, tables.
+    /// Lists name and content hash of every input.
     pub fn hashes(&self) -> Vec<(String, String)> {
         let environments = self.environments.values().map(|e| (e.name.clone(), e.hash.clone()));
         let scenes = self.scenes.values().map(|s| (s.name.clone(), s.hash.clone()));
@@ -151,7 +143,7 @@ impl Inputs {
         environments.chain(scenes).chain(methods).chain(maps).chain(tables).collect()
     }
 
-    /// Warnings about the inputs, one sentence each with the input's name.
+    /// Lists warnings about the inputs, each with the input's name.
     pub fn warnings(&self) -> Vec<String> {
         let environments =
             self.environments.values().flat_map(|e| e.warnings.iter().map(|w| format!("{}: {w}", e.name)));

@@ -1,4 +1,4 @@
-//! Analytic lights of an experiment, as written in a file or after a flag.
+//! Analytic lights of an experiment, in its file or as a flag.
 
 use super::config::Config;
 use super::fault::Faults;
@@ -10,7 +10,7 @@ use glam::DVec3;
 use toml::Spanned;
 use toml::de::DeValue;
 
-/// Radiance and irradiance of analytic lights.
+/// Radiance or irradiance of a light.
 pub const LIGHT_COLOR: Range = Range::closed(0.0, 1e9);
 
 impl Config {
@@ -44,7 +44,7 @@ impl Config {
     }
 }
 
-/// A light from its checked parts, or what is wrong with it.
+/// Builds a light from checked parts.
 pub fn light(kind: LightKind, vector: [f32; 3], color: Option<[f32; 3]>) -> Result<Light, String> {
     let color = color.ok_or("color is missing")?;
     let vector = DVec3::from(vector.map(f64::from));
@@ -55,12 +55,12 @@ pub fn light(kind: LightKind, vector: [f32; 3], color: Option<[f32; 3]>) -> Resu
     Ok(Light { kind, position_or_direction, color })
 }
 
-/// The three numbers of a position or direction given as text `x,y,z`.
+/// Parses `x,y,z`.
 pub fn coordinates(text: &str) -> Result<[f32; 3], String> {
     Kind::Color(COORDINATE).parse_text(text).map(|v| v.color()).map_err(|_| format!("{text:?} is not x,y,z"))
 }
 
-/// The light of `directional:X,Y,Z:R,G,B` (towards the light; irradiance) or `point:X,Y,Z:R,G,B` (intensity).
+/// Parses `directional:X,Y,Z:R,G,B` (towards the light; irradiance) or `point:X,Y,Z:R,G,B` (intensity).
 pub fn parse_light(text: &str) -> Result<Light, String> {
     let parts: Vec<&str> = text.split(':').collect();
     let [kind, vector, color] = parts[..] else {
@@ -71,7 +71,7 @@ pub fn parse_light(text: &str) -> Result<Light, String> {
     light(kind, coordinates(vector)?, Some(color))
 }
 
-/// The text that [`parse_light`] reads.
+/// Writes a light for [`parse_light`].
 pub fn light_text(light: &Light) -> String {
     let numbers = |three: [f32; 3]| three.map(|x| x.to_string()).join(",");
     let place = light.position_or_direction.as_vec3().to_array();

@@ -1,6 +1,4 @@
-//! What an experiment says: its file, axes and values, and the plan of checked cells.
-//!
-//! `config` reads the file as written; `plan` expands it into checked cells. `crate::run` renders them.
+//! What an experiment says: its file, axes and values (`config`), and the plan of checked cells (`plan`).
 
 pub mod axis;
 mod checks;

@@ -1,4 +1,4 @@
-//! `--set axis=v1,v2`: axes replaced from the command line.
+//! `--set axis=v1,v2`: values from the command line.
 
 use super::axis::{AXES, Named};
 use super::config::{Config, KEYS, METRIC_KEY, Placed, Sweep, axis_names};
@@ -11,8 +11,8 @@ use std::collections::HashSet;
 use std::path::Path;
 
 impl Config {
-    /// Replaces axes by `--set` texts; an axis the file does not have is added. Of axes that vary together (`[[zip]]`) those rows are kept
-    /// that have one of the values, unless all of them are given.
+    /// Replaces or adds axes by `--set` texts. If only some axes of a `[[zip]]` are set, keeps the rows with those
+    /// values.
     pub(super) fn apply_overrides(&mut self, faults: &mut Faults) {
         let mut seen: Vec<usize> = Vec::new();
         let mut given: Vec<(Sweep, Place)> = Vec::new();
@@ -57,7 +57,7 @@ impl Config {
             let old = self.axes.iter_mut().find(|old| old.axis == sweep.axis);
             self.set_aside.extend(old.as_deref().cloned());
             match old {
-                // Some of the axes that vary together: those rows stay that have the values. All of them: new rows.
+                // Some of the zipped axes: keep matching rows. All of them: new rows.
                 Some(_) if zip.iter().any(|axis| !names.contains(axis)) => self.narrow(&zip, &sweep, &place, faults),
                 Some(old) => *old = sweep,
                 None => self.axes.push(sweep),
@@ -65,20 +65,20 @@ impl Config {
         }
     }
 
-    /// The folder of the files that values of `--set` name; `None` where they name none.
+    /// Returns the folder of `--set` paths, if any value of `--set` is a file there.
     pub fn set_files_dir(&self) -> Option<&Path> {
         let set = self.inputs().filter(|(_, place)| matches!(place, Place::Set(_)));
         set.into_iter().any(|(value, _)| self.set_dir.join(value).is_file()).then_some(&self.set_dir)
     }
 
-    /// The folder of the files that the experiment file names; `None` where it names none.
+    /// Returns the folder of the file's paths, if any value of the file is a file there.
     pub fn files_dir(&self) -> Option<&Path> {
         let dir = self.file_dir();
         let written = self.inputs().filter(|(_, place)| matches!(place, Place::File(_)));
         written.into_iter().any(|(value, _)| dir.join(value).is_file()).then_some(dir)
     }
 
-    /// The folder that a path written at `place` is relative to.
+    /// Returns the folder of a path written at `place`.
     pub fn dir_of(&self, place: &Place) -> &Path {
         match place {
             Place::Set(_) => &self.set_dir,
@@ -86,12 +86,11 @@ impl Config {
         }
     }
 
-    /// The folder that paths in the experiment file are relative to.
     pub fn file_dir(&self) -> &Path {
         self.file_dir.as_deref().unwrap_or_else(|| self.path.parent().unwrap_or(Path::new("")))
     }
 
-    /// Every value that may be a file, as a path, with its place.
+    /// Lists every value that may be a file, with its place.
     fn inputs(&self) -> impl Iterator<Item = (&str, &Place)> {
         AXES.iter().enumerate().flat_map(|(axis, entry)| {
             let texts = self.values(axis).filter(|(value, _)| matches!(value, Value::Text(_)));
@@ -99,8 +98,7 @@ impl Config {
         })
     }
 
-    /// The axes that vary together with this one, itself among them, where each has a value in each row; nothing where it stands alone or
-    /// its zip is faulty.
+    /// Returns the axes of this axis's zip; empty if it has none or the zip is faulty.
     fn zipped_with(&self, axis: usize) -> Vec<usize> {
         let Some(zip) = self.zips.iter().find(|zip| zip.axes.contains(&axis)) else { return Vec::new() };
         let sweeps: Option<Vec<&Sweep>> = zip.axes.iter().map(|&axis| self.sweep(axis)).collect();
@@ -109,7 +107,7 @@ impl Config {
         if sweeps.is_some_and(is_whole) { zip.axes.clone() } else { Vec::new() }
     }
 
-    /// Keeps the rows of zipped axes in which the axis of `wanted` has one of its values.
+    /// Keeps the zipped rows in which the axis of `wanted` has one of its values.
     fn narrow(&mut self, zip: &[usize], wanted: &Sweep, place: &Place, faults: &mut Faults) {
         let own = self.sweep(wanted.axis);
         // Values that could not be read have their own faults.
@@ -139,12 +137,11 @@ impl Config {
     }
 }
 
-/// What else can change a key.
 fn by_answers(key: &str) -> &'static str {
     if key == METRIC_KEY { ", or give --metric to `splitsum answers`" } else { "" }
 }
 
-/// Rows of a zip that a message shows.
+/// Rows that a message lists.
 const ROWS_SHOWN: usize = 8;
 
 /// The items of a list with commas. A comma between the parameters of a formula ends no item:

@@ -15,78 +15,75 @@ use crate::spelling::short_number;
 use std::collections::{BTreeMap, BTreeSet, HashSet};
 use std::path::{Path, PathBuf};
 
-/// Counts up whenever the meaning of a cell changes, so that old records are not taken for new ones.
+/// Counts up if the meaning of a cell changes, so that old records are not reused.
 pub const SCHEMA_VERSION: u32 = 1;
-/// Above this many comparisons of combinations with values of exclusions, too: a few seconds.
+/// Largest product of combinations and excluded values: a few seconds.
 const COMPARISONS_MAX: u64 = 200_000_000;
-/// Hex digits of an id: 64 bits, so that a million cells collide with probability 3e-8.
+/// Hex digits of an id: 64 bits, so a million cells collide with probability 3e-8.
 const ID_LENGTH: usize = 16;
-/// Turns the seed of the judging reference into that of a reference under test.
+/// Gives a reference under test other points than the reference that judges it.
 const UNDER_TEST: u32 = 0x5eed_7e57;
 
 /// One row of the results.
 #[derive(Clone, Debug)]
 pub struct Cell {
-    /// Hash of everything that determines the cell's scores; never of its position.
+    /// Hash of everything that determines the cell's scores.
     pub id: String,
-    /// Unused parameters are unset.
+    /// Collapsed ([`Point::collapsed`]).
     pub point: Point,
-    /// Id of the radiance image: cells that differ in the tone curve only share it.
+    /// Id of the radiance image, which cells that differ only in the tone curve share.
     pub radiance: String,
-    /// Id of the radiance image of the reference.
+    /// Id of the reference's radiance image.
     pub reference: String,
 }
 
-/// A checked experiment. Later code trusts it.
+/// A checked experiment.
 #[derive(Debug)]
 pub struct Plan {
     pub config: Config,
     pub inputs: Inputs,
-    /// Axis indices in column order: those of the file, then the rest.
+    /// Indices of axes in column order: those of the file, then the rest.
     pub columns: Vec<usize>,
     /// In the order of the axes, the last one fastest.
     pub cells: Vec<Cell>,
-    /// Combinations each exclusion left out, in the order of the file.
+    /// Combinations that each exclusion left out.
     pub excluded: Vec<usize>,
-    /// Combinations that equal an earlier one because they differ in unused parameters only.
+    /// Combinations that differ from an earlier one only in unused parameters.
     pub collapsed: usize,
-    /// The name of each environment in tables.
+    /// Name of each environment in tables.
     pub environment_names: BTreeMap<String, String>,
-    /// Hash over name, cells and timing: two plans with the same hash are the same experiment.
+    /// Hash of name, cells and timing.
     pub hash: String,
 }
 
 /// Cells that share a reference, in running order.
 #[derive(Debug)]
 pub struct ReferenceGroup<'p> {
-    /// Id of the reference's radiance.
     pub id: &'p str,
-    /// Each with the id of its radiance and the cells that share it.
+    /// Id of each radiance, and the cells that share it.
     pub radiances: Vec<(&'p str, Vec<&'p Cell>)>,
 }
 
-/// An experiment's text and what it hangs on.
+/// An experiment's text and where its paths start.
 #[derive(Clone, Copy, Debug)]
 pub struct Source<'a> {
-    /// The file that the text stands for.
     pub path: &'a Path,
     pub text: &'a str,
-    /// The texts of `--set`.
     pub overrides: &'a [String],
-    /// The folder that paths in the text are relative to, where not that of the file.
+    /// Folder of paths in the text, if not that of the file.
     pub file_dir: Option<&'a Path>,
-    /// The folder that paths in `overrides` are relative to; the current one when empty.
+    /// Folder of paths in `overrides`; the current one if empty.
     pub set_dir: &'a Path,
 }
 
 impl Plan {
-    /// Checks and expands an experiment whose text stands for the file at `path`; `overrides` are the texts of `--set`.
+    /// Checks and expands the experiment at `path` with `--set` texts.
     pub fn from_text(path: &Path, text: &str, overrides: &[String]) -> Result<Self, ConfigError> {
         let source = Source { path, text, overrides, file_dir: None, set_dir: Path::new("") };
         Self::from_source(&source, &LoadOptions::default())
     }
 
-    /// Checks and expands an experiment, with a say in what environments may hold.
+    /// Checks and expands an experiment.
     pub fn from_source(source: &Source, options: &LoadOptions) -> Result<Self, ConfigError> {
         let Source { path, text, overrides, file_dir, set_dir } = *source;
         let mut faults = Faults::new(path, text);
@@ -113,7 +110,7 @@ impl Plan {
         Ok(expand(config, inputs))
     }
 
-    /// Cells grouped so that each reference and each radiance is rendered once and only one reference is held at a time.
+    /// Groups cells so that each reference and radiance is rendered once and only one reference is in memory.
     pub fn groups(&self) -> Vec<ReferenceGroup<'_>> {
         let mut groups: Vec<ReferenceGroup> = Vec::new();
         let mut group_of: BTreeMap<&str, usize> = BTreeMap::new();
@@ -133,17 +130,17 @@ impl Plan {
         groups
     }
 
-    /// The point of the reference that judges a cell of this point.
+    /// Returns the point of the reference that judges a cell.
     pub fn reference_point(&self, point: &Point) -> Point {
         point.reference(&self.config.reference, !self.config.lights.is_empty())
     }
 
-    /// Name and value of every axis of a cell, in column order.
+    /// Lists name and value of every axis of a cell, in column order.
     pub fn columns_of<'c>(&self, cell: &'c Cell) -> Vec<(&'static str, &'c Value)> {
         self.columns.iter().map(|&axis| (AXES[axis].name, &cell.point.0[axis])).collect()
     }
 
-    /// A label that tells the cell from the others: its values on the axes with more than one value, as `name=value` words for people.
+    /// Labels a cell by its values on swept axes: `alpha=0.25 samples=4`.
     pub fn label(&self, cell: &Cell) -> String {
         let words = self.swept().map(|axis| (self.config.named(axis), &cell.point[axis]));
         let set = words.filter(|(_, value)| **value != Value::Unset);
@@ -154,7 +151,7 @@ impl Plan {
         words.collect::<Vec<_>>().join(" ")
     }
 
-    /// A cell's value on an axis as tables show it: of a file that is an environment, its short name.
+    /// Returns a cell's value as tables print it: environments by their short names.
     pub fn shown(&self, cell: &Cell, axis: usize) -> Value {
         let name = match &cell.point[axis] {
             Value::Text(text) if axis == ENVIRONMENT => self.environment_names.get(text.as_str()),
@@ -163,13 +160,13 @@ impl Plan {
         name.map_or_else(|| cell.point[axis].clone(), |name| Value::from(name.as_str()))
     }
 
-    /// The request for the point of a cell: the scene with the point's material, framed by the experiment's camera.
+    /// Builds the request of a cell's point.
     pub fn request(&self, point: &Point) -> RenderRequest {
         let request = self.seeded_request(point, cell_seed(&self.config, point));
         RenderRequest { reference_error: cell_error(&self.config, point), ..request }
     }
 
-    /// The request for the point of a reference ([`Plan::reference_point`]).
+    /// Builds the request of a reference's point ([`Plan::reference_point`]).
     pub fn reference_request(&self, point: &Point) -> RenderRequest {
         self.seeded_request(point, self.config.seed)
     }
@@ -192,7 +189,7 @@ impl Plan {
         settings.request(&environment, scene, &view, given)
     }
 
-    /// Points of which each needs memory of its own size: the cells and their references that differ in a size or an input.
+    /// Returns one point for each combination of sizes and inputs, references included.
     pub fn points_by_size(&self) -> Vec<Point> {
         let mut seen = HashSet::new();
         let points = self.cells.iter().flat_map(|cell| [cell.point.clone(), self.reference_point(&cell.point)]);
@@ -203,29 +200,25 @@ impl Plan {
         points.filter(|point| seen.insert(key(point))).collect()
     }
 
-    /// How often the image of a point is rendered again with further point sets.
     pub fn repeats_of(&self, point: &Point) -> Option<u32> {
         repeats_of(&self.config, point)
     }
 
-    /// Samples by which the steps of a point's error are drawn, where they are asked for.
     pub fn ladder_of(&self, point: &Point) -> Option<u32> {
         ladder_of(&self.config, &self.inputs, point)
     }
 
-    /// Width and height of a cell's images.
     pub fn size_of(&self, cell: &Cell) -> [u32; 2] {
         cell.point[SIZE].pair()
     }
 
-    /// The axes of the file with more than one value, in its order.
+    /// Lists the axes of the file with more than one value.
     pub fn swept(&self) -> impl Iterator<Item = usize> + '_ {
         self.config.axes.iter().filter(|sweep| sweep.values.len() > 1).map(|sweep| sweep.axis)
     }
 
-    /// Warnings, each with its place: exclusions that leave nothing out, usually a slip in the file, values of exclusions that
-    /// their axis does not have beside some that it has, and images that some
-    /// devices refuse.
+    /// Lists likely mistakes with their places: idle exclusions and sweeps, black metals, ignored keys, very large
+    /// images.
     pub fn warnings(&self) -> Vec<String> {
         let mut warnings = Faults::new(&self.config.path, &self.config.text);
         for exclusion in self.idle_exclusions() {
@@ -264,7 +257,7 @@ impl Plan {
         warnings.into_result().err().map_or_else(Vec::new, |error| error.lines())
     }
 
-    /// Exclusions that leave nothing out of the file as it is written: `--set` may have taken away what they match.
+    /// Lists exclusions that match nothing in the file as written; `--set` may have removed what they match.
     fn idle_exclusions(&self) -> Vec<&Exclusion> {
         let config = &self.config;
         let mut idle: BTreeSet<usize> = (0..self.excluded.len()).filter(|&index| self.excluded[index] == 0).collect();
@@ -312,19 +305,17 @@ fn expand(config: Config, inputs: Inputs) -> Plan {
     Plan { config, inputs, columns, cells, excluded, collapsed, environment_names, hash }
 }
 
-/// The seed of a cell. Where the reference is itself the method under test it has other points than the reference that judges it, or its
-/// error would be too small: none at all at equal counts.
+/// Returns the seed of a cell. A reference under test must not share points with the reference that judges it.
 fn cell_seed(config: &Config, point: &Point) -> u32 {
     if point.method().is_integrated() { config.seed ^ UNDER_TEST } else { config.seed }
 }
 
-/// When the reference terms of a cell stop. Where the reference is itself the method under test it draws the samples that its row names,
-/// whatever the one that judges it may save.
+/// Returns the target error of a cell's references. A reference under test draws exactly the samples of its row.
 fn cell_error(config: &Config, point: &Point) -> Option<f64> {
     config.reference.relative_error.filter(|_| !point.method().is_integrated())
 }
 
-/// Inputs count by their content, so that a renamed file keeps its cells and a changed one loses them.
+/// Hashes inputs by content, so a renamed file keeps its cells and a changed one does not.
 fn radiance_id(config: &Config, inputs: &Inputs, point: &Point, seed: u32, relative_error: Option<f64>) -> String {
     let mut lines = vec![
         format!("schema={SCHEMA_VERSION}"),
@@ -364,12 +355,12 @@ fn radiance_id(config: &Config, inputs: &Inputs, point: &Point, seed: u32, relat
     hash_lines(&lines)
 }
 
-/// Only methods that draw points vary with them.
+/// Only methods with point sets vary.
 fn repeats_of(config: &Config, point: &Point) -> Option<u32> {
     config.repeats.filter(|_| point.settings().shading.method.uses_point_set)
 }
 
-/// Some terms have steps, on the scene whose frames tell all views alike.
+/// Only some terms have steps, and only on the scene `design`.
 fn ladder_of(config: &Config, inputs: &Inputs, point: &Point) -> Option<u32> {
     let has_steps = ladder::ladder_of(point.method(), point.diffuse()).is_some();
     config.ladder.filter(|_| has_steps && inputs.scene(point[SCENE].text()).is_design)

@@ -1,4 +1,4 @@
-//! The sections of an experiment file beside its axes: exclusions, timing, bias and variance, tables.
+//! Sections beside the axes: questions, exclusions, timing, bias and variance, ladder, tables.
 
 use super::axis::{AXES, Named, SAMPLES, is_precompute};
 use super::config::{AXIS, Ask, Config, Exclusion, Placed, Timing, Warmup, axis_names};
@@ -9,9 +9,9 @@ use crate::shade::reference_pass::pair_count;
 use toml::Spanned;
 use toml::de::DeValue;
 
-/// Enough for a variance within about 40 % at two sigma of one pixel, and far better over an image.
+/// Gives one pixel's variance within about 40 % at two sigma.
 const REPEATS_DEFAULT: u32 = 16;
-/// Leaves the drawn steps noise far below themselves.
+/// Keeps the noise of drawn steps far below the steps.
 const LADDER_SAMPLES_DEFAULT: u32 = 2048;
 
 impl Config {
@@ -78,7 +78,7 @@ impl Config {
                     continue;
                 };
                 let name = format!("exclude.{key}");
-                // A colour or a pair is itself a list: only a list of what the axis takes is a list of values.
+                // A colour or a pair is itself a list.
                 let items: Vec<_> = match value.get_ref().as_array().filter(|_| named.parse(&raw(value)).is_err()) {
                     Some(items) => items.iter().collect(),
                     None => vec![value],

@@ -10,15 +10,11 @@ use std::collections::{BTreeMap, HashSet};
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-/// Above this many combinations a file is taken for a mistake. As many are planned in about ten seconds of one processor.
+/// Largest number of combinations; planning them takes about ten seconds on one core.
 pub(super) const COMBINATIONS_MAX: u64 = 200_000;
-/// Longest range.
 const RANGE_LENGTH_MAX: i64 = 100_000;
-/// Largest power of two in a range.
 const POWER_MAX: i64 = 60;
-/// The names of ranges.
 const RANGES: &[&str] = &["linspace", "logspace", "pow2"];
-/// How a range is written.
 const RANGE_FORMS: &str =
     "{ linspace = [first, last, count] }, { logspace = [first, last, count] } or { pow2 = [from, to] }";
 
@@ -87,7 +83,7 @@ impl Config {
                     zip.axes.extend(named.map(|named| named.axis));
                 }
             }
-            // A name that is no axis has its own fault.
+            // An unknown name has its own fault.
             if written < 2 {
                 faults.add(&zip.place, "zip: needs axes = [...] with at least two axes");
             }
@@ -95,7 +91,7 @@ impl Config {
         }
     }
 
-    /// Zipped axes are swept, have one length, and belong to one zip. Checked after `--set`, which may change lengths.
+    /// Checks that zipped axes are swept, have one length and belong to one zip. Runs after `--set`.
     pub(super) fn check_zips(&self, faults: &mut Faults) {
         let mut seen = Vec::new();
         for zip in &self.zips {
@@ -123,7 +119,7 @@ impl Config {
         }
     }
 
-    /// No value of an axis stands twice, and no row of a zip. Checked after `--set`.
+    /// Reports repeated values of an axis and repeated rows of a zip. Runs after `--set`.
     pub(super) fn check_twice(&self, faults: &mut Faults) {
         for (members, steps) in self.dimensions() {
             let mut seen = HashSet::new();
@@ -141,12 +137,12 @@ impl Config {
         }
     }
 
-    /// How many combinations of values the axes span, before exclusions.
+    /// Counts combinations before exclusions.
     pub fn combination_count(&self) -> u64 {
         self.dimensions().iter().map(|(_, steps)| *steps as u64).fold(1, u64::saturating_mul)
     }
 
-    /// Every combination of the axes' values over the base point, the last axis fastest; zipped axes step together.
+    /// Lists every combination over the base point, the last axis fastest; zipped axes step together.
     pub fn combinations(&self) -> impl Iterator<Item = Point> + '_ {
         let dimensions = self.dimensions();
         let count: usize = dimensions.iter().map(|(_, steps)| steps).product();
@@ -163,13 +159,11 @@ impl Config {
         })
     }
 
-    /// The name of each environment in tables.
     pub fn environment_names(&self) -> BTreeMap<String, String> {
         short_names(self.values(ENVIRONMENT).map(|(value, _)| value.text()))
     }
 
-    /// The axes in groups that vary together, each with its number of steps, in the order of their first axis. Groups hold indices
-    /// into `axes`.
+    /// Groups axes (indices into `axes`) that vary together, each group with its number of steps.
     fn dimensions(&self) -> Vec<(Vec<usize>, usize)> {
         let mut dimensions: Vec<(Vec<usize>, usize)> = Vec::new();
         for (index, sweep) in self.axes.iter().enumerate() {
@@ -178,7 +172,7 @@ impl Config {
                 zip.is_some_and(|zip| members.iter().any(|&member| zip.axes.contains(&self.axes[member].axis)))
             });
             match known {
-                // Of different lengths only where that is a fault, or a value has one.
+                // Lengths differ only if there is a fault.
                 Some((members, steps)) => {
                     members.push(index);
                     *steps = (*steps).min(sweep.values.len());
@@ -190,7 +184,7 @@ impl Config {
     }
 }
 
-/// The values of a range; those of a whole-number axis are rounded.
+/// Expands a range; rounds for axes of whole numbers.
 fn range_values(kind: Kind, range: &DeTable) -> Result<Vec<Raw>, String> {
     let expected = || format!("expected a list of values, {RANGE_FORMS}");
     let is_number = matches!(kind, Kind::Number(_) | Kind::NumberOrName { .. } | Kind::Alpha | Kind::Count { .. });
@@ -213,7 +207,7 @@ fn range_values(kind: Kind, range: &DeTable) -> Result<Vec<Raw>, String> {
             let value = |i: i64| {
                 let t = i as f64 / (count - 1) as f64;
                 match *name {
-                    // The ends as they are written, whatever the rounding between.
+                    // Ends are exact.
                     _ if i == 0 => first,
                     _ if i == count - 1 => last,
                     "linspace" => decimal(first + t * (last - first)),

@@ -1,4 +1,4 @@
-//! TOML with places: walking the parsed tree without stopping at the first fault.
+//! TOML with places: walks the parsed tree without stopping at the first fault.
 
 use super::axis::named::hint;
 use super::fault::{Faults, Place};
@@ -8,14 +8,13 @@ use toml::Spanned;
 use toml::de::{DeTable, DeValue, ValueDeserializer};
 use toml_parser::parser::{Event, RecursionGuard, parse_document};
 
-/// Levels of nested brackets, as the crate `toml` allows them.
+/// Deepest nesting of brackets that the crate `toml` parses.
 const DEPTH_MAX: u32 = 80;
 
-/// A key, its value and the place of the key.
 pub type Entry<'t, 'i> = (&'t str, &'t Spanned<DeValue<'i>>, Place);
 
-/// The tree of a text; what the parser has against it are faults. Where a bracket is not closed, that is the fault: the tree ends before its
-/// line, since a parser finds all sorts of things behind it.
+/// Parses a text; syntax errors become faults. At the first unclosed bracket the tree ends, since errors behind it
+/// mislead.
 pub fn parsed<'t>(text: &'t str, faults: &mut Faults) -> Spanned<DeTable<'t>> {
     let mut errors = Vec::new();
     let mut ignored = |_: Event| {};
@@ -24,7 +23,7 @@ pub fn parsed<'t>(text: &'t str, faults: &mut Faults) -> Spanned<DeTable<'t>> {
     let line_start = |at: usize| text[..at].rfind('\n').map_or(0, |newline| newline + 1);
     let unclosed = errors.iter().filter(|error| error.description().starts_with("unclosed"));
     let mut end = text.len();
-    // The first line that has one. Of two in a line the inner one, which the parser names first: it swallows what closes the outer one.
+    // Of two in a line the parser names the inner one first.
     if let Some(open) = unclosed.filter_map(|error| error.context()).min_by_key(|open| line_start(open.start())) {
         let [open_with, close] = if text[open.start()..].starts_with('{') { ["{", "}"] } else { ["[", "]"] };
         let fault = format!("not TOML: {open_with} is not closed; expected {close}");
@@ -43,24 +42,23 @@ pub fn parsed<'t>(text: &'t str, faults: &mut Faults) -> Spanned<DeTable<'t>> {
     root
 }
 
-/// Where a value was written.
 pub fn at(value: &Spanned<DeValue>) -> Place {
     Place::File(value.span().start)
 }
 
-/// Notes a key that is none of `known`, with the likely one of them.
+/// Reports an unknown key with the nearest known one.
 pub fn unknown_key(place: &Place, prefix: &str, key: &str, known: &[&str], faults: &mut Faults) {
     faults.add_with(place, || {
         format!("{prefix}{key} is unknown{}; expected one of {}", hint(key, known), known.join(", "))
     });
 }
 
-/// The value that `kind` makes of what is written, or a fault at its place.
+/// Parses a value as `kind`, or reports a fault at its place.
 pub fn checked(kind: Kind, name: &str, value: &Spanned<DeValue>, faults: &mut Faults) -> Option<Value> {
     checked_as(|raw| kind.parse(raw), name, value, faults)
 }
 
-/// As [`checked`], with any way to read the value.
+/// Parses a value by a function, or reports a fault at its place.
 pub fn checked_as<T>(
     parse: impl Fn(&Raw) -> Result<T, String>,
     name: &str,
@@ -70,7 +68,7 @@ pub fn checked_as<T>(
     parse(&raw(value)).map_err(|fault| faults.add(&at(value), format!("{name}: {fault}"))).ok()
 }
 
-/// The entries of a table in the order of the file, with the place of each key.
+/// Lists the entries of a table in the order of the file, with the place of each key.
 pub fn entries<'t, 'i>(table: &'t DeTable<'i>) -> Vec<Entry<'t, 'i>> {
     let mut entries: Vec<_> =
         table.iter().map(|(key, value)| (key.span().start, key.get_ref().as_ref(), value)).collect();
@@ -78,7 +76,7 @@ pub fn entries<'t, 'i>(table: &'t DeTable<'i>) -> Vec<Entry<'t, 'i>> {
     entries.into_iter().map(|(offset, key, value)| (key, value, Place::File(offset))).collect()
 }
 
-/// The entries of a value that must be a table.
+/// Lists the entries of a value, which must be a table.
 pub fn table<'t, 'i>(value: &'t Spanned<DeValue<'i>>, name: &str, faults: &mut Faults) -> Vec<Entry<'t, 'i>> {
     match value.get_ref() {
         DeValue::Table(table) => entries(table),
@@ -89,7 +87,7 @@ pub fn table<'t, 'i>(value: &'t Spanned<DeValue<'i>>, name: &str, faults: &mut F
     }
 }
 
-/// As [`table`], of one that knows these keys only.
+/// Lists the entries with known keys and reports the others.
 pub fn section<'t, 'i>(
     value: &'t Spanned<DeValue<'i>>,
     name: &str,
@@ -107,7 +105,7 @@ pub fn section<'t, 'i>(
     entries
 }
 
-/// The items of a value that must be a list, written `[[name]]`.
+/// Lists the items of a value written as `[[name]]`.
 pub fn list<'t, 'i>(value: &'t Spanned<DeValue<'i>>, name: &str, faults: &mut Faults) -> Vec<&'t Spanned<DeValue<'i>>> {
     match value.get_ref() {
         DeValue::Array(items) => items.iter().collect(),
@@ -118,7 +116,7 @@ pub fn list<'t, 'i>(value: &'t Spanned<DeValue<'i>>, name: &str, faults: &mut Fa
     }
 }
 
-/// The value as written, before it is checked. A whole number of more than 64 bits is infinite.
+/// Converts a value; whole numbers above 64 bits become infinite.
 pub fn raw(value: &Spanned<DeValue>) -> Raw {
     Raw::deserialize(ValueDeserializer::from(value.clone())).unwrap_or(Raw::Float(f64::INFINITY))
 }

@@ -1,4 +1,4 @@
-//! Values as written in a file or on the command line, and how they are checked.
+//! Values in a file or on the command line, and their checks.
 
 use crate::glsl::constants;
 use crate::shade::FILE_PREFIX;
@@ -7,10 +7,10 @@ use std::fmt;
 use std::hash::{Hash, Hasher};
 use std::sync::Arc;
 
-/// A checked value. Its `Display` text is what tables, cell ids and `--set` use.
+/// A checked value. Tables, cell ids and `--set` use its `Display` text.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Value {
-    /// Not set: the scene's own material holds, or the method does not use the parameter. Empty in tables.
+    /// Not set: the scene's own material applies, or the method does not use the parameter. Empty in tables.
     Unset,
     Number(f64),
     Count(u32),
@@ -18,8 +18,7 @@ pub enum Value {
     Color([f32; 3]),
     /// Width and height, or another pair of counts.
     Pair([u32; 2]),
-    /// A name out of a list, or the name of an input.
-    /// Shared, since a plan has the same texts in each of its cells.
+    /// A listed name or the name of an input; shared by all cells of a plan.
     Text(Arc<String>),
 }
 
@@ -35,13 +34,13 @@ impl From<String> for Value {
     }
 }
 
-/// Every checked number is one: no range holds a NaN.
+/// No range contains a NaN.
 impl Eq for Value {}
 
 impl Hash for Value {
     fn hash<H: Hasher>(&self, state: &mut H) {
         std::mem::discriminant(self).hash(state);
-        // The two zeros are equal, so they must have one hash.
+        // Equal zeros need equal hashes.
         match self {
             Self::Unset => {}
             Self::Number(x) => (x + 0.0).to_bits().hash(state),
@@ -68,7 +67,7 @@ impl fmt::Display for Value {
 }
 
 impl Value {
-    /// A number, a count, the product of a pair or the value of a grey; nothing for names and colours.
+    /// Returns a number, a count, the product of a pair or a grey; `None` for names and colours.
     pub fn size(&self) -> Option<f64> {
         match self {
             Self::Number(x) => Some(*x),
@@ -79,7 +78,6 @@ impl Value {
         }
     }
 
-    /// The number of a value whose kind is [`Kind::Number`].
     pub fn number(&self) -> f64 {
         match self {
             Self::Number(x) => *x,
@@ -87,7 +85,6 @@ impl Value {
         }
     }
 
-    /// The count of a value whose kind is [`Kind::Count`].
     pub fn count(&self) -> u32 {
         match self {
             Self::Count(n) => *n,
@@ -95,7 +92,6 @@ impl Value {
         }
     }
 
-    /// The colour of a value whose kind is [`Kind::Color`].
     pub fn color(&self) -> [f32; 3] {
         match self {
             Self::Color(c) => *c,
@@ -103,7 +99,6 @@ impl Value {
         }
     }
 
-    /// The pair of a value whose kind is [`Kind::Pair`].
     pub fn pair(&self) -> [u32; 2] {
         match self {
             Self::Pair(p) => *p,
@@ -111,7 +106,6 @@ impl Value {
         }
     }
 
-    /// The text of a value whose kind is [`Kind::Name`], [`Kind::NameOrFile`] or [`Kind::Input`].
     pub fn text(&self) -> &str {
         match self {
             Self::Text(text) => text,
@@ -120,12 +114,11 @@ impl Value {
     }
 }
 
-/// An interval of allowed numbers.
 #[derive(Clone, Copy, Debug)]
 pub struct Range {
     pub min: f64,
     pub max: f64,
-    /// Whether `min` itself is left out.
+    /// Whether `min` itself is excluded.
     pub min_open: bool,
 }
 
@@ -151,13 +144,12 @@ impl fmt::Display for Range {
     }
 }
 
-/// Places and directions in the world.
+/// A coordinate of a position or direction.
 pub const COORDINATE: Range = Range::closed(-1e9, 1e9);
 
-/// A value before it is checked, from TOML or from text.
 pub use toml::Value as Raw;
 
-/// Text as it comes from the command line, read as a number where it is one.
+/// Parses command-line text as a number if it is one.
 fn from_text(text: &str) -> Raw {
     match (text.parse::<i64>(), text.parse::<f64>()) {
         (Ok(n), _) => Raw::Integer(n),
@@ -166,7 +158,6 @@ fn from_text(text: &str) -> Raw {
     }
 }
 
-/// The number, where it is one.
 pub(super) fn number(raw: &Raw) -> Option<f64> {
     raw.as_float().or(raw.as_integer().map(|n| n as f64))
 }
@@ -182,63 +173,60 @@ pub enum Kind {
         min: u32,
         max: u32,
     },
-    /// `x` for grey or `[r, g, b]`, each in the range. As text: `x`, `r:g:b` or `r,g,b`.
+    /// `x` for grey or `[r, g, b]`. As text: `x`, `r:g:b` or `r,g,b`.
     Color(Range),
-    /// Two whole numbers, each in `[min, max]`; one number stands for both. As text: `WxH`.
+    /// Two whole numbers in `[min, max]`; one number means both. As text: `WxH`.
     Pair {
         min: u32,
         max: u32,
     },
-    /// One of a list of names; `what` is the word for one of them.
+    /// A listed name; `what` is the word for one.
     Name {
         what: &'static str,
         names: fn() -> Vec<&'static str>,
     },
-    /// One of a list of names, or [`FILE_PREFIX`] and the path of a file; the file is checked by loading it.
+    /// A listed name, or [`FILE_PREFIX`] and the path of a file, which is checked on loading.
     NameOrFile {
         what: &'static str,
         names: fn() -> Vec<&'static str>,
     },
-    /// A number in the range, or a name that stands for one. Its value is the number: tables and ids never see the name.
+    /// A number, or a name for one. The value is always the number.
     NumberOrName {
         range: Range,
         what: &'static str,
         named: fn() -> Vec<(&'static str, f64)>,
     },
-    /// The name of a builtin or the path of a file; it is checked by loading it.
+    /// A built-in name or the path of a file, which is checked on loading.
     Input,
 }
 
-/// Narrowest lobe that the device shades. A smaller one would be shaded as this one under another label, so it is refused;
-/// materials of files are raised to it as they are read.
+/// Narrowest lobe that the device shades. Smaller values are refused; materials of files are raised to it.
 pub const ALPHA_MIN: f64 = 1e-3;
 const _: () = assert!(ALPHA_MIN as f32 == constants::ALPHA_MIN);
-/// Its root.
+/// Square root of [`ALPHA_MIN`].
 pub const PERCEPTUAL_ROUGHNESS_MIN: f64 = 0.0316227766016838;
 
-/// Image sides; 16384 is what Vulkan devices of the last ten years offer.
+/// Sides of an image; devices of the last ten years support 16384.
 pub const IMAGE_SIZE: Kind = Kind::Pair { min: 1, max: 16384 };
 
-/// A number without the rounding of the arithmetic that made it, to 15 digits: 0.1 + 0.2 is 0.3, and 0.7 squared is 0.49, as a person writes
-/// them.
+/// Rounds to 15 digits, so that 0.1 + 0.2 is 0.3 and 0.7 squared is 0.49.
 pub fn decimal(number: f64) -> f64 {
     format!("{number:.14e}").parse().unwrap_or(number)
 }
 
 impl Kind {
-    /// The names of a list.
     pub const fn one_of<T: Listed + ?Sized>() -> Self {
         Self::Name { what: T::WHAT, names: T::names }
     }
 
-    /// The name that stands for a number of this kind, as it is written in tables.
+    /// Finds the name of a number.
     pub fn name_of(self, number: &str) -> Option<&'static str> {
         let Self::NumberOrName { named, .. } = self else { return None };
         let number: f64 = number.parse().ok()?;
         named().into_iter().find(|(_, value)| *value == number).map(|(name, _)| name)
     }
 
-    /// The value of `raw`, or a sentence that names it and what was expected.
+    /// Parses a value; the error contains it and what was expected.
     pub fn parse(&self, raw: &Raw) -> Result<Value, String> {
         let expected = |what: &str| Err(format!("{raw} is not {what}"));
         match self {
@@ -306,7 +294,7 @@ impl Kind {
         }
     }
 
-    /// The value of command-line text: see each kind for its form.
+    /// Parses command-line text in the form that each kind documents.
     pub fn parse_text(&self, text: &str) -> Result<Value, String> {
         let text = text.trim();
         let raw = match self {
@@ -326,11 +314,11 @@ impl Kind {
         })
     }
 
-    /// The path in a value's text, where it may name a file.
+    /// Returns the path in a value's text, if it may be a file.
     pub fn path_in<'t>(&self, text: &'t str) -> Option<&'t str> {
         match self {
             Self::Input => Some(text),
-            // What follows `#` says how the file is to be read.
+            // A `#` precedes the conventions of the file.
             Self::NameOrFile { .. } => {
                 text.strip_prefix(FILE_PREFIX).map(|path| path.rsplit_once('#').map_or(path, |(path, _)| path))
             }
@@ -338,7 +326,7 @@ impl Kind {
         }
     }
 
-    /// The values that the kind accepts, for help texts.
+    /// Describes accepted values for help texts.
     pub fn describe(&self) -> String {
         match self {
             Self::Number(range) => format!("number in {range}"),
@@ -356,12 +344,12 @@ impl Kind {
         }
     }
 
-    /// Whether a value may begin with a minus sign.
+    /// Whether values may begin with a minus sign.
     pub fn has_negative(&self) -> bool {
         matches!(self, Self::Number(range) | Self::NumberOrName { range, .. } if range.min < 0.0)
     }
 
-    /// How a value of several numbers is written after `--set`.
+    /// Describes how `--set` takes several numbers.
     pub fn set_form(&self) -> Option<&'static str> {
         match self {
             Self::Color(_) => Some("x or r:g:b"),
@@ -370,7 +358,7 @@ impl Kind {
         }
     }
 
-    /// The word for a value in the usage of a flag.
+    /// Returns the placeholder of a flag's value.
     pub fn value_name(&self) -> &'static str {
         match self {
             Self::Number(_) | Self::Alpha => "X",
@@ -385,7 +373,7 @@ impl Kind {
     }
 }
 
-/// The values of all items, or everything that is wrong with any of them.
+/// Parses all items, or lists everything wrong with any.
 fn parse_all(kind: &Kind, items: &[Raw]) -> Result<Vec<Value>, String> {
     let (values, faults): (Vec<_>, Vec<_>) = items.iter().map(|item| kind.parse(item)).partition(Result::is_ok);
     let faults: Vec<String> = faults.into_iter().filter_map(Result::err).collect();

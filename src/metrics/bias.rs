@@ -1,8 +1,8 @@
-//! Relative energy bias: how much light the test adds or loses in total.
+//! Relative bias: light gained or lost in total.
 
 use super::{Better, Comparison, Description, Metric, ReferenceNoise};
 
-/// `sum d / sum r`; positive when the test is too bright. A black reference gives 0 for a black test, else infinity.
+/// `sum d / sum r`, positive if the test is too bright. A black reference gives 0 for a black test, else infinity.
 pub struct RelativeBias;
 
 impl Metric for RelativeBias {
@@ -24,8 +24,9 @@ impl Metric for RelativeBias {
         ratio(difference, energy)
     }
 
-    /// Standard error of the sum over the sum. Pixels are taken as independent; the channels of a pixel share their samples and
-    /// are taken as fully correlated, which can only raise the floor (by at most sqrt(3)).
+    /// Standard error of the sum over the sum. Pixels count as independent, channels as fully correlated, which raises
+    /// the floor
+    /// by at most sqrt(3).
     fn noise_floor(&self, noise: &ReferenceNoise) -> Option<f64> {
         let (mut variance, mut energy) = (0.0, 0.0);
         for [r, se] in noise.samples() {
@@ -36,7 +37,7 @@ impl Metric for RelativeBias {
     }
 }
 
-/// `numerator / denominator`, with 0/0 = 0.
+/// Divides, with 0/0 = 0.
 fn ratio(numerator: f64, denominator: f64) -> f64 {
     if numerator == 0.0 { 0.0 } else { numerator / denominator }
 }

@@ -1,22 +1,19 @@
-//! Mean square error parted into bias and variance, by repeated renders with independent sample points.
-//!
-//! Over `K` images `t_1 ... t_K` of one method, with the mean `m` and the unbiased sample variance `s²` of each pixel and channel, and a
-//! reference with standard error `se`:
-//!
-//! `var_hat = mean s²`, the expected square noise of one image;
+//! Separates mean square error into bias and variance, by repeated renders with independent points.
+//! | For `K` images with mean `m` and unbiased variance `s²`, and a reference with standard error `se`:
+//! | `var_hat = mean s²`, the expected square noise of one image;
 //! `bias2_hat = mean((m - r)² - s²/K - se²)`, since `E(m - r)² = bias² + Var/K + se²`.
-//!
-//! Both are unbiased where the images are independent; `bias2_hat` can come out below 0 where the bias is small. The relative forms
-//! divide each term by `r² + ε`, so that their sum is what `relmse` of one image is expected to be, the reference's noise aside.
+//! | Both are unbiased for independent images; a small `bias2_hat` may be negative. Relative forms divide by `r² + ε`,
+//! so they
+//! sum to the expected `relmse` of one image, apart from the reference's noise.
 
 use super::comparison::{check_size, check_values, masked_pixels};
 use super::{Epsilon, MetricsError};
 use crate::pixels::{GrayImage, RgbImage};
 
-/// The four figures by their names in tables.
+/// The four estimates by their names in tables.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BiasVariance {
-    /// In squared radiance, as `rmse` squared.
+    /// Squared radiance, as `rmse` squared.
     pub var_hat: f64,
     pub bias2_hat: f64,
     /// In units of `relmse`.
@@ -25,18 +22,17 @@ pub struct BiasVariance {
 }
 
 impl BiasVariance {
-    /// Column names, in the order of [`BiasVariance::values`].
+    /// Columns of [`BiasVariance::values`].
     pub const NAMES: [&'static str; 4] = ["var_hat", "bias2_hat", Self::RELATIVE_NAMES[0], Self::RELATIVE_NAMES[1]];
-    /// Of them the parts of relMSE.
+    /// The parts of relMSE.
     pub const RELATIVE_NAMES: [&'static str; 2] = ["var_hat_rel", "bias2_hat_rel"];
 
-    /// The figures in the order of [`BiasVariance::NAMES`].
     pub fn values(&self) -> [f64; 4] {
         [self.var_hat, self.bias2_hat, self.relative_var_hat, self.relative_bias2_hat]
     }
 }
 
-/// Collects repeated images over a mask: mean and sum of squared deviations of each masked pixel \[Welford62\].
+/// Collects repeated images: mean and squared deviations of each masked pixel \[Welford62\].
 pub struct Repeats {
     size: [u32; 2],
     pixels: Vec<usize>,
@@ -45,7 +41,6 @@ pub struct Repeats {
 }
 
 impl Repeats {
-    /// No images yet.
     pub fn new(mask: &GrayImage) -> Result<Self, MetricsError> {
         let size = [mask.width, mask.height];
         let pixels = masked_pixels(mask, size)?;
@@ -53,7 +48,6 @@ impl Repeats {
         Ok(Self { size, pixels, count: 0, moments })
     }
 
-    /// Takes one image.
     pub fn add(&mut self, image: &RgbImage) -> Result<(), MetricsError> {
         check_size("repeated image", image, self.size)?;
         check_values("repeated image", image, &self.pixels)?;
@@ -68,7 +62,7 @@ impl Repeats {
         Ok(())
     }
 
-    /// The figures against a reference; without its standard error it counts as exact. `None` below two images.
+    /// Estimates against a reference, exact unless it has a standard error. `None` below two images.
     pub fn finish(
         &self,
         reference: &RgbImage,

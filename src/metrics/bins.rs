@@ -1,4 +1,4 @@
-//! The metrics split by the cosine between normal and view: where on the object the error sits.
+//! Metrics by n·v.
 
 use super::comparison::{check_size, column_and_row};
 use super::{Comparison, Metric, MetricsError};
@@ -10,23 +10,23 @@ pub const N_DOT_V_BIN_EDGES: [f64; 11] = [0.0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7
 /// All n·v.
 pub const ALL_VIEWS: [f64; 2] = [0.0, 1.0];
 
-/// Bands of n·v with an answer of their own, from grazing to facing: at grazing views the split sum errs most.
+/// Bands of n·v, from grazing to facing.
 pub const VIEWS: [[f64; 2]; 5] = [[0.0, 0.2], [0.2, 0.4], [0.4, 0.6], [0.6, 0.8], [0.8, 1.0]];
 
-/// Scores over the pixels with `n_dot_v` in [`lo`, `hi`).
+/// Scores of pixels with n·v in [`lo`, `hi`).
 #[derive(Clone, Debug, PartialEq)]
 pub struct BinRow {
     pub lo: f64,
     pub hi: f64,
     pub pixel_count: usize,
-    /// By metric name; empty when no pixel fell into the bin.
+    /// By metric; empty without pixels.
     pub values: Vec<(&'static str, f64)>,
 }
 
 impl Comparison<'_> {
-    /// The given metrics per bin of `n_dot_v`. Each masked pixel falls into exactly one bin: one below the first edge into the
-    /// first (interpolated normals may turn away from the viewer), one at or above the last edge into the last. Display
-    /// metrics are pooled from the maps of the whole image, not recomputed on a cut-out.
+    /// Evaluates metrics per bin of n·v. Values outside the edges count in the first or last bin. Display metrics pool
+    /// the maps of
+    /// the whole image.
     pub fn evaluate_bins(
         &self,
         n_dot_v: &GrayImage,

@@ -1,4 +1,4 @@
-//! A test image, its reference and a mask, checked once; what several metrics need is computed once.
+//! A test image, its reference and a mask, checked once, with shared intermediate results.
 
 use super::filter::Plane;
 use super::flip::{map as flip, view::View as FlipView};
@@ -9,7 +9,6 @@ use crate::pixels::{GrayImage, Pixels, Rgb8Image, RgbImage};
 use crate::tonemap::ToneCurve;
 use std::sync::{Arc, OnceLock};
 
-/// Why two images cannot be compared.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum MetricsError {
     #[error("the {image} is {}x{} pixels, but the reference is {}x{}", found[0], found[1], expected[0], expected[1])]
@@ -29,8 +28,7 @@ pub enum MetricsError {
     BinEdges { edges: Vec<f64> },
 }
 
-/// An image after the tone curve, black off the mask: a background, equal or not, then adds no difference to the windows of SSIM and
-/// FLIP that reach across the silhouette. With what display metrics make of it alone.
+/// An image after the tone curve, black off the mask so that the background does not affect windows of SSIM and FLIP.
 #[derive(Debug)]
 pub struct Displayed {
     image: Rgb8Image,
@@ -39,7 +37,7 @@ pub struct Displayed {
 }
 
 impl Displayed {
-    /// Upper bound of the memory it comes to hold, bytes a pixel: three of the image, three f64 of SSIM, five f32 of FLIP.
+    /// Upper bound of its memory, bytes per pixel: image, three f64 of SSIM, five f32 of FLIP.
     pub const BYTES_PER_PIXEL: usize = 3 + 3 * 8 + 5 * 4;
 
     fn new(image: &RgbImage, pixels: &[usize], curve: ToneCurve) -> Self {
@@ -63,7 +61,7 @@ impl Displayed {
     }
 }
 
-/// A test image against its reference over a mask. Borrowed images; nothing is computed before a score asks for it.
+/// A test image against its reference over a mask; computes lazily.
 pub struct Comparison<'a> {
     test: &'a RgbImage,
     reference: &'a RgbImage,
@@ -78,8 +76,9 @@ pub struct Comparison<'a> {
 }
 
 impl<'a> Comparison<'a> {
-    /// Checks sizes, mask (0 or 1, not empty) and the masked values of both images (finite, not negative).
-    /// `curve` is used by display metrics only, `epsilon` by relative ones.
+    /// Checks sizes, mask (0 or 1, not empty) and masked values (finite, not negative). Display metrics use `curve`,
+    /// relative
+    /// metrics `epsilon`.
     pub fn new(
         test: &'a RgbImage,
         reference: &'a RgbImage,
@@ -106,17 +105,17 @@ impl<'a> Comparison<'a> {
         })
     }
 
-    /// Every metric by name, in the order of [`METRICS`].
+    /// Evaluates every metric in the order of [`METRICS`].
     pub fn evaluate_all(&self) -> Vec<(&'static str, f64)> {
         self.evaluate(METRICS)
     }
 
-    /// The linear metrics only; no display image is made.
+    /// Evaluates the metrics that need no tone curve.
     pub fn evaluate_linear(&self) -> Vec<(&'static str, f64)> {
         self.evaluate(&linear_metrics())
     }
 
-    /// The given metrics over all masked pixels.
+    /// Evaluates metrics over all masked pixels.
     pub fn evaluate(&self, metrics: &[&dyn Metric]) -> Vec<(&'static str, f64)> {
         self.evaluate_pixels(metrics, &self.pixels)
     }
@@ -125,25 +124,22 @@ impl<'a> Comparison<'a> {
         metrics.iter().map(|metric| (metric.description().name, metric.evaluate(self, pixels))).collect()
     }
 
-    /// Row-major indices of the masked pixels, ascending.
+    /// Row-major indices of masked pixels, ascending.
     pub fn pixels(&self) -> &[usize] {
         &self.pixels
     }
 
-    /// Width and height.
     pub fn size(&self) -> [u32; 2] {
         [self.reference.width, self.reference.height]
     }
 
-    /// Relative error per pixel, ≥ 0: the root of the RGB mean of `d² / (r² + ε)`; 0 off the mask. Its percentiles are
-    /// `err_p95`, `err_p99` and `err_max`; the mean of its square is `relmse`.
+    /// Returns relative error per pixel: the root of the RGB mean of `d² / (r² + ε)`; 0 off the mask.
     pub fn relative_error_map(&self) -> GrayImage {
         let squares = self.relative_squares();
         self.map(|pixel| squares[pixel].sqrt() as f32)
     }
 
-    /// Signed relative error per pixel: the RGB mean of `d / sqrt(r² + ε)`, positive where the test is too bright; 0 off the
-    /// mask.
+    /// Returns signed relative error per pixel: the RGB mean of `d / sqrt(r² + ε)`; 0 off the mask.
     pub fn signed_error_map(&self) -> GrayImage {
         self.map(|pixel| {
             let [t, r] = self.radiance(pixel);
@@ -151,13 +147,12 @@ impl<'a> Comparison<'a> {
         })
     }
 
-    /// The FLIP error map in [0, 1]; 0 off the mask.
+    /// Returns the FLIP error map in [0, 1]; 0 off the mask.
     pub fn flip_map(&self) -> GrayImage {
         let flip = self.flip();
         self.map(|pixel| flip.data[pixel])
     }
 
-    /// A value of each masked pixel; 0 off the mask.
     fn map(&self, value: impl Fn(usize) -> f32) -> GrayImage {
         let [width, height] = self.size();
         let mut map = GrayImage::filled(width, height, 0.0);
@@ -167,7 +162,7 @@ impl<'a> Comparison<'a> {
         map
     }
 
-    /// `[t, r]` of one pixel.
+    /// Returns `[t, r]` of a pixel.
     pub(super) fn radiance(&self, pixel: usize) -> [[f64; 3]; 2] {
         [self.test, self.reference].map(|image| image.data[pixel].map(f64::from))
     }
@@ -188,17 +183,16 @@ impl<'a> Comparison<'a> {
         self.epsilon
     }
 
-    /// The reference as display metrics see it.
+    /// Returns the tone-mapped reference.
     pub fn reference_display(&self) -> &Arc<Displayed> {
         self.reference_display.get_or_init(|| Arc::new(Displayed::new(self.reference, &self.pixels, self.curve)))
     }
 
-    /// Takes the reference's display image from another comparison with the same reference, mask and tone curve.
+    /// Shares the tone-mapped reference of another comparison with the same reference, mask and curve.
     pub fn with_reference_display(self, display: Arc<Displayed>) -> Self {
         Self { reference_display: display.into(), ..self }
     }
 
-    /// Test and reference after the tone curve.
     pub(super) fn display(&self) -> [&Displayed; 2] {
         [
             self.test_display.get_or_init(|| Displayed::new(self.test, &self.pixels, self.curve)),
@@ -221,13 +215,12 @@ impl<'a> Comparison<'a> {
     }
 }
 
-/// Fails when an image has not the size of the reference.
+/// Fails unless an image has the reference's size.
 pub(super) fn check_size<T>(image: &'static str, found: &Pixels<T>, expected: [u32; 2]) -> Result<(), MetricsError> {
     let found = [found.width, found.height];
     if found == expected { Ok(()) } else { Err(MetricsError::Size { image, found, expected }) }
 }
 
-/// Indices of the pixels where the mask is 1.
 pub(super) fn masked_pixels(mask: &GrayImage, size: [u32; 2]) -> Result<Vec<usize>, MetricsError> {
     check_size("mask", mask, size)?;
     if let Some(pixel) = mask.data.iter().position(|&value| value != 0.0 && value != 1.0) {
@@ -241,7 +234,7 @@ pub(super) fn masked_pixels(mask: &GrayImage, size: [u32; 2]) -> Result<Vec<usiz
     Ok(pixels)
 }
 
-/// Fails when a listed pixel holds a NaN, an infinity or a negative value.
+/// Fails if a masked pixel is NaN, infinite or negative.
 pub(super) fn check_values(image: &'static str, values: &RgbImage, pixels: &[usize]) -> Result<(), MetricsError> {
     let is_bad = |&&pixel: &&usize| !values.data[pixel].iter().all(|v| v.is_finite() && *v >= 0.0);
     let Some(&first) = pixels.iter().find(is_bad) else { return Ok(()) };
@@ -249,13 +242,13 @@ pub(super) fn check_values(image: &'static str, values: &RgbImage, pixels: &[usi
     Err(MetricsError::Value { image, count: pixels.iter().filter(is_bad).count(), x, y, value: values.data[first] })
 }
 
-/// Place of a row-major index.
+/// Converts a row-major index.
 pub(super) fn column_and_row(pixel: usize, width: u32) -> [u32; 2] {
     let width = width as usize;
     [(pixel % width) as u32, (pixel / width) as u32]
 }
 
-/// The difference of an image to the one before it, over the root of `r² + ε`, mean over channels. All have one size.
+/// Returns the change from one image to the next over the root of `r² + ε`, mean over channels.
 pub fn signed_step([own, before, reference]: [&RgbImage; 3], epsilon: Epsilon) -> GrayImage {
     GrayImage::from_fn(own.width, own.height, |x, y| {
         let [own, before, r] = [own, before, reference].map(|image| image.get(x, y).map(f64::from));

@@ -1,25 +1,24 @@
-//! Separable filters of one image plane, for the metrics that look at a neighbourhood.
+//! Separable filters of an image plane.
 
 use std::ops::{AddAssign, Mul};
 
-/// One number a pixel, row-major.
+/// One number per pixel, row-major.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Plane<T> {
     pub width: usize,
     pub data: Vec<T>,
 }
 
-/// What a filter reads beyond the image.
+/// Values beyond the image.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Border {
-    /// The nearest pixel of the image.
     Nearest,
-    /// Nothing: the taps that are left do not sum to what they did.
+    /// Skips taps without renormalising.
     Nothing,
 }
 
 impl<T: Copy + Default + Mul<Output = T> + AddAssign> Plane<T> {
-    /// A plane computed from pixel indices.
+    /// Computes each pixel from its index.
     pub fn from_fn(width: usize, len: usize, value: impl FnMut(usize) -> T) -> Self {
         Self { width, data: (0..len).map(value).collect() }
     }
@@ -61,7 +60,7 @@ impl<T: Copy + Default + Mul<Output = T> + AddAssign> Plane<T> {
     }
 }
 
-/// `sums += tap · values`, as far as `sums` reaches.
+/// Adds `tap · values` as far as `sums` reaches.
 fn add_scaled<T: Copy + Mul<Output = T> + AddAssign>(sums: &mut [T], values: &[T], tap: T) {
     sums.iter_mut().zip(values).for_each(|(sum, &value)| *sum += tap * value);
 }

@@ -3,10 +3,10 @@
 use super::mean::{pixel_mean, rgb_mean};
 use super::{Better, Comparison, Description, Displayed, Metric, Space};
 
-/// Largest 8-bit code value: the peak.
+/// Largest 8-bit code value.
 const PEAK: f64 = 255.0;
 
-/// `10 log10(255² / mean d²)` in dB, `d` in code values; infinite for equal images, written `inf`.
+/// `10 log10(255² / mean d²)` in dB, `d` in code values; infinite for equal images.
 pub struct Psnr;
 
 impl Metric for Psnr {

@@ -1,12 +1,12 @@
 //! Relative mean square error \[Rousselle11\], plain and trimmed.
-//!
-//! The plain form is the headline for HDR images, but one firefly can decide it: in an image of 5,000 pixels a single one
-//! moved it from 0.018 to 428. The trimmed form drops the largest errors and so hides rare, true ones. Report both.
+//! | One firefly can decide the plain form: in an image of 5,000 pixels one moved it from 0.018 to 428. The trimmed
+//! form hides
+//! rare, true errors.
 
 use super::mean::pixel_mean;
 use super::{Comparison, Description, Epsilon, Metric, ReferenceNoise};
 
-/// One pixel in this many is dropped by the trimmed form; a selection of fewer pixels loses none.
+/// The trimmed form drops one pixel in this many.
 const TRIM_ONE_IN: usize = 1000;
 
 /// `mean d² / (r² + ε)`.
@@ -59,8 +59,7 @@ impl Metric for TrimmedRelMse {
         trimmed_mean(pixels.iter().map(|&pixel| squares[pixel]).collect())
     }
 
-    /// The trimmed mean of the expected square of each pixel. The pixels that are dropped in truth are those where the noise
-    /// came out largest, so this is slightly too high (by 1 to 2 %).
+    /// Trims expected squares, which is 1 to 2 % too high: in truth the noisiest pixels are dropped.
     fn noise_floor(&self, noise: &ReferenceNoise) -> Option<f64> {
         Some(trimmed_mean(noise.relative_squares()))
     }
@@ -70,7 +69,7 @@ fn mean(values: &[f64]) -> f64 {
     values.iter().sum::<f64>() / values.len() as f64
 }
 
-/// Mean without the `len / TRIM_ONE_IN` largest values.
+/// Averages without the `len / TRIM_ONE_IN` largest values.
 fn trimmed_mean(mut values: Vec<f64>) -> f64 {
     let kept = values.len() - values.len() / TRIM_ONE_IN;
     if kept < values.len() {

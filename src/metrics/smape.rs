@@ -4,7 +4,7 @@ use super::mean::{pixel_mean, rgb_mean};
 use super::noise::MEAN_ABS_ERROR;
 use super::{Comparison, Description, Epsilon, Metric, ReferenceNoise};
 
-/// `mean |d| / (|t| + |r| + ε)`, below 1. Bounded, so a firefly moves it by at most one pixel's worth.
+/// `mean |d| / (|t| + |r| + ε)`, below 1, so a firefly moves it by at most one pixel's share.
 pub struct Smape;
 
 impl Metric for Smape {
@@ -25,7 +25,7 @@ impl Metric for Smape {
         })
     }
 
-    /// `mean se sqrt(2/π) / (2r + ε)`: first order in se / r, too high where se is comparable to r.
+    /// `mean se sqrt(2/π) / (2r + ε)`, to first order in se / r.
     fn noise_floor(&self, noise: &ReferenceNoise) -> Option<f64> {
         let epsilon = noise.epsilon().beside_magnitude();
         Some(noise.mean(|r, se| se * MEAN_ABS_ERROR / (2.0 * r + epsilon)))

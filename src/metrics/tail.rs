@@ -1,23 +1,18 @@
-//! The tail of the per-pixel relative error `sqrt(RGB mean of d² / (r² + ε))`.
-//!
-//! The percentile is by nearest rank: the smallest error that at least the named fraction of the pixels does not exceed. It is
-//! always the error of a real pixel.
+//! Tail of the relative error per pixel, `sqrt(RGB mean of d² / (r² + ε))`, by nearest rank: the smallest error of a
+//! real pixel
+//! that the stated fraction of pixels does not exceed.
 
 use super::noise::{LARGEST_ERROR, error_tail};
 use super::{Comparison, Description, Epsilon, Metric, ReferenceNoise};
 
-/// A percentile of the per-pixel relative error.
 pub struct Percentile {
     description: &'static Description,
-    /// In thousandths, so that the rank is exact.
+    /// In thousandths, for an exact rank.
     thousandths: usize,
 }
 
-/// The error that 95 % of the pixels do not exceed.
 pub const P95: Percentile = Percentile { description: &P95_DESCRIPTION, thousandths: 950 };
-/// The error that 99 % of the pixels do not exceed.
 pub const P99: Percentile = Percentile { description: &P99_DESCRIPTION, thousandths: 990 };
-/// The largest error.
 pub const MAXIMUM: Percentile = Percentile { description: &MAXIMUM_DESCRIPTION, thousandths: 1000 };
 
 const fn description(
@@ -46,7 +41,7 @@ const MAXIMUM_DESCRIPTION: Description = description(
     "largest per-pixel error sqrt(RGB mean of d^2 / (r^2 + 0.01 m^2)), m as in relmse",
 );
 
-/// Halvings of the bracket when a quantile is solved for: 2^-20 of the largest scale is far below what a floor needs.
+/// Bisections for a quantile: 2^-20 of the largest scale.
 const BISECTION_STEPS: usize = 20;
 
 impl Metric for Percentile {
@@ -62,9 +57,9 @@ impl Metric for Percentile {
         value.sqrt()
     }
 
-    /// The channels of a pixel share their samples, so its error is taken as that of one value whose standard error is the
-    /// pixel's root of the RGB mean of `se² / (r² + ε)`. The floor of a percentile is that percentile of the mixture over the pixels; the
-    /// floor of the maximum is the median of the distribution of the maximum.
+    /// Takes a pixel's error as one value with standard error sqrt(RGB mean of `se² / (r² + ε)`), since channels share
+    /// samples. The
+    /// floor is the percentile of the mixture over pixels; for the maximum, the median of its distribution.
     fn noise_floor(&self, noise: &ReferenceNoise) -> Option<f64> {
         let scales: Vec<f64> = noise.relative_squares().iter().map(|square| square.sqrt()).collect();
         let largest = scales.iter().copied().fold(0.0, f64::max);

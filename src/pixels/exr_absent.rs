@@ -1,21 +1,18 @@
-//! In the place of OpenEXR in a build without the feature `exr`: every call fails and says so.
+//! Replaces OpenEXR in a build without the feature `exr`: every call fails.
 
 use super::{Decoded, Fault, GrayImage, PixelsError, RgbImage};
 use std::path::Path;
 
-/// Whether this build reads and writes OpenEXR.
 pub const IS_BUILT: bool = false;
 
 fn refused<T>(path: &Path) -> Result<T, PixelsError> {
     Err(Fault::new("is OpenEXR, which this build of splitsum leaves out", "the feature `exr` or `gpu`").at(path))
 }
 
-/// Fails: see the module.
 pub fn read_bytes(path: &Path, _bytes: &[u8], _layer: Option<&str>) -> Result<Decoded, PixelsError> {
     refused(path)
 }
 
-/// Fails: see the module.
 pub fn write_rgba(
     path: &Path,
     _rgb: &RgbImage,
@@ -25,7 +22,6 @@ pub fn write_rgba(
     refused(path)
 }
 
-/// Fails: see the module.
 pub fn write_channels(path: &Path, _channels: Vec<(String, GrayImage)>) -> Result<(), PixelsError> {
     refused(path)
 }

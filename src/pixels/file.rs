@@ -1,4 +1,4 @@
-//! Files as a whole: bounded reading, replacement in one step, the error that all image formats share.
+//! Files as a whole: bounded reading, atomic replacement, and the error of all image formats.
 
 use crate::files::read_regular;
 use crate::spelling::printable;
@@ -7,16 +7,16 @@ use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// Most texels of an environment, read or made (8192 x 4096): with [`ENVIRONMENT_TEXEL_BYTES`] they stay below 2 GiB.
+/// Most texels of an environment (8192 x 4096): below 2 GiB at [`ENVIRONMENT_TEXEL_BYTES`].
 pub(crate) const ENVIRONMENT_TEXELS_MAX: u64 = 1 << 25;
-/// Bytes that a texel of an environment takes at most: 12 as radiance, as many again in f32 for the exact integrals, up to 34 for the
-/// quadtree of those; or 12, 16 on the way to the device and, where that is this machine, 22 there.
+/// Most bytes per texel of an environment: radiance, a copy for exact integrals and its quadtree, or radiance and
+/// device copies.
 const ENVIRONMENT_TEXEL_BYTES: u64 = 58;
-/// Most pixels of a picture of 8-bit values that is read, such as a contact sheet (8192 x 8192).
+/// Most pixels of an 8-bit picture (8192 x 8192).
 pub(super) const PICTURE_TEXELS_MAX: u64 = 1 << 26;
-/// Bytes that a decoded texel takes: red, green, blue and alpha.
+/// Bytes per decoded texel.
 const DECODED_TEXEL_BYTES: u64 = 16;
-/// Largest file that is read, bytes. Readers hold the file in memory.
+/// Largest file, bytes. Readers hold it in memory.
 const MAX_FILE_BYTES: u64 = 1 << 30;
 
 /// An image file that cannot be read or written.
@@ -24,12 +24,12 @@ const MAX_FILE_BYTES: u64 = 1 << 30;
 #[error("{}: {what}; expected {expected}", path.display())]
 pub struct PixelsError {
     pub path: PathBuf,
-    /// What is wrong, with the place in the file and the value.
+    /// What is wrong, with place and value.
     pub what: String,
     pub expected: String,
 }
 
-/// A [`PixelsError`] before the path is known.
+/// A [`PixelsError`] without its path.
 #[derive(Debug)]
 pub(crate) struct Fault {
     pub what: String,
@@ -46,13 +46,13 @@ impl Fault {
     }
 }
 
-/// The whole file, which must be a regular one.
+/// Reads a whole regular file.
 pub(crate) fn read_bounded(path: &Path) -> Result<Vec<u8>, PixelsError> {
     read_regular(path, MAX_FILE_BYTES)
         .map_err(|error| Fault::new(format!("cannot be read ({error})"), "a readable image file").at(path))
 }
 
-/// Checks a size that a header claims; `file_bytes * texels_per_byte` bounds what the file can plausibly hold.
+/// Checks a header's size; the file cannot hold more than `file_bytes * texels_per_byte`.
 pub(super) fn check_claim(
     width: u64,
     height: u64,
@@ -85,7 +85,7 @@ pub(super) fn check_claim(
     Ok(())
 }
 
-/// An empty vector with room for `count` values of an image, or what is missing: a process that is out of memory must say so.
+/// Reserves room for `count` values; fails if memory is short.
 pub(crate) fn reserved<T>(count: usize) -> Result<Vec<T>, Fault> {
     let mut data = Vec::new();
     data.try_reserve_exact(count).map_err(|_| {
@@ -95,18 +95,18 @@ pub(crate) fn reserved<T>(count: usize) -> Result<Vec<T>, Fault> {
     Ok(data)
 }
 
-/// As [`reserved`], of `count` times the same value.
+/// Reserves and fills.
 pub(super) fn filled<T: Clone>(count: usize, value: T) -> Result<Vec<T>, Fault> {
     let mut data = reserved(count)?;
     data.resize(count, value);
     Ok(data)
 }
 
-/// What the names of unfinished files begin with; they end in `.part`.
+/// Prefix of unfinished files, which end in `.part`.
 pub const PART_PREFIX: &str = ".splitsum-";
 
-/// Writes through `fill` into a temporary file beside `path`, then renames it: `path` holds the old or the whole new content,
-/// never a part, and nothing is left behind on failure.
+/// Writes through `fill` to a temporary file, then renames it, so `path` never holds a part. Failure leaves nothing
+/// behind.
 pub(crate) fn write_atomically(
     path: &Path,
     fill: impl FnOnce(&mut BufWriter<&mut File>) -> std::io::Result<()>,
@@ -114,15 +114,14 @@ pub(crate) fn write_atomically(
     Staged::filled(path, fill)?.put()
 }
 
-/// A file beside the one that it will replace. Until [`Staged::put`] the old file stays; a value that is dropped leaves nothing.
+/// A temporary file beside its target, which [`Staged::put`] replaces. Dropping it removes the file.
 pub struct Staged {
     path: PathBuf,
-    /// `None` once it is in its place.
+    /// `None` once renamed.
     part: Option<PathBuf>,
 }
 
 impl Staged {
-    /// Writes `bytes`, for the file at `path`.
     pub fn new(path: &Path, bytes: &[u8]) -> Result<Self, PixelsError> {
         Self::filled(path, |writer| writer.write_all(bytes))
     }
@@ -140,7 +139,7 @@ impl Staged {
         Ok(staged)
     }
 
-    /// Replaces the file, in one step.
+    /// Replaces the target in one step.
     pub fn put(mut self) -> Result<(), PixelsError> {
         let Some(part) = &self.part else { return Ok(()) };
         std::fs::rename(part, &self.path).map_err(|error| write_fault(&self.path, error))?;
@@ -152,32 +151,31 @@ impl Staged {
 impl Drop for Staged {
     fn drop(&mut self) {
         if let Some(part) = &self.part {
-            // An error leaves nothing to do: the folder may be gone.
+            // The folder may be gone.
             let _ = std::fs::remove_file(part);
         }
     }
 }
 
-/// Makes a file of a name that no other process and no other thread has.
+/// Creates a file with a unique name.
 fn new_part(folder: &Path) -> std::io::Result<(File, PathBuf)> {
     static COUNT: AtomicU64 = AtomicU64::new(0);
     loop {
         let count = COUNT.fetch_add(1, Ordering::Relaxed);
         let path = folder.join(format!("{PART_PREFIX}{}-{count}.part", std::process::id()));
         match File::create_new(&path) {
-            // Another machine may write to the same folder, by the same numbers.
+            // Another machine may use the same numbers in the same folder.
             Err(error) if error.kind() == std::io::ErrorKind::AlreadyExists => {}
             result => return result.map(|file| (file, path)),
         }
     }
 }
 
-/// The file that a path stands for: of a link the file that it names, so that the link stays. What is there and is no regular file must not
-/// be replaced by one: who may, would lose a device.
+/// Follows a link, so that it stays. Refuses devices and pipes, which must not be replaced.
 fn target_of(path: &Path) -> Result<PathBuf, PixelsError> {
     let is_link = std::fs::symlink_metadata(path).is_ok_and(|metadata| metadata.is_symlink());
     let target = match is_link {
-        // A link to nothing stands for itself.
+        // A dangling link is replaced.
         true => std::fs::canonicalize(path).unwrap_or_else(|_| path.to_owned()),
         false => path.to_owned(),
     };

@@ -1,10 +1,10 @@
 //! Half floats (IEEE 754 binary16) by their bits.
 
-/// Bits of 2^-14, the least normal half, as an f32.
+/// Bits of 2^-14, the smallest normal half, as an f32.
 const NORMAL_MIN: u32 = 0x3880_0000;
-/// Bits of 65520, from which on the nearest half is infinite.
+/// Bits of 65520, the smallest f32 that rounds to infinity.
 const INFINITE_MIN: u32 = 0x477f_f000;
-/// Difference of the exponents' biases, in the place of an f32's exponent.
+/// Difference of the exponent biases, shifted to an f32's exponent.
 const REBIAS: u32 = (127 - 15) << 23;
 
 /// Rounds to the nearest half, ties to even.
@@ -19,13 +19,12 @@ pub fn to_bits(value: f32) -> u16 {
         let rebased = magnitude - REBIAS;
         (rebased + 0xfff + (rebased >> 13 & 1)) >> 13
     } else {
-        // The last bit of 0.5 is worth 2^-24, as that of a subnormal half: the sum rounds.
+        // The last bit of 0.5 is 2^-24, as that of a subnormal half, so the sum rounds.
         (f32::from_bits(magnitude) + 0.5).to_bits() - 0.5_f32.to_bits()
     };
     sign | half as u16
 }
 
-/// The value of a half, exactly.
 pub fn from_bits(bits: u16) -> f32 {
     let magnitude = u32::from(bits & 0x7fff);
     let value = match magnitude {

@@ -1,31 +1,29 @@
-//! Lookups between texel centres in f64: the twins of the device's linear samplers.
-//!
-//! Texel (i, j) of a W x H image has its centre at `uv = ((i + 1/2)/W, (j + 1/2)/H)`.
+//! Filtered lookups in f64: twins of the device's linear samplers.
+//! | Texel (i, j) of a W x H image has its centre at `uv = ((i + 1/2)/W, (j + 1/2)/H)`.
 
 use super::Pixels;
 use glam::{DVec2, DVec3};
 
-/// How a coordinate goes on beyond the edges of an image.
+/// Continues coordinates beyond an image's edges.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Edge {
-    /// The outermost texel goes on.
     Clamp,
     Repeat,
-    /// Repeated, every second time mirrored.
+    /// Repeats, mirrored every second time.
     Mirror,
 }
 
-/// The edges of u and of v.
+/// The edges of u and v.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Wrap(pub Edge, pub Edge);
 
 impl Wrap {
     pub const CLAMP: Self = Self(Edge::Clamp, Edge::Clamp);
-    /// Of an equirectangular map.
+    /// For an equirectangular map.
     pub const EQUIRECT: Self = Self(Edge::Repeat, Edge::Clamp);
     pub const REPEAT: Self = Self(Edge::Repeat, Edge::Repeat);
 
-    /// The texel that stands at a whole coordinate inside or outside the image.
+    /// Returns the texel at a whole coordinate inside or outside the image.
     fn texel(self, x: f64, y: f64, [width, height]: [f64; 2]) -> [u32; 2] {
         let at = |edge: Edge, i: f64, count: f64| match edge {
             Edge::Clamp => i.clamp(0.0, count - 1.0),
@@ -36,7 +34,7 @@ impl Wrap {
     }
 }
 
-/// The value at `uv`, linear between the four nearest texel centres; `value` turns a texel into f64.
+/// Interpolates between the four nearest texel centres; `value` converts a texel to f64.
 pub fn bilinear<T: Copy>(image: &Pixels<T>, uv: DVec2, wrap: Wrap, value: impl Fn(T) -> DVec3) -> DVec3 {
     let size = [f64::from(image.width), f64::from(image.height)];
     let at = uv * DVec2::from_array(size) - 0.5;
@@ -49,7 +47,7 @@ pub fn bilinear<T: Copy>(image: &Pixels<T>, uv: DVec2, wrap: Wrap, value: impl F
     row(0.0).lerp(row(1.0), at.y - low.y)
 }
 
-/// The value at `uv` of a chain of levels, finest first: linear between the two levels about `lod`, which is clamped to the chain.
+/// Interpolates between the two levels around `lod`, finest first; clamps `lod`.
 pub fn trilinear<T: Copy>(levels: &[Pixels<T>], uv: DVec2, lod: f64, wrap: Wrap, value: impl Fn(T) -> DVec3) -> DVec3 {
     let lod = lod.clamp(0.0, levels.len() as f64 - 1.0);
     let level = |k: usize| bilinear(&levels[k.min(levels.len() - 1)], uv, wrap, &value);

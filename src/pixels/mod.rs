@@ -1,7 +1,7 @@
 //! Float images in memory and their files.
-//!
-//! Readers take hostile bytes: they never panic, and allocate only what the size of the file makes plausible.
-//! Writers replace the target in one step, or leave it as it was.
+//! | Readers accept hostile bytes: they never panic, and allocate only what the file's size makes plausible. Writers
+//! replace the
+//! target in one step or not at all.
 
 #[cfg(feature = "exr")]
 pub mod exr;
@@ -20,13 +20,12 @@ mod shrink;
 pub(crate) use file::{ENVIRONMENT_TEXELS_MAX, Fault, read_bounded, reserved, write_atomically};
 pub use file::{PART_PREFIX, PixelsError, Staged};
 
-/// What a reader of float images returns.
+/// Result of reading a float image.
 #[derive(Clone, Debug)]
 pub struct Decoded {
     pub rgb: RgbImage,
-    /// The alpha channel, where the file has one.
     pub alpha: Option<GrayImage>,
-    /// Odd but usable facts about the file, one sentence each.
+    /// One sentence each.
     pub warnings: Vec<String>,
 }
 
@@ -40,13 +39,13 @@ pub struct Pixels<T> {
 
 /// Linear RGB, Rec.709 primaries.
 pub type RgbImage = Pixels<[f32; 3]>;
-/// One float a pixel (masks hold 0 or 1).
+/// One float per pixel; masks hold 0 or 1.
 pub type GrayImage = Pixels<f32>;
 /// Display-referred 8-bit RGB.
 pub type Rgb8Image = Pixels<[u8; 3]>;
 
 impl<T: Copy> Pixels<T> {
-    /// An image over `data`, which must hold `width * height` pixels.
+    /// Wraps `data`, which must have `width * height` pixels.
     pub fn new(width: u32, height: u32, data: Vec<T>) -> Self {
         assert_eq!(data.len(), width as usize * height as usize, "pixel count of a {width}x{height} image");
         Self { width, height, data }
@@ -56,20 +55,19 @@ impl<T: Copy> Pixels<T> {
         Self { width, height, data: vec![value; width as usize * height as usize] }
     }
 
-    /// An image computed from (column, row).
+    /// Computes each pixel from (column, row).
     pub fn from_fn(width: u32, height: u32, mut pixel: impl FnMut(u32, u32) -> T) -> Self {
-        // The iterator does not know its length.
+        // The iterator has no exact length.
         let mut data = Vec::with_capacity(width as usize * height as usize);
         data.extend((0..height).flat_map(|y| (0..width).map(move |x| (x, y))).map(|(x, y)| pixel(x, y)));
         Self { width, height, data }
     }
 
-    /// The pixel at column `x`, row `y`.
+    /// Returns the pixel at column `x`, row `y`.
     pub fn get(&self, x: u32, y: u32) -> T {
         self.data[y as usize * self.width as usize + x as usize]
     }
 
-    /// The same image with every pixel mapped.
     pub fn map<U>(&self, f: impl FnMut(T) -> U) -> Pixels<U> {
         Pixels { width: self.width, height: self.height, data: self.data.iter().copied().map(f).collect() }
     }

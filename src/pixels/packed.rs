@@ -1,9 +1,9 @@
 //! Linear images as text: half floats, planes, differences, deflate, base64.
-//!
-//! A texel is stored as the nearest half float (11 significant bits, so within 4.9e-4 of its value), not as 8-bit RGBE: the
-//! colours of the error maps start at a relative error of 1e-3. Each channel is a plane; of each plane first all high bytes,
-//! then all low bytes, each as the difference to the byte before it modulo 256. Neighbours share exponent and sign, so most
-//! high differences are zero; measured on a noisy 1024x512 image this saves 28 % over deflating interleaved halves.
+//! | Half floats have 11 significant bits (within 4.9e-4), enough for error maps, whose colours start at 1e-3; 8-bit
+//! RGBE has not.
+//! Each channel is a plane of high bytes, then low bytes, each as the difference to the byte before modulo 256. On a
+//! noisy
+//! 1024x512 image this saves 28 % over deflating interleaved halves.
 
 use super::{GrayImage, Pixels, half};
 use base64::Engine;
@@ -12,14 +12,13 @@ use flate2::Compression;
 use flate2::write::DeflateEncoder;
 use std::io::Write;
 
-/// Larger radiance is stored as this, the largest finite half.
+/// The largest finite half; larger radiance is clamped.
 pub const HALF_MAX: f32 = 65504.0;
 
-/// An image as text.
 #[derive(Clone, Debug)]
 pub struct Encoded {
     pub base64: String,
-    /// Channels above [`HALF_MAX`].
+    /// Number of channels above [`HALF_MAX`].
     pub clamped_count: usize,
 }
 
@@ -40,7 +39,7 @@ pub fn words<const N: usize>(texels: &[[u16; N]]) -> String {
     deflated(&bytes)
 }
 
-/// Encodes a mask: one byte a texel, 0 or 1.
+/// Encodes a mask: one byte per texel, 0 or 1.
 pub fn mask(mask: &GrayImage) -> String {
     let mut bytes = Vec::with_capacity(mask.data.len());
     push_differences(&mut bytes, mask.data.iter().map(|value| u8::from(*value != 0.0)));

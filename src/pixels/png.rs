@@ -1,4 +1,4 @@
-//! 8-bit RGB PNG, sRGB-encoded: the display-referred pictures.
+//! PNG: 8-bit RGB pictures, and tables.
 
 use super::file::{Fault, PICTURE_TEXELS_MAX, check_claim, read_bounded, reserved};
 use super::{Decoded, Pixels, PixelsError, Rgb8Image, write_atomically};
@@ -9,12 +9,12 @@ use std::path::Path;
 /// Deflate expands at most 1032 times and a texel takes at least one bit.
 const MAX_TEXELS_PER_BYTE: u64 = 1 << 14;
 
-/// Writes `image` (already sRGB-encoded) to `path` in one step.
+/// Writes a picture in one step.
 pub fn write_rgb8(path: &Path, image: &Rgb8Image) -> Result<(), PixelsError> {
     write_atomically(path, |writer| encode(writer, image, Compression::Fast))
 }
 
-/// Encodes `image` (already sRGB-encoded) as a PNG file of as few bytes as the encoder can make.
+/// Encodes a picture as small as possible.
 pub fn encode_rgb8(image: &Rgb8Image) -> io::Result<Vec<u8>> {
     let mut bytes = Vec::new();
     encode(&mut bytes, image, Compression::High)?;
@@ -32,19 +32,20 @@ fn encode(to: impl Write, image: &Rgb8Image, compression: Compression) -> io::Re
     Ok(writer.finish()?)
 }
 
-/// Reads any PNG as 8-bit RGB; alpha is dropped, 16-bit samples are rounded.
+/// Reads any PNG as 8-bit RGB; drops alpha and rounds 16-bit samples.
 pub fn read_rgb8(path: &Path) -> Result<Rgb8Image, PixelsError> {
     let bytes = read_bounded(path)?;
     let read = || {
         let samples = decode(&bytes)?;
-        // 255 as 65535 is exact, by the factor 257.
+        // 255 becomes 65535 exactly, by the factor 257.
         Ok(samples.colours()?.map(|texel| texel.map(|value| ((u32::from(value) + 128) / 257) as u8)))
     };
     read().map_err(|fault: Fault| fault.at(path))
 }
 
-/// Reads the samples of the PNG in `bytes` over their largest value; no transfer curve is undone, since tables have none. Of two channels,
-/// grey and alpha, both are kept; alpha beside colour is dropped.
+/// Decodes samples as fractions of their maximum, without a transfer curve. Keeps grey and alpha as two channels; drops
+/// alpha
+/// beside colour.
 pub fn read_linear(path: &Path, bytes: &[u8]) -> Result<Decoded, PixelsError> {
     let read = || {
         let samples = decode(bytes)?;
@@ -55,7 +56,7 @@ pub fn read_linear(path: &Path, bytes: &[u8]) -> Result<Decoded, PixelsError> {
     read().map_err(|fault: Fault| fault.at(path))
 }
 
-/// The samples of an image, 16 bits each.
+/// Samples of 16 bits each.
 struct Samples {
     width: u32,
     height: u32,
@@ -64,7 +65,7 @@ struct Samples {
 }
 
 impl Samples {
-    /// Colours without alpha; grey becomes three equal channels.
+    /// Returns colours without alpha; grey becomes three equal channels.
     fn colours(&self) -> Result<Pixels<[u16; 3]>, Fault> {
         self.texels(|texel| match texel {
             [grey] | [grey, _] => [*grey; 3],
@@ -72,7 +73,7 @@ impl Samples {
         })
     }
 
-    /// Grey and alpha as the first two channels.
+    /// Returns grey and alpha as the first two channels.
     fn pairs(&self) -> Result<Pixels<[u16; 3]>, Fault> {
         self.texels(|texel| [texel[0], texel[1], 0])
     }
@@ -86,7 +87,7 @@ impl Samples {
 
 fn decode(bytes: &[u8]) -> Result<Samples, Fault> {
     let refuse = |error: DecodingError| Fault::new(format!("cannot be decoded ({error})"), "a whole PNG file");
-    // The claim is checked below; the default limit of the crate would refuse images that we allow.
+    // The crate's default limit would refuse valid sizes; the claim is checked below.
     let mut decoder = Decoder::new_with_limits(Cursor::new(bytes), Limits { bytes: usize::MAX });
     decoder.set_ignore_text_chunk(true);
     decoder.set_ignore_iccp_chunk(true);

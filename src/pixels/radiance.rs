@@ -1,13 +1,13 @@
 //! Radiance pictures (`.hdr`, `.pic`) \[Ward94\].
-//!
-//! A texel is three mantissas and a shared exponent, `value = mantissa 2^(e - 136)`, 0 where `e = 0`. (Radiance itself adds 0.5 to the
-//! mantissa; most software does not, and a stored 0 should stay 0.) `EXPOSURE` and `COLORCORR` record factors that were applied to the
-//! pixels; several lines multiply. They are divided out: `radiance = value / (Π EXPOSURE · Π COLORCORR)`.
-//!
-//! FORMAT `32-bit_rle_rgbe` is taken as Rec.709 unless PRIMARIES says otherwise. FORMAT `32-bit_rle_xyze` is converted with the RGB
-//! space of the Radiance programs (white at equal energy), because that is the exact inverse of what `ra_xyze` wrote: grey comes back
-//! grey, which the D65 matrix would turn pink. XYZE is photometric, so the result is 179 (lm/W) times what RGBE of the same scene
-//! holds; it is left in the unit of the file, with a warning.
+//! | A texel has three mantissas and a shared exponent, `value = mantissa 2^(e - 136)`, 0 if `e = 0`. (Radiance adds
+//! 0.5 to the
+//! mantissa; most software does not, and a stored 0 should stay 0.) `EXPOSURE` and `COLORCORR`, which multiply, are
+//! divided out.
+//! | `32-bit_rle_rgbe` is Rec.709 unless PRIMARIES says otherwise. `32-bit_rle_xyze` is converted with the RGB space of
+//! the
+//! Radiance programs (white at equal energy), the inverse of `ra_xyze`, so grey stays grey. XYZE is photometric: 179
+//! (lm/W)
+//! times RGBE; it stays in the file's unit, with a warning.
 
 use super::file::{ENVIRONMENT_TEXELS_MAX, Fault, check_claim, filled, read_bounded};
 use super::{Decoded, PixelsError, RgbImage};
@@ -17,17 +17,17 @@ use std::path::Path;
 
 /// The old run-length form holds up to 32767 equal texels in 12 bytes.
 const MAX_TEXELS_PER_BYTE: u64 = 1 << 12;
-/// Scanlines of these lengths may use the newer run-length form, channel by channel.
+/// Scanline lengths with the newer run-length form.
 const NEW_RLE_LENGTHS: std::ops::RangeInclusive<usize> = 8..=0x7fff;
-/// `value = mantissa 2^(e - EXPONENT_BIAS)`: 128 of the format and 8 that put the point before the mantissa.
+/// 128 of the format, and 8 bits of mantissa.
 const EXPONENT_BIAS: i32 = 136;
 
-/// Reads a Radiance picture as linear Rec.709, row 0 at the top whatever the orientation in the file.
+/// Reads a Radiance picture as linear Rec.709, row 0 at the top.
 pub fn read(path: &Path) -> Result<Decoded, PixelsError> {
     read_bytes(path, &read_bounded(path)?, None)
 }
 
-/// As [`read`], of the bytes of the file at `path`, which only errors name. There are no layers to ask for.
+/// Decodes the file at `path`. There are no layers.
 pub fn read_bytes(path: &Path, bytes: &[u8], layer: Option<&str>) -> Result<Decoded, PixelsError> {
     if let Some(name) = layer {
         return Err(
@@ -37,7 +37,7 @@ pub fn read_bytes(path: &Path, bytes: &[u8], layer: Option<&str>) -> Result<Deco
     decode(bytes).map_err(|fault| fault.at(path))
 }
 
-/// Order of the texels in the file: the first axis of the resolution line is the slow one.
+/// Order of texels; the first axis of the resolution line is the slow one.
 #[derive(Clone, Copy)]
 struct Layout {
     width: usize,
@@ -49,7 +49,7 @@ struct Layout {
 
 struct Header {
     xyz: bool,
-    /// What the pixels were multiplied with, per channel.
+    /// Factor on the pixels, per channel.
     exposure: DVec3,
     primaries: Option<Chromaticities>,
     layout: Layout,
@@ -87,7 +87,7 @@ fn decode(bytes: &[u8]) -> Result<Decoded, Fault> {
             if let Some(to_rgb) = to_rgb {
                 value = to_rgb * value;
                 out_of_gamut += u64::from(value.min_element() < 0.0);
-                // As Radiance does: a colour outside the gamut has a negative channel, which no radiance may have.
+                // As Radiance does: radiance is not negative.
                 value = value.max(DVec3::ZERO);
             }
             image.data[y * width + x] = value.as_vec3().to_array();
@@ -99,7 +99,7 @@ fn decode(bytes: &[u8]) -> Result<Decoded, Fault> {
     Ok(Decoded { rgb: image, alpha: None, warnings })
 }
 
-/// Matrix from the file's colours to Rec.709, if one is needed.
+/// Returns the matrix to Rec.709, if one is needed.
 fn conversion(header: &Header, warnings: &mut Vec<String>) -> Option<DMat3> {
     if header.xyz {
         warnings
@@ -128,7 +128,7 @@ fn read_header(input: &mut Input) -> Result<Header, Fault> {
             let what = format!("the blank line before the resolution {:?} is missing", line.trim());
             return Err(Fault::new(what, "a blank line that ends the header"));
         }
-        // Lines that a program copied from its input are indented and do not count; neither do unknown variables.
+        // Ignores unknown and indented lines; the latter are copied from a program's input.
         if let Some(value) = line.strip_prefix("FORMAT=") {
             xyz = match value.trim() {
                 "32-bit_rle_rgbe" => false,
@@ -156,7 +156,7 @@ fn read_header(input: &mut Input) -> Result<Header, Fault> {
     Ok(Header { xyz, exposure, primaries, layout })
 }
 
-/// `N` finite numbers above 0.
+/// Parses `N` finite numbers above 0.
 fn factors<const N: usize>(name: &str, text: &str) -> Result<[f64; N], Fault> {
     let expected = if N == 1 { "a number above 0".to_owned() } else { format!("{N} numbers above 0") };
     let fault = || Fault::new(format!("{name} is {:?}", shorten(text.trim())), expected.as_str());
@@ -165,7 +165,7 @@ fn factors<const N: usize>(name: &str, text: &str) -> Result<[f64; N], Fault> {
     if numbers.iter().all(|number| number.is_finite() && *number > 0.0) { Ok(numbers) } else { Err(fault()) }
 }
 
-/// Eight numbers: x and y of red, green, blue and white. All zeros (which some writers leave) mean none.
+/// Parses x and y of red, green, blue and white; all zeros mean none.
 fn parse_primaries(text: &str) -> Result<Option<Chromaticities>, Fault> {
     let numbers: Option<[f64; 8]> = numbers(text).and_then(|numbers| numbers.try_into().ok());
     let [rx, ry, gx, gy, bx, by, wx, wy] = numbers.ok_or_else(|| {
@@ -180,7 +180,7 @@ fn numbers(text: &str) -> Option<Vec<f64>> {
     text.split_whitespace().map(|word| word.parse().ok()).collect()
 }
 
-/// `-Y 512 +X 1024` and the seven other orders and signs. `-Y` counts downwards from the top, `+X` to the right.
+/// Parses `-Y 512 +X 1024` and the other seven orders. `-Y` counts downwards, `+X` to the right.
 fn parse_resolution(line: &str) -> Option<Layout> {
     let words: Vec<&str> = line.split_whitespace().collect();
     let &[axis_1, count_1, axis_2, count_2] = words.as_slice() else { return None };
@@ -194,7 +194,7 @@ fn parse_resolution(line: &str) -> Option<Layout> {
     Some(Layout { width, height, columns_first, flip_x: x == "-X", flip_y: y == "+Y" })
 }
 
-/// Enough of a line of unknown bytes for a message.
+/// Shortens an unknown line for a message.
 fn shorten(text: &str) -> String {
     const LONGEST: usize = 60;
     text.chars().take(LONGEST).collect()
@@ -205,7 +205,7 @@ struct Input<'a> {
 }
 
 impl Input<'_> {
-    /// The next line without its end (LF or CR LF); `None` at the end of the file or when the last line has no end.
+    /// Returns the next line without LF or CR LF; `None` if there is none.
     fn line(&mut self) -> Option<String> {
         let end = self.rest.iter().position(|&byte| byte == b'\n')?;
         let line = String::from_utf8_lossy(&self.rest[..end]).trim_end_matches('\r').to_owned();
@@ -220,13 +220,13 @@ impl Input<'_> {
     }
 }
 
-/// What is wrong with a scanline; `None` when the file ends in it.
+/// What is wrong with a scanline; `None` if the file ends in it.
 type ScanlineProblem = Option<String>;
 
-/// Fills `scanline` from either form; each scanline says which it is.
+/// Reads a scanline of either form.
 fn read_scanline(input: &mut Input, scanline: &mut [[u8; 4]]) -> Result<(), ScanlineProblem> {
     match input.rest {
-        // A texel of the old form has no (2, 2) with a blue mantissa below 128: normalised texels have one mantissa of 128 or more.
+        // In the old form (2, 2) has a blue mantissa of at least 128: one of three mantissas is.
         [2, 2, high, low, ..] if *high < 128 && NEW_RLE_LENGTHS.contains(&scanline.len()) => {
             let length = usize::from(u16::from_be_bytes([*high, *low]));
             if length != scanline.len() {
@@ -239,7 +239,7 @@ fn read_scanline(input: &mut Input, scanline: &mut [[u8; 4]]) -> Result<(), Scan
     }
 }
 
-/// One channel of the newer form: counts over 128 repeat the next byte `count - 128` times, others copy `count` bytes.
+/// Reads one channel of the newer form: counts above 128 repeat a byte `count - 128` times, others copy bytes.
 fn read_channel(input: &mut Input, scanline: &mut [[u8; 4]], channel: usize) -> Result<(), ScanlineProblem> {
     let mut x = 0;
     while x < scanline.len() {
@@ -260,8 +260,9 @@ fn read_channel(input: &mut Input, scanline: &mut [[u8; 4]], channel: usize) -> 
     Ok(())
 }
 
-/// Flat texels; the texel (1, 1, 1, n) of the old run-length form repeats the one before it n times, and directly after another
-/// such texel n is worth 256 times more.
+/// Reads flat texels. In the old run-length form (1, 1, 1, n) repeats the texel before n times; consecutive runs are
+/// digits of
+/// base 256.
 fn read_flat(input: &mut Input, scanline: &mut [[u8; 4]]) -> Result<(), ScanlineProblem> {
     let (mut x, mut shift) = (0, 0);
     while x < scanline.len() {
@@ -280,7 +281,7 @@ fn read_flat(input: &mut Input, scanline: &mut [[u8; 4]]) -> Result<(), Scanline
         let previous = scanline[x - 1];
         scanline[x..x + length].fill(previous);
         x += length;
-        // A length over 2^24 passes the end of every scanline that is plausible.
+        // A length over 2^24 exceeds every plausible scanline.
         shift = (shift + 8).min(24);
     }
     Ok(())

@@ -3,8 +3,7 @@
 use super::{Pixels, Rgb8Image};
 
 impl Rgb8Image {
-    /// The image at a smaller size: each new pixel is the mean of the encoded values that it covers, weighted by area. For pictures
-    /// that people look at, never for measuring: encoded values do not average to those of the mean light.
+    /// Shrinks by area means of encoded values: for pictures, not for measuring.
     pub fn shrunk(&self, width: u32, height: u32) -> Self {
         assert!(
             (1..=self.width).contains(&width) && (1..=self.height).contains(&height),
@@ -16,7 +15,7 @@ impl Rgb8Image {
 }
 
 impl<T: Copy> Pixels<T> {
-    /// A smaller size, of any sides: each texel is the mean of those that it covers, weighted by area.
+    /// Shrinks by area means to any smaller size.
     pub fn area_means(&self, width: u32, height: u32, value: impl Fn(T) -> [f64; 3]) -> Pixels<[f64; 3]> {
         let columns = overlaps(self.width, width);
         let rows = overlaps(self.height, height);
@@ -35,7 +34,7 @@ impl<T: Copy> Pixels<T> {
     }
 }
 
-/// For each of `to` equal parts of `from` pixels: the pixels that it touches, each with the length it covers.
+/// Lists the pixels that each of `to` equal parts of `from` pixels covers, with lengths.
 fn overlaps(from: u32, to: u32) -> Vec<Vec<(u32, f64)>> {
     let step = f64::from(from) / f64::from(to);
     let part = |i: u32| {

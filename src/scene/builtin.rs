@@ -4,7 +4,6 @@ use super::shader_ball::shader_ball;
 use super::{Material, Mesh, Scene, Sphere};
 use glam::DVec3;
 
-/// A scene that needs no file.
 #[derive(Clone, Copy, Debug)]
 pub struct SceneEntry {
     /// Name in configs and tables.
@@ -14,7 +13,6 @@ pub struct SceneEntry {
     pub(crate) build: fn() -> Scene,
 }
 
-/// Every scene that needs no file.
 pub static SCENES: &[SceneEntry] = &[
     SceneEntry {
         name: "sphere",
@@ -45,14 +43,14 @@ pub static SCENES: &[SceneEntry] = &[
     },
 ];
 
-/// Microfacet widths of the columns of `spheres`, left to right.
+/// Widths of the columns of `spheres`, left to right.
 pub const SPHERES_ALPHA: [f32; 5] = [1.0, 0.5, 0.25, 0.1, 0.05];
 /// Metallic of the rows of `spheres`, bottom to top.
 pub const SPHERES_METALLIC: [f32; 3] = [0.0, 0.5, 1.0];
-/// Distance between the centres of neighbours in `spheres`, in radii: a fifth of a radius stays free between two spheres.
+/// Distance between centres of neighbouring spheres, in radii.
 const SPHERES_PITCH: f64 = 2.2;
 
-/// Whether the images of the scene of this name are no pictures: each of their pixels is an experiment of its own.
+/// Whether the scene of this name is a design: each pixel is an independent experiment.
 pub fn is_design(name: &str) -> bool {
     SCENES.iter().any(|scene| scene.name == name && (scene.build)().is_design)
 }
@@ -67,8 +65,9 @@ fn design() -> Scene {
     Scene { name: "design".to_owned(), is_design: true, ..sphere() }.hashed()
 }
 
-/// The grid of source document 0: unit spheres in the plane z = 0, centred about the origin, smoother to the right and more metallic to the
-/// top. The one in the top right corner is fully reflective (albedo 1, metallic 1, the smallest alpha).
+/// A grid of unit spheres in the plane z = 0, smoother to the right and more metallic upwards (source document 0). The
+/// top
+/// right one is fully reflective (albedo 1, metallic 1, the smallest alpha).
 fn spheres() -> Scene {
     let (columns, rows) = (SPHERES_ALPHA.len(), SPHERES_METALLIC.len());
     let centred = |i: usize, count: usize| (i as f64 - 0.5 * (count as f64 - 1.0)) * SPHERES_PITCH;
@@ -90,7 +89,7 @@ fn spheres() -> Scene {
     Scene::assemble("spheres", spheres, Vec::new(), materials)
 }
 
-/// The rectangle [-1, 1] x [-2, 2] of the plane y = 0, normal +y, seen from 20 degrees above the horizon.
+/// The rectangle [-1, 1] x [-2, 2] of the plane y = 0, seen from 20 degrees above the horizon.
 fn plane() -> Scene {
     let (half_width, half_depth) = (1.0, 2.0);
     let corner = |u: f32, v: f32| [(2.0 * u - 1.0) * half_width, 0.0, (1.0 - 2.0 * v) * half_depth];

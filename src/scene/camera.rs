@@ -1,27 +1,24 @@
-//! Cameras: orthographic and perspective; rays through pixel centres.
-//!
-//! The image plane is spanned by `right` and `up`. A pixel (x, y) of a `w` by `h` image has its centre at the plane coordinates
-//!
-//! ```text
+//! Orthographic and perspective cameras.
+//! | `right` and `up` span the image plane. Pixel (x, y) of a `w` by `h` image has its centre at the plane coordinates
+//! | ```text
 //! s = (2 (x + 0.5) / w - 1) extent_x        t = (1 - 2 (y + 0.5) / h) extent_y
 //! ```
-//!
-//! and its ray is `eye + s right + t up` along `forward` (orthographic), or from `eye` along `forward + s right + t up`
-//! (perspective). [`Camera::clip_from_world`] is the inverse of exactly this mapping, so a rasterised point whose clip coordinates
-//! fall on a pixel's centre lies on that pixel's ray. `shaders/gbuffer` uses the same numbers (see `gbuffer::params`).
+//! | and its ray is `eye + s right + t up` along `forward` (orthographic), or from `eye` along `forward + s right + t
+//! up`
+//! (perspective). [`Camera::clip_from_world`] inverts this mapping exactly, and so do `shaders/gbuffer`
+//! (`gbuffer::params`).
 
 use crate::scene::{Mesh, Scene, Sphere};
 use crate::spelling::listed;
 use glam::{DMat4, DVec3, DVec4};
 
-/// Vertical field of view of the perspective camera in degrees.
+/// Vertical field of view of the perspective camera, degrees.
 pub const PERSPECTIVE_FOV_DEG: f64 = 32.0;
-/// Distance of the perspective camera from the centre of a unit sphere.
+/// Distance of the perspective camera from a unit sphere's centre.
 pub const PERSPECTIVE_SPHERE_DISTANCE: f64 = 4.0;
-/// Half of the square that the orthographic camera shows of a unit sphere; other scenes get the same 5 % of margin.
+/// Half height of the orthographic image of a unit sphere; other scenes get the same margin of 5 %.
 pub const FRAME_MARGIN: f64 = 1.05;
 
-/// Which of the two automatic cameras.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum CameraKind {
     #[default]
@@ -31,23 +28,22 @@ pub enum CameraKind {
 
 listed!(CameraKind, "camera", { "ortho": Ortho, "perspective": Perspective });
 
-/// How a camera maps the view volume to the image.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Projection {
-    /// `half_height` in world units covers half of the image's height; every view vector is parallel.
+    /// Half of the image's height in world units.
     Ortho { half_height: f64 },
-    /// Vertical field of view in degrees.
+    /// Vertical field of view, degrees.
     Perspective { fov_deg: f64 },
 }
 
-/// A turn of an automatic camera about the middle of the scene's box, and how far away it then is.
+/// A rotation of a camera around the middle of the scene's box, and a change of its distance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Orbit {
-    /// About +y, counter-clockwise seen from above, degrees.
+    /// About +y, counter-clockwise from above, degrees.
     pub yaw_deg: f64,
-    /// Raises the camera, degrees. It stops [`Orbit::POLE_DEG`] below the zenith and above the nadir.
+    /// Raises the camera, degrees, up to [`Orbit::POLE_DEG`] from the poles.
     pub pitch_deg: f64,
-    /// Multiplies the distance (perspective) or the extent of the image (orthographic).
+    /// Multiplies the distance (perspective) or the image's extent (orthographic).
     pub distance: f64,
 }
 
@@ -58,12 +54,12 @@ impl Default for Orbit {
 }
 
 impl Orbit {
-    /// Nearest and farthest.
+    /// Smallest and largest distance.
     pub const DISTANCE: [f64; 2] = [0.1, 4.0];
-    /// How near the camera comes to the poles.
+    /// Smallest angle between camera and pole, degrees.
     pub const POLE_DEG: f64 = 2.0;
 
-    /// The orbit of yaw, pitch and distance, or which of them is out of range.
+    /// Checks yaw, pitch and distance.
     pub fn new(numbers: [f32; 3]) -> Result<Self, String> {
         let [yaw_deg, pitch_deg, distance] = numbers.map(f64::from);
         let [nearest, farthest] = Self::DISTANCE;
@@ -79,12 +75,11 @@ impl Orbit {
         Ok(Self { yaw_deg, pitch_deg, distance })
     }
 
-    /// The numbers that make it.
+    /// Returns yaw, pitch and distance.
     pub fn numbers(&self) -> [f32; 3] {
         [self.yaw_deg, self.pitch_deg, self.distance].map(|number| number as f32)
     }
 
-    /// Whether it leaves the camera where it is.
     pub fn is_still(&self) -> bool {
         *self == Self::default()
     }
@@ -98,17 +93,18 @@ pub struct Camera {
     pub up: DVec3,
     pub forward: DVec3,
     pub projection: Projection,
-    /// Distances along `forward` that bound everything visible.
+    /// Distances along `forward` that enclose everything visible.
     pub near: f64,
     pub far: f64,
 }
 
 impl Camera {
-    /// The camera that shows the whole scene in an image of `size` (width, height) pixels.
-    ///
-    /// One sphere of radius r is seen from +z: the square of half side 1.05 r (orthographic), or from 4 r away under 32 degrees
-    /// (perspective). The scene `design` has a camera of its own. Any other scene is seen from `scene.toward_viewer` and fills the image but for 5 %. Pixels are square: a wide image
-    /// sees more to the sides, a tall one more above and below.
+    /// Frames the whole scene in an image of `size` (width, height) pixels.
+    /// | A single sphere of radius r is seen from +z: a square of half side 1.05 r (orthographic), or from a distance
+    /// of 4 r under
+    /// 32 degrees (perspective). Other scenes are seen from `scene.toward_viewer` with a margin of 5 %; `design` has
+    /// its own
+    /// camera. Pixels are square: a wide image sees more to the sides, a tall one more above and below.
     pub fn for_scene(kind: CameraKind, scene: &Scene, size: [u32; 2]) -> Self {
         let aspect = f64::from(size[0]) / f64::from(size[1]);
         if scene.is_design {
@@ -121,7 +117,7 @@ impl Camera {
     }
 
     fn for_sphere(kind: CameraKind, sphere: &Sphere, aspect: f64) -> Self {
-        // A tall image fits the width, so its vertical extent grows by 1 / aspect.
+        // A tall image fits the width.
         let stretch = (1.0 / aspect).max(1.0);
         let projection = match kind {
             CameraKind::Ortho => Projection::Ortho { half_height: FRAME_MARGIN * sphere.radius * stretch },
@@ -138,7 +134,7 @@ impl Camera {
         }
     }
 
-    /// The camera after a turn about the middle of the scene's box. That of the scene `design` stays.
+    /// Rotates the camera around the middle of the scene's box, except on `design`.
     pub fn orbited(self, orbit: Orbit, scene: &Scene) -> Self {
         if orbit.is_still() || scene.is_design {
             return self;
@@ -160,7 +156,7 @@ impl Camera {
             }
             projection => (projection, [orbit.distance; 2]),
         };
-        // An orthographic eye stands before all of the scene whichever way that is turned.
+        // An orthographic eye stays in front of the whole scene.
         let z = match projection {
             Projection::Ortho { .. } => z.max(1.5 * radius),
             Projection::Perspective { .. } => z * scale[1],
@@ -176,26 +172,25 @@ impl Camera {
         }
     }
 
-    /// The eye is the origin: positions of the scene `design` are opposite to their views.
+    /// The eye is the origin: positions of `design` are opposite to their views.
     fn of_design() -> Self {
         let projection = perspective(perspective_extent());
         let (right, up, forward) = (DVec3::X, DVec3::Y, DVec3::NEG_Z);
         Self { eye: DVec3::ZERO, right, up, forward, projection, near: 0.5, far: 2.0 }
     }
 
-    /// The nearest camera of the direction `scene.toward_viewer` whose four side planes enclose the scene.
+    /// Finds the nearest camera along `scene.toward_viewer` whose side planes enclose the scene.
     fn fitting(kind: CameraKind, scene: &Scene, aspect: f64) -> Self {
         let backward = scene.toward_viewer;
         let right = DVec3::Y.cross(backward).normalize();
         let up = backward.cross(right);
-        // The support of the scene in a direction: how far it reaches along it.
         let reach = |direction: DVec3| support(scene, direction);
         let [left_most, right_most] = [-reach(-right), reach(right)];
         let [bottom, top] = [-reach(-up), reach(up)];
         let [back, front] = [-reach(-backward), reach(backward)];
-        // 0 only for a scene without geometry, which loading refuses; the floor keeps the frame finite all the same.
+        // Loading refuses empty scenes; the floor keeps the frame finite.
         let size = (right_most - left_most).max(top - bottom).max(front - back).max(f64::MIN_POSITIVE);
-        // Where the eye is, in the camera's axes, and what it sees.
+        // Eye in camera axes, projection and near plane.
         let ([x, y, distance], projection, near) = match kind {
             CameraKind::Ortho => {
                 let half_width = 0.5 * FRAME_MARGIN * (right_most - left_most);
@@ -205,13 +200,14 @@ impl Camera {
             }
             CameraKind::Perspective => {
                 let extent_y = perspective_extent() * (1.0 / aspect).max(1.0);
-                // The plane through the eye with slope e is `x - eye_x <= e (eye_z - z)`. It touches the scene where the support of
-                // (1, 0, e) is attained, so the sum of both sides gives eye_z and their difference eye_x.
+                // The plane through the eye with slope e is `x - eye_x <= e (eye_z - z)`. It touches the scene at the
+                // support of
+                // (1, 0, e), so the sum of both sides gives eye_z and their difference eye_x.
                 let (slope_x, slope_y) = (extent_y * aspect / FRAME_MARGIN, extent_y / FRAME_MARGIN);
                 let [to_right, to_left] = [reach(right + backward * slope_x), reach(backward * slope_x - right)];
                 let [to_top, to_bottom] = [reach(up + backward * slope_y), reach(backward * slope_y - up)];
                 let distance = ((to_right + to_left) / (2.0 * slope_x)).max((to_top + to_bottom) / (2.0 * slope_y));
-                // A long scene seen end on may reach up to the eye itself: half of the gap stays free in front of the near plane.
+                // A long scene may reach up to the eye: half of the gap stays free.
                 let near = (0.5 * (distance - front)).max(1e-4 * size);
                 let eye = [0.5 * (to_right - to_left), 0.5 * (to_top - to_bottom), distance];
                 (eye, perspective(extent_y), near)
@@ -228,7 +224,7 @@ impl Camera {
         }
     }
 
-    /// Half width and half height of the image plane: world units (orthographic), or at distance 1 from the eye (perspective).
+    /// Returns half width and half height of the image plane: world units, or at distance 1 (perspective).
     pub fn extent(&self, aspect: f64) -> [f64; 2] {
         let extent_y = match self.projection {
             Projection::Ortho { half_height } => half_height,
@@ -237,7 +233,7 @@ impl Camera {
         [extent_y * aspect, extent_y]
     }
 
-    /// Origin and unit direction of the ray through the centre of pixel (`x`, `y`); row 0 is the top row.
+    /// Returns origin and unit direction of the ray through the centre of pixel (`x`, `y`); row 0 is the top row.
     pub fn ray(&self, x: u32, y: u32, size: [u32; 2]) -> (DVec3, DVec3) {
         let [width, height] = size.map(f64::from);
         let [extent_x, extent_y] = self.extent(width / height);
@@ -250,7 +246,7 @@ impl Camera {
         }
     }
 
-    /// Unit vector from `position` to the viewer.
+    /// Returns the unit vector from `position` to the viewer.
     pub fn v_at(&self, position: DVec3) -> DVec3 {
         match self.projection {
             Projection::Ortho { .. } => -self.forward,
@@ -258,8 +254,9 @@ impl Camera {
         }
     }
 
-    /// `scale` and `offset` of the depth: `clip.z = scale z + offset` for the distance `z` along `forward`, before the division by `clip.w`
-    /// (1 for the orthographic camera, `z` for the perspective one). Depth is 0 at `near` and 1 at `far`.
+    /// Returns scale and offset of `clip.z = scale z + offset` at distance `z` along `forward`, before division by
+    /// `clip.w` (1, or
+    /// `z` for perspective). Depth is 0 at `near` and 1 at `far`.
     pub fn depth_scale_offset(&self) -> [f64; 2] {
         let range = self.far - self.near;
         match self.projection {
@@ -268,7 +265,7 @@ impl Camera {
         }
     }
 
-    /// World to Vulkan clip space: x to the right, y down, depth 0 to 1. `aspect` is width / height of the image.
+    /// Maps the world to Vulkan clip space: x right, y down, depth 0 to 1. `aspect` is width / height.
     pub fn clip_from_world(&self, aspect: f64) -> DMat4 {
         let [extent_x, extent_y] = self.extent(aspect);
         let [depth_scale, depth_offset] = self.depth_scale_offset();
@@ -284,12 +281,12 @@ impl Camera {
     }
 }
 
-/// Half height of the image plane at distance 1 under [`PERSPECTIVE_FOV_DEG`].
+/// Returns half the image's height at distance 1 under [`PERSPECTIVE_FOV_DEG`].
 fn perspective_extent() -> f64 {
     (0.5 * PERSPECTIVE_FOV_DEG).to_radians().tan()
 }
 
-/// The perspective projection with half height `extent_y` at distance 1.
+/// Returns the perspective projection with half height `extent_y` at distance 1.
 fn perspective(extent_y: f64) -> Projection {
     if extent_y == perspective_extent() {
         return Projection::Perspective { fov_deg: PERSPECTIVE_FOV_DEG };
@@ -297,7 +294,7 @@ fn perspective(extent_y: f64) -> Projection {
     Projection::Perspective { fov_deg: 2.0 * extent_y.atan().to_degrees() }
 }
 
-/// The largest `dot(p, direction)` over all points p of the scene; `direction` need not be a unit vector.
+/// Returns the largest `dot(p, direction)` over all points p; `direction` may have any length.
 fn support(scene: &Scene, direction: DVec3) -> f64 {
     let sphere = |s: &Sphere| s.center.dot(direction) + s.radius * direction.length();
     let mesh = |m: &Mesh| m.corners().map(|p| p.dot(direction)).fold(f64::NEG_INFINITY, f64::max);

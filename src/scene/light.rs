@@ -4,7 +4,7 @@ use super::{Scene, Sphere};
 use crate::spelling::listed;
 use glam::DVec3;
 
-/// Kind of an analytic light; the discriminants are `glsl::constants::LIGHT_*`.
+/// Discriminants are `glsl::constants::LIGHT_*`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LightKind {
     Directional = 0,
@@ -13,7 +13,7 @@ pub enum LightKind {
 
 listed!(LightKind, "kind of light", { "directional": Directional, "point": Point });
 
-/// A directional light (`color` = irradiance on a surface facing it) or a point light (`color` = radiant intensity, divided by distance²).
+/// `color` is irradiance on a surface facing a directional light, or radiant intensity of a point light.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Light {
     pub kind: LightKind,
@@ -24,8 +24,8 @@ pub struct Light {
 }
 
 impl Light {
-    /// Why the light cannot stand in a scene: a point light in a sphere is below the horizon of all of its surface, and on it the distance
-    /// is 0. What is inside a mesh, which need not be closed, is not asked.
+    /// Reports a point light inside a sphere, where it would light nothing. Meshes need not be closed and are not
+    /// checked.
     pub fn fault_in(&self, scene: &Scene) -> Option<String> {
         let p = self.position_or_direction;
         let around = |sphere: &&Sphere| p.distance(sphere.center) <= sphere.radius;

@@ -1,4 +1,4 @@
-//! Maps of materials: PNG or JPEG, to linear numbers.
+//! Textures of materials: PNG or JPEG to linear numbers.
 
 use crate::color::srgb_decode;
 use crate::pixels::lookup::Wrap;
@@ -6,13 +6,12 @@ use crate::pixels::{Pixels, RgbImage};
 use image::{DynamicImage, ImageReader};
 use std::io::Cursor;
 
-/// Texels of the finest levels of all maps of a file together, such as two of 4096 x 4096. One takes at most 59 bytes: 12 as linear RGB, 16 on
-/// the way to the device, and 16 there, which may be this machine; its levels take a third of that. That is 1.9 GiB.
+/// Most texels of a file's maps together: 1.9 GiB at up to 59 bytes each, on the host and on the device.
 const MAX_TEXELS: u64 = 1 << 25;
-/// Texels of one file, such as 8192 x 8192: below 1.4 GiB with 4 bytes as they are decoded and 16 as linear RGB with levels.
+/// Most texels of one map: below 1.4 GiB while decoding.
 const MAX_FILE_TEXELS: u64 = 1 << 26;
 
-/// A map as it is looked up: linear RGB in levels, the finest first, down to one texel.
+/// A texture: linear RGB in levels, the finest first, down to one texel.
 #[derive(Clone, Debug)]
 pub struct Texture {
     pub levels: Vec<RgbImage>,
@@ -20,7 +19,7 @@ pub struct Texture {
 }
 
 impl Texture {
-    /// The image with its levels: each texel is the mean of what it covers in the level before, also where a side is odd.
+    /// Builds the levels by area means, also for odd sides.
     pub fn new(image: RgbImage, wrap: Wrap) -> Self {
         let mut levels = vec![image];
         while let Some(last) = levels.last().filter(|last| last.width.max(last.height) > 1) {
@@ -31,27 +30,25 @@ impl Texture {
         Self { levels, wrap }
     }
 
-    /// The mean of all texels.
     pub fn mean(&self) -> [f32; 3] {
         self.levels[self.levels.len() - 1].data[0]
     }
 }
 
-/// What the numbers of a map are.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Meaning {
     /// sRGB colour.
     Color,
-    /// Fractions as they are.
+    /// Fractions.
     Linear,
-    /// A unit vector about the normal, each of its coordinates as (x + 1)/2; x and y are then scaled.
+    /// A normal, each coordinate as (x + 1)/2; x and y are then scaled.
     Normal { scale: f32 },
 }
 
-/// The decoded maps of a file.
+/// The decoded textures of a file.
 pub(super) struct Maps {
     textures: Vec<Texture>,
-    /// The longest side that a map keeps, a power of two: finer levels are left out where all maps have too many texels together.
+    /// Longest side, a power of two; halved while all textures have too many texels together.
     longest_side: u32,
     is_any_cut: bool,
 }
@@ -63,11 +60,11 @@ impl Default for Maps {
 }
 
 impl Maps {
-    /// Adds the map of a file of these bytes and gives its index.
+    /// Decodes a texture and returns its index.
     pub fn add(&mut self, bytes: &[u8], meaning: Meaning, wrap: Wrap) -> Result<usize, String> {
         let mut texture = decode(bytes, meaning == Meaning::Color)?;
         if let Meaning::Normal { scale } = meaning {
-            // Linear, so that a lookup between texels may follow it.
+            // Linear, so that filtering may follow.
             let signed = |[x, y, z]: [f32; 3]| [scale * (2.0 * x - 1.0), scale * (2.0 * y - 1.0), 2.0 * z - 1.0];
             texture.data.iter_mut().for_each(|texel| *texel = signed(*texel));
         }
@@ -81,7 +78,7 @@ impl Maps {
         Ok(self.textures.len() - 1)
     }
 
-    /// Leaves out the levels that are longer than the longest side. Which those are does not depend on the order of the maps.
+    /// Drops levels longer than the longest side; independent of the textures' order.
     fn cut(&mut self) {
         for map in &mut self.textures {
             let is_longer = |level: &RgbImage| level.width.max(level.height) > self.longest_side;
@@ -91,7 +88,7 @@ impl Maps {
         }
     }
 
-    /// The maps, and a warning if some are coarser than their files.
+    /// Returns the textures, and a warning if any was reduced.
     pub fn finish(self) -> (Vec<Texture>, Option<String>) {
         let side = self.longest_side;
         let warning =
@@ -123,7 +120,7 @@ fn decode(bytes: &[u8], is_srgb: bool) -> Result<RgbImage, String> {
             texels.extend(deep.pixels().map(|texel| texel.0.map(linear)));
         }
         image => {
-            // A hundred million powers would take seconds; there are 256.
+            // A table of 256 replaces a hundred million powers.
             let linear: [f32; 256] = std::array::from_fn(|x| to_linear(x as f32 / 255.0));
             texels.extend(image.into_rgb8().pixels().map(|texel| texel.0.map(|x| linear[usize::from(x)])));
         }

@@ -1,13 +1,13 @@
 //! Metallic-workflow materials.
 
-/// Reflectance at normal incidence of a common dielectric (index of refraction 1.5).
+/// F0 of a common dielectric (index of refraction 1.5).
 pub const DEFAULT_F0: f32 = 0.04;
-/// Linear grey of a surface that names no colour.
+/// Default albedo, linear grey.
 pub const DEFAULT_ALBEDO: f32 = 0.8;
-/// Microfacet width of a surface that names none.
+/// Default microfacet width.
 pub const DEFAULT_ALPHA: f32 = 0.25;
 
-/// A surface. The specular reflectance is `mix(f0, albedo, metallic)`; the diffuse albedo is `(1 - metallic) albedo`.
+/// A surface. Its F0 is `mix(f0, albedo, metallic)`, its diffuse albedo `(1 - metallic) albedo`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Material {
     pub name: String,
@@ -16,29 +16,27 @@ pub struct Material {
     /// Index into `Scene::textures`; multiplies `albedo`.
     pub albedo_map: Option<usize>,
     pub metallic: f32,
-    /// Index into `Scene::textures`, whose blue multiplies `metallic`.
+    /// Index into `Scene::textures`; blue multiplies `metallic`.
     pub metallic_map: Option<usize>,
     /// Microfacet width in (0, 1].
     pub alpha: f32,
-    /// Index into `Scene::textures`, whose green is a perceptual roughness: its square multiplies `alpha`.
+    /// Index into `Scene::textures`; the square of green multiplies `alpha`.
     pub roughness_map: Option<usize>,
-    /// Dielectric reflectance at normal incidence, linear RGB.
+    /// Dielectric F0, linear RGB.
     pub f0: [f32; 3],
-    /// Index into `Scene::textures`: the normal in coordinates along the tangent, the bitangent and the mesh's normal, of any length.
+    /// Index into `Scene::textures`; tangent-space normals of any length.
     pub normal_map: Option<usize>,
-    /// Whether backs of triangles are not seen at all. Without it they are shaded with the negated normal.
+    /// Culls back faces. Otherwise their normals are negated.
     pub is_one_sided: bool,
 }
 
 impl Material {
-    /// Every map.
     pub fn maps(&self) -> impl Iterator<Item = usize> {
         [self.albedo_map, self.metallic_map, self.roughness_map, self.normal_map].into_iter().flatten()
     }
 }
 
 impl Default for Material {
-    /// A grey dielectric: f0 0.04, albedo 0.8, metallic 0, alpha 0.25.
     fn default() -> Self {
         Self {
             name: "default".to_owned(),
@@ -55,7 +53,7 @@ impl Default for Material {
     }
 }
 
-/// Values that replace those of every material of a scene. A replaced value takes the place of its map as well.
+/// Values for every material of a scene. Each also replaces the map.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct MaterialOverride {
     pub albedo: Option<[f32; 3]>,
@@ -65,7 +63,6 @@ pub struct MaterialOverride {
 }
 
 impl MaterialOverride {
-    /// `material` with the values of the override.
     pub fn apply(&self, material: &Material) -> Material {
         Material {
             name: material.name.clone(),

@@ -1,4 +1,4 @@
-//! What is looked at: cameras, spheres, meshes, materials, lights.
+//! Scenes: cameras, spheres, meshes, materials, lights.
 
 pub mod builtin;
 pub mod camera;
@@ -24,7 +24,7 @@ use crate::spelling::suggestion;
 use glam::DVec3;
 use std::path::Path;
 
-/// An exact (never tessellated) sphere.
+/// An exact sphere, never tessellated.
 #[derive(Clone, Copy, Debug)]
 pub struct Sphere {
     pub center: DVec3,
@@ -33,53 +33,48 @@ pub struct Sphere {
     pub material: usize,
 }
 
-/// Geometry and materials; the camera is chosen apart from it.
+/// Geometry and materials, without a camera.
 #[derive(Clone, Debug)]
 pub struct Scene {
-    /// What the user wrote: `sphere`, `spheres`, `plane` or a path.
+    /// A built-in name or a path.
     pub name: String,
     pub spheres: Vec<Sphere>,
     pub meshes: Vec<Mesh>,
     pub materials: Vec<Material>,
-    /// The maps of the materials; those of [`Material`] index them.
     pub textures: Vec<Texture>,
-    /// Whether each pixel is an experiment of its own (`gbuffer::design`); its geometry is then only a stand-in.
+    /// Whether each pixel is an independent experiment (`gbuffer::design`).
     pub is_design: bool,
-    /// Unit vector from the scene to its automatic cameras: +z for spheres, 30 degrees to the right of it and 20 degrees above for files.
+    /// Unit vector to the automatic cameras: +z for spheres, 30 degrees right of it and 20 degrees above for files.
     pub toward_viewer: DVec3,
-    /// blake3 (hex) of everything that determines the geometry, materials, textures and automatic cameras. Names are left out.
+    /// blake3 (hex) of everything but names.
     pub hash: String,
-    /// Odd but usable facts about the input, one sentence each.
+    /// One sentence each.
     pub warnings: Vec<String>,
 }
 
-/// Why a scene could not be loaded: the place, what is wrong and what was expected.
+/// Why a scene could not be loaded.
 #[derive(Debug, thiserror::Error)]
 #[error("{0}")]
 pub struct SceneError(String);
 
 impl SceneError {
-    /// The file as a whole is wrong.
     fn of_file(path: &Path, what: impl std::fmt::Display) -> Self {
         Self(format!("{}: {what}", path.display()))
     }
 
-    /// One line of the file is wrong.
     fn of_line(path: &Path, line: usize, what: impl std::fmt::Display) -> Self {
         Self(format!("{}:{line}: {what}", path.display()))
     }
 }
 
-/// A format of scene files.
 pub struct SceneFormat {
-    /// In small letters.
+    /// Lower case.
     pub extension: &'static str,
     /// One line for `splitsum list scenes`.
     pub about: &'static str,
     read: fn(&str, &Path, &dyn SceneFiles) -> Result<Scene, SceneError>,
 }
 
-/// Every format of scene files.
 pub static SCENE_FORMATS: &[SceneFormat] = &[
     SceneFormat {
         extension: "obj",
@@ -94,20 +89,20 @@ pub static SCENE_FORMATS: &[SceneFormat] = &[
     SceneFormat { extension: "gltf", about: "glTF 2.0 with the files that it names", read: gltf::load },
 ];
 
-/// The format of a file, by the extension of its name.
+/// Finds the format by a file's extension.
 pub fn scene_format(path: &Path) -> Option<&'static SceneFormat> {
     let extension = path.extension()?.to_string_lossy().to_lowercase();
     SCENE_FORMATS.iter().find(|format| format.extension == extension)
 }
 
-/// The extensions of scene files for a sentence: `.obj, .glb or .gltf`.
+/// Joins the extensions: `.obj, .glb or .gltf`.
 pub fn scene_extensions() -> String {
     let dotted: Vec<String> = SCENE_FORMATS.iter().map(|format| format!(".{}", format.extension)).collect();
     let (last, others) = dotted.split_last().expect("there are formats");
     format!("{} or {last}", others.join(", "))
 }
 
-/// Automatic cameras look at files from this far to the right of +z and this far above the horizon: a front, a side and a top are seen.
+/// Direction of automatic cameras for files: right of +z and above the horizon.
 const VIEW_AZIMUTH_DEG: f64 = 30.0;
 const VIEW_ELEVATION_DEG: f64 = 20.0;
 
@@ -117,7 +112,7 @@ fn toward_viewer_of_files() -> DVec3 {
 }
 
 impl Scene {
-    /// The scene that `spec` names: an entry of [`SCENES`] or the path of a file, which is relative to `base_dir` unless absolute.
+    /// Loads an entry of [`SCENES`], or a file relative to `base_dir`.
     pub fn load(spec: &str, base_dir: &Path) -> Result<Self, SceneError> {
         if let Some(entry) = SCENES.iter().find(|entry| entry.name == spec) {
             return Ok((entry.build)());
@@ -138,31 +133,30 @@ impl Scene {
         }
     }
 
-    /// The built-in scene `sphere`.
     pub fn sphere() -> Self {
         builtin::sphere()
     }
 
-    /// The scene of the file at `path` of `files`, which also give what it names.
+    /// Loads the scene at `path` of `files`, which also contain what it refers to.
     pub fn from_file(path: &Path, files: &dyn SceneFiles) -> Result<Self, SceneError> {
         let format = scene_format(path).ok_or_else(|| SceneError::of_file(path, "no scene file"))?;
         (format.read)(&path.to_string_lossy(), path, files)
     }
 
-    /// The same scene with the override's values in every material.
+    /// Overrides values of every material.
     pub fn apply(&self, values: &MaterialOverride) -> Self {
         let materials = self.materials.iter().map(|material| values.apply(material)).collect();
         Self { materials, ..self.clone() }.hashed()
     }
 
-    /// The corners (smallest, largest) of the axis-aligned box around everything.
+    /// Returns the smallest and largest corners of the bounding box.
     pub fn bounds(&self) -> (DVec3, DVec3) {
         let spheres = self.spheres.iter().flat_map(|s| [s.center - s.radius, s.center + s.radius]);
         let points = spheres.chain(self.meshes.iter().flat_map(Mesh::corners));
         points.fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), p| (low.min(p), high.max(p)))
     }
 
-    /// A scene without textures or warnings that is looked at from +z.
+    /// Builds a scene without textures or warnings, seen from +z.
     fn assemble(name: &str, spheres: Vec<Sphere>, meshes: Vec<Mesh>, materials: Vec<Material>) -> Self {
         let unhashed = Self {
             name: name.to_owned(),
@@ -178,10 +172,10 @@ impl Scene {
         unhashed.hashed()
     }
 
-    /// The same scene with `hash` computed anew.
+    /// Updates `hash`.
     fn hashed(mut self) -> Self {
         let mut hasher = blake3::Hasher::new();
-        // Every list is preceded by its length, so that no two scenes feed the same bytes.
+        // Lengths keep different scenes from feeding equal bytes.
         fn list<T: bytemuck::NoUninit>(hasher: &mut blake3::Hasher, values: &[T]) {
             hasher.update(&(values.len() as u64).to_ne_bytes());
             hasher.update(bytemuck::cast_slice(values));

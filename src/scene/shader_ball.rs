@@ -1,44 +1,42 @@
-//! The scene `shader-ball`: a sphere with an opening that shows a smaller one, in a cup. Convex, concave and grazing parts show at once what
-//! a material does.
-//!
-//! Both bodies are surfaces of revolution. A profile is a list of arcs and lines in the half plane (r, z): r from the axis, z along it.
+//! The scene `shader-ball`: a sphere whose opening shows a smaller one, in a cup. It has convex, concave and grazing
+//! parts.
+//! | Both bodies are surfaces of revolution. A profile is a list of arcs and lines in the half plane (r, z).
 
 use super::mesh::{Mesh, is_degenerate, position};
 use super::{Material, Scene};
 use glam::{DQuat, DVec2, DVec3};
 use std::f64::consts::TAU;
 
-/// Columns of a surface of revolution.
 const COLUMNS: u32 = 192;
-/// Rows of an arc, degrees each at most.
+/// Largest step of an arc, degrees.
 const ROW_DEG: f64 = 2.5;
 /// Tilt of the opening from +y towards +z, degrees.
 const TILT_DEG: f64 = 42.0;
-/// Polar angle of the opening's edge, degrees, and the radius of its lip.
+/// Polar angle of the opening's edge, degrees, and radius of its lip.
 const OPENING_DEG: f64 = 40.0;
 const LIP: f64 = 0.06;
 /// Gap between ball and cup.
 const GAP: f64 = 0.03;
-/// Elevation of the automatic cameras, degrees.
+/// Elevation of automatic cameras, degrees.
 const ELEVATION_DEG: f64 = 16.0;
 
-/// Unit vector of a profile's normal at `deg` degrees from +z towards +r.
+/// Returns the unit vector at `deg` degrees from +z towards +r.
 fn toward(deg: f64) -> DVec2 {
     let (sin, cos) = deg.to_radians().sin_cos();
     DVec2::new(sin, cos)
 }
 
-/// A part of a profile, as points with their normals.
+/// A part of a profile: points with normals.
 type Part = Vec<(DVec2, DVec2)>;
 
-/// Normals turn from `from` to `to` degrees about `center`; a negative radius makes the arc concave.
+/// Makes an arc whose normals turn from `from` to `to` degrees; a negative radius makes it concave.
 fn arc(center: DVec2, radius: f64, from: f64, to: f64) -> Part {
     let rows = ((to - from).abs() / ROW_DEG).ceil().max(1.0);
     let at = |row: f64| toward(from + (to - from) * row / rows);
     (0..=rows as u32).map(|row| (center + radius * at(f64::from(row)), at(f64::from(row)))).collect()
 }
 
-/// From `from` to `to`, seen from the side at `deg` degrees.
+/// Makes a line seen from the side at `deg` degrees.
 fn line(from: DVec2, to: DVec2, deg: f64) -> Part {
     vec![(from, toward(deg)), (to, toward(deg))]
 }
@@ -58,7 +56,7 @@ fn ball() -> Vec<Part> {
 
 fn cup() -> Vec<Part> {
     let (edge_deg, lip, wall_deg, foot) = (128.0, 0.07, 72.0, 0.05);
-    // The bowl's normals point to its centre, so an arc of negative radius runs on the far side of it.
+    // Normals point to the bowl's centre, so the radius is negative.
     let bowl = arc(DVec2::ZERO, -(1.0 + GAP), 0.0, edge_deg - 180.0);
     let rim = arc((1.0 + GAP + lip) * toward(edge_deg), lip, edge_deg - 180.0, wall_deg);
     let wall_end = end(&rim) - 0.3 * toward(wall_deg).perp();
@@ -68,7 +66,7 @@ fn cup() -> Vec<Part> {
     vec![bowl, rim, wall, base, floor]
 }
 
-/// The surface of revolution of a profile about +y, turned by `turn`.
+/// Revolves a profile around +y, then rotates it by `turn`.
 fn revolved(parts: &[Part], turn: DQuat) -> Mesh {
     let mut mesh = Mesh::empty(0);
     for part in parts {
@@ -95,7 +93,7 @@ fn revolved(parts: &[Part], turn: DQuat) -> Mesh {
     mesh
 }
 
-/// Adds a triangle, counter-clockwise seen from the side of its normals; none at a pole, where two corners meet.
+/// Adds a triangle, counter-clockwise seen from its normals' side, unless two corners meet at a pole.
 fn push(mesh: &mut Mesh, triangle: [u32; 3]) {
     let corners = triangle.map(|index| position(&mesh.positions, index));
     if is_degenerate(corners) {

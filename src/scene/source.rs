@@ -1,21 +1,18 @@
-//! Where a scene's file and the files that it names come from.
+//! Access to a scene's files.
 
 use crate::files::read_regular;
 use std::io;
 use std::path::{Path, PathBuf};
 
-/// Largest file that is read, bytes.
+/// Largest file, bytes.
 const MAX_FILE_BYTES: u64 = 1 << 30;
 
-/// Files by path: those of the disk, or ones in memory.
+/// Files by path, on disk or in memory.
 pub trait SceneFiles {
-    /// The bytes of a file.
     fn read(&self, path: &Path) -> io::Result<Vec<u8>>;
-    /// Whether there is such a file.
     fn has(&self, path: &Path) -> bool;
 }
 
-/// The files of the disk.
 pub struct Disk;
 
 impl SceneFiles for Disk {
@@ -28,7 +25,7 @@ impl SceneFiles for Disk {
     }
 }
 
-/// `file` relative to the folder of `from`; with `/` for `\` if only that exists.
+/// Resolves `file` beside `from`, with `/` for `\` if only that exists.
 pub(super) fn existing(files: &dyn SceneFiles, from: &Path, file: &str) -> PathBuf {
     let folder = from.parent().unwrap_or(Path::new(""));
     let slashes = folder.join(file.replace('\\', "/"));

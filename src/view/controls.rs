@@ -9,16 +9,16 @@ use egui::{ComboBox, DragValue, Rect, Response, Slider, SliderClamping, TextEdit
 use std::collections::BTreeMap;
 use std::path::Path;
 
-/// Sides that are offered; any other comes from the command line.
+/// Sides in the size menu.
 const SIZES: [u32; 5] = [128, 256, 512, 768, 1024];
-/// Largest and smallest number that a slider over many decades reaches; any other can be typed.
+/// Range of sliders over many decades; other numbers can be typed.
 const DECADES: [f64; 2] = [1e-3, 1e3];
-/// Most samples that a slider reaches.
+/// Largest sample count of a slider.
 const SAMPLES_MAX: u32 = 4096;
 const SLIDER_WIDTH: f32 = 100.0;
 const LABEL: egui::Vec2 = egui::vec2(112.0, 18.0);
 
-/// Where each control is, by name, for tests; and texts that are being typed.
+/// Places of the controls by name, for tests, and unfinished text.
 #[derive(Default)]
 pub struct Controls {
     pub places: BTreeMap<String, Rect>,
@@ -26,16 +26,15 @@ pub struct Controls {
 }
 
 impl Controls {
-    /// Remembers where a control is.
     pub fn place(&mut self, name: impl Into<String>, response: &Response) {
         self.places.insert(name.into(), response.rect);
     }
 
-    /// The controls of every axis under the headings that the help of `render` has.
+    /// Shows every axis under the headings of `render`'s help.
     pub fn axes(&mut self, ui: &mut Ui, state: &mut State) {
         let used = [Side::Left, Side::Right].map(|side| {
             let mut point = state.image(side, 1).point;
-            // What is drawn without bias has its own count.
+            // The reference has its own count.
             if point.method().is_integrated() {
                 point[SAMPLES] = Value::Unset;
             }
@@ -51,7 +50,7 @@ impl Controls {
         });
         for heading in headings {
             let is_open = heading != Part::Table.heading();
-            // What follows is about the flags of `render`.
+            // The rest concerns flags of `render`.
             let short = heading.split(',').next().unwrap_or(heading);
             let section = egui::CollapsingHeader::new(short).default_open(is_open).show(ui, |ui| {
                 for axis in (0..AXES.len()).filter(|&axis| AXES[axis].part.heading() == heading) {
@@ -71,7 +70,6 @@ impl Controls {
         }
     }
 
-    /// A label, then a control.
     pub fn row(&mut self, ui: &mut Ui, name: &str, about: &str, add: impl FnOnce(&mut Self, &mut Ui)) {
         ui.horizontal(|ui| {
             let label = name.replace('_', " ").replace("sample count", "samples");
@@ -107,7 +105,7 @@ impl Controls {
                         ui.multiply_opacity(0.5);
                     }
                 }
-                // What is left out has the control of what it is set to first: moving it sets it.
+                // A control of an unset axis shows its first value; moving it sets the axis.
                 let is_set = point[axis] != Value::Unset;
                 let before = if is_set { point[axis].clone() } else { first(axis, named, point) };
                 let mut value = before.clone();
@@ -119,7 +117,7 @@ impl Controls {
         });
     }
 
-    /// The control of a value, which is left alone where what is given is none.
+    /// Shows a value; ignores invalid input.
     fn value(&mut self, ui: &mut Ui, name: &str, (axis, named, is_set): (usize, Named, bool), value: &mut Value) {
         ui.spacing_mut().slider_width = SLIDER_WIDTH;
         let shown = named.shown(value);
@@ -187,19 +185,19 @@ impl Controls {
             (Kind::Input, Value::Text(text)) => found = self.input(ui, name, axis, text),
             _ => {}
         }
-        // A number out of range leaves the old one; so does half a word.
+        // Ignores numbers out of range and unfinished words.
         if let Some(Ok(parsed)) = found.map(|text| named.parse_text(&text)) {
             *value = parsed;
         }
     }
 
-    /// A builtin out of a list, or the path of a file.
+    /// Shows a list of built-in names and a field for a path.
     fn input(&mut self, ui: &mut Ui, name: &str, axis: usize, text: &str) -> Option<String> {
         let typed = self.typed.entry(axis).or_insert_with(|| text.to_owned());
         let field = TextEdit::singleline(typed).desired_width(SLIDER_WIDTH + 14.0).hint_text("path of a file");
         let field = ui.add(field).on_hover_text(text);
         let mut found = (field.lost_focus() && *typed != text).then(|| typed.clone());
-        // Folders are seen where they can be changed.
+        // Shows the folder only while editing.
         if field.gained_focus() {
             text.clone_into(typed);
         } else if !field.has_focus() && found.is_none() {
@@ -225,12 +223,12 @@ impl Controls {
     }
 }
 
-/// A slider that tells its number, where it is set.
+/// Shows the slider's number if the axis is set.
 fn told(slider: Slider<'_>, is_set: bool) -> Slider<'_> {
     if is_set { slider } else { slider.custom_formatter(|_, _| "as it is".to_owned()) }
 }
 
-/// What an axis is set to first.
+/// Returns the first value of an axis that the user sets.
 fn first(axis: usize, named: Named, point: &Point) -> Value {
     let of_layout = point.default_of(axis);
     if of_layout != Value::Unset {
@@ -243,7 +241,7 @@ fn first(axis: usize, named: Named, point: &Point) -> Value {
     named.parse_text(&middle).unwrap_or(Value::Unset)
 }
 
-/// How far a slider goes, and whether by decades.
+/// Returns a slider's range, and whether it is logarithmic.
 fn reach(kind: Kind) -> (std::ops::RangeInclusive<f64>, bool) {
     match kind {
         Kind::Number(Range { max, min_open: true, .. }) if max > 1.0 => (DECADES[0]..=DECADES[1].min(max), true),
@@ -254,7 +252,7 @@ fn reach(kind: Kind) -> (std::ops::RangeInclusive<f64>, bool) {
     }
 }
 
-/// A number to four digits, as a person writes it.
+/// Formats a number with four digits.
 fn short(number: f64) -> String {
     format!("{number:.3e}").parse::<f64>().unwrap_or(number).to_string()
 }

@@ -1,4 +1,4 @@
-//! A state as a file, as command lines of `render` and as an experiment.
+//! A state as a file, as `render` commands and as an experiment.
 
 use super::picture::{Picture, Tone};
 use super::state::{Image, Side, State};
@@ -11,11 +11,10 @@ use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
-/// The file of a state.
 #[derive(Debug, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 struct Written {
-    /// By the axes' names; what is left out has its default.
+    /// By the names of axes; missing ones have their defaults.
     axes: BTreeMap<String, String>,
     right: String,
     camera: String,
@@ -31,7 +30,7 @@ struct Written {
 }
 
 impl State {
-    /// The text of a file that [`State::parse`] reads.
+    /// Writes the state for [`State::parse`].
     pub fn text(&self) -> String {
         let axes = AXES.iter().zip(&self.point.0).filter(|(_, value)| **value != Value::Unset);
         let written = Written {
@@ -51,7 +50,7 @@ impl State {
         serde_json::to_string_pretty(&written).expect("plain data") + "\n"
     }
 
-    /// The state in the text of a file, or what is wrong with it.
+    /// Reads the text of a state file.
     pub fn parse(text: &str) -> Result<Self, String> {
         let written: Written = serde_json::from_str(text).map_err(|error| error.to_string())?;
         let mut point = Point::default();
@@ -81,14 +80,14 @@ impl State {
         state.checked()
     }
 
-    /// The same, unless its reference draws no such count.
+    /// Checks the reference's sample count.
     pub fn checked(self) -> Result<Self, String> {
         let count = self.view.reference_samples;
         crate::shade::reference_pass::pair_count(count).map_err(|fault| format!("reference_samples: {fault}"))?;
         Ok(self)
     }
 
-    /// The command line of `render` for an image of this state; `out` is the file.
+    /// Writes the `render` command of an image into the file `out`.
     pub fn command_line(&self, image: &Image, out: &str) -> String {
         let mut words = vec!["splitsum".to_owned(), "render".to_owned()];
         let mut add = |flag: &str, value: String| words.push(format!("--{flag}={}", quoted(&value)));
@@ -120,7 +119,7 @@ impl State {
         words.join(" ")
     }
 
-    /// An experiment whose cells are the halves, without what its reference draws anyway.
+    /// Writes an experiment whose cells are the halves.
     pub fn experiment(&self, name: &str) -> String {
         let mut text = format!("# A state of the window of splitsum, as an experiment.\nname = {name:?}\n");
         let View { camera, orbit, background, lights, seed, reference_samples, .. } = &self.view;
@@ -161,7 +160,7 @@ fn toml_text(value: &Value) -> String {
     }
 }
 
-/// A word as a shell takes it.
+/// Quotes a word for a shell.
 fn quoted(word: &str) -> String {
     let is_plain = |c: char| c.is_ascii_alphanumeric() || "-_./:,=+#@%".contains(c);
     if word.chars().all(is_plain) { word.to_owned() } else { format!("'{}'", word.replace('\'', "'\\''")) }

@@ -1,8 +1,7 @@
-//! A window on the renderer: what `splitsum render` writes, turned in the hand.
-//!
-//! The renderer has a thread of its own and the device; the window never waits for it. The window is painted on the CPU, so that a device that
-//! is lost, or that can present nothing, leaves it alive. Every picture is one that [`crate::pipeline::Pipeline`] made for a request: no shader
-//! here is the window's own.
+//! A window on the renderer.
+//! | The renderer has its own thread and device; the window never waits for it. The window is painted on the CPU, so it
+//! survives
+//! a lost device. [`crate::pipeline::Pipeline`] makes every picture.
 
 mod controls;
 mod file;

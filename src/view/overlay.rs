@@ -1,4 +1,4 @@
-//! What is painted over the picture, and the picture of both halves.
+//! Overlays, and the picture of both halves.
 
 use super::worker::{Shot, Shown};
 use crate::experiment::axis::SAMPLES;
@@ -6,7 +6,7 @@ use crate::pixels::Rgb8Image;
 use crate::table::colormap::ColorScale;
 use egui::{Align2, Color32, FontId, Pos2, Rect, Stroke, Ui, pos2, vec2};
 
-/// The method of an image, and what it draws.
+/// Describes an image: method, samples, resolution.
 pub fn label(shot: &Shot) -> String {
     let point = &shot.image.point;
     let count = match point.method().is_integrated() || point.diffuse().is_integrated() {
@@ -18,7 +18,7 @@ pub fn label(shot: &Shot) -> String {
     format!("{}{count}{coarse}", point.method().name)
 }
 
-/// The picture of both halves at the resolution of the finer one, or the one that has none.
+/// Joins both halves at the resolution of the finer one.
 pub fn composed(shown: &Shown, wipe: f32) -> Option<Rgb8Image> {
     if let Some(part) = &shown.part {
         return Some((**part).clone());
@@ -35,7 +35,7 @@ pub fn composed(shown: &Shown, wipe: f32) -> Option<Rgb8Image> {
     Some(Rgb8Image::from_fn(width, height, |x, y| sample(if x < edge { left } else { right }, x, y)))
 }
 
-/// White text on a dark ground, within a width.
+/// Writes white text on a dark ground.
 pub fn outlined(ui: &Ui, place: Pos2, align: Align2, text: &str, width: f32) {
     let font = FontId::proportional(13.0);
     let galley = ui.painter().layout(text.to_owned(), font, Color32::WHITE, width);
@@ -44,7 +44,7 @@ pub fn outlined(ui: &Ui, place: Pos2, align: Align2, text: &str, width: f32) {
     ui.painter().galley(rect.min, galley, Color32::WHITE);
 }
 
-/// The colours of an error with their values and what they are of.
+/// Draws the colours of an error with their values.
 pub fn legend(ui: &Ui, rect: Rect, colors: &ColorScale, about: &str) {
     let bar = Rect::from_min_size(rect.left_bottom() + vec2(24.0, -36.0), vec2(180.0, 10.0));
     let back = bar.expand2(vec2(18.0, 20.0));
@@ -72,10 +72,10 @@ pub fn legend(ui: &Ui, rect: Rect, colors: &ColorScale, about: &str) {
     }
 }
 
-/// The line between the halves at `x`, with its handle at `place`.
+/// Draws the line between the halves at `x`, with its handle at `place`.
 pub fn wipe_line(ui: &Ui, rect: Rect, x: f32, place: Rect) {
     let painter = ui.painter();
-    // Dark beside light: it is seen on any picture.
+    // Dark beside light is visible on any picture.
     painter.vline(x, rect.y_range(), Stroke::new(3.0, Color32::from_black_alpha(90)));
     painter.vline(x, rect.y_range(), Stroke::new(1.0, Color32::from_white_alpha(200)));
     painter.rect_filled(place.shrink2(vec2(3.0, 1.0)), 5.0, Color32::from_black_alpha(90));

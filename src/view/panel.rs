@@ -1,6 +1,4 @@
-//! Long because each part of the window is here once, in the order in which it is seen.
-//!
-//! What is in the window: controls to the left, the picture, numbers below it. Keys are those of the report.
+//! The window's content: controls on the left, the picture, numbers below it. Keys are those of the report.
 
 use super::controls::Controls;
 use super::overlay::{composed, label, legend, outlined, wipe_line};
@@ -22,24 +20,23 @@ use std::sync::Arc;
 
 const PANEL_WIDTH: f32 = 376.0;
 const NUMBERS_HEIGHT: f32 = 164.0;
-/// Frames whose times the graph shows.
+/// Frames in the graph of times.
 const TIMES: usize = 120;
-/// Samples at which the reference may stop.
+/// Sample counts for the reference.
 const REFERENCE_COUNTS: [u32; 6] = [32, 128, 512, 2048, 8192, 32768];
-/// Degrees that an arrow key turns by, and what a step of + or - multiplies the distance by.
+/// Turn by an arrow key, degrees, and distance factor of + and -.
 const KEY_DEG: f64 = 5.0;
 const KEY_ZOOM: f64 = 1.15;
-/// A light that a button adds: from the upper right, white.
+/// Direction or position of an added light.
 const LIGHT: [f64; 3] = [1.5, 2.0, 2.5];
 const COORDINATES: std::ops::RangeInclusive<f64> = -100.0..=100.0;
 
-/// The picture in the window.
 struct Painted {
     texture: TextureHandle,
     of: (u64, usize, f32, bool),
 }
 
-/// What the window keeps beside the state.
+/// The window's own state.
 #[derive(Default)]
 pub struct Panel {
     pub controls: Controls,
@@ -48,18 +45,17 @@ pub struct Panel {
     is_fault: bool,
     pub wants_save: bool,
     painted: Option<Painted>,
-    /// Counts what the renderer sent.
+    /// Number of updates from the renderer.
     arrivals: usize,
-    /// Of the left half's frames, ms.
+    /// Times of the left half's frames, ms.
     times: VecDeque<f64>,
-    /// The last of them.
     last: Option<Arc<Frame>>,
     probed: Option<[u32; 2]>,
     is_flipped: bool,
 }
 
 impl Panel {
-    /// Takes note of what the renderer sent.
+    /// Records an update from the renderer.
     pub fn arrive(&mut self, shown: &Shown) {
         self.arrivals += 1;
         let is_new = |frame: &Arc<Frame>| !self.last.as_ref().is_some_and(|last| Arc::ptr_eq(last, frame));
@@ -80,7 +76,7 @@ impl Panel {
         (self.notice, self.is_fault) = (notice, true);
     }
 
-    /// Takes a file that was dropped on the window.
+    /// Opens a file dropped on the window.
     pub fn dropped(&mut self, path: &std::path::Path, state: &mut State) {
         let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
         let axis = match extension.as_str() {
@@ -118,7 +114,7 @@ impl Panel {
             let mut stops = 0.0;
             for event in &input.events {
                 let egui::Event::Key { key, pressed: true, modifiers, .. } = event else { continue };
-                // A slow pass sees several keys; each acts on what the one before left, with the modifiers that it had.
+                // A slow pass sees several keys, each with its own modifiers.
                 let (picture, orbit, shift) = (state.picture, state.view.orbit, modifiers.shift);
                 let toggled = |wanted: Picture| if picture == wanted { Picture::Image } else { wanted };
                 let turn = |yaw: f64, pitch: f64| turned(orbit, yaw, pitch);
@@ -140,7 +136,7 @@ impl Panel {
                     Key::ArrowUp => state.view.orbit = turn(0.0, KEY_DEG),
                     Key::ArrowDown => state.view.orbit = turn(0.0, -KEY_DEG),
                     key => {
-                        // The keys 1 to 9 choose a method, in the order of the list.
+                        // Keys 1 to 9 choose a method in list order.
                         let digit = key.symbol_or_name().parse::<usize>().ok().filter(|digit| *digit > 0);
                         if let Some(method) = digit.and_then(|digit| crate::shade::METHODS.get(digit - 1)) {
                             state.point[METHOD] = Value::Text(method.name.to_owned().into());
@@ -221,7 +217,7 @@ impl Panel {
                 if response.clicked() {
                     let place = DVec3::from(LIGHT);
                     let place = if *kind == LightKind::Directional { place.normalize() } else { place };
-                    // Through f32, as files and flags have it.
+                    // Files and flags hold f32.
                     let position_or_direction = place.as_vec3().as_dvec3();
                     lights.push(Light { kind: *kind, position_or_direction, color: [1.0; 3] });
                 }
@@ -275,9 +271,9 @@ impl Panel {
             );
             return;
         };
-        // Whole pixels of the image on whole pixels of the screen, where it is not made smaller.
+        // Enlarges by whole factors.
         let scale = ui.ctx().pixels_per_point();
-        // A coarse picture has the place of the whole one.
+        // A coarse picture fills the place of the whole one.
         let table = painted.texture.size().map(|side| side as f32);
         let sides = if state.picture.is_table() { table } else { state.size().map(|side| side as f32) };
         let [width, height] = sides.map(|side| side / scale);
@@ -286,7 +282,7 @@ impl Panel {
         let size = vec2(width, height) * zoom;
         let corner = ((area.center() - 0.5 * size).to_vec2() * scale).round() / scale;
         let rect = Rect::from_min_size(corner.to_pos2(), size);
-        // The painter takes the pixel that is half a one to the left of and above the nearest.
+        // The painter samples half a pixel to the upper left.
         let half = vec2(0.5 / table[0], 0.5 / table[1]);
         let whole = Rect::from_min_max(Pos2::ZERO, pos2(1.0, 1.0)).translate(half);
         ui.painter().image(painted.texture.id(), rect, whole, Color32::WHITE);
@@ -317,14 +313,14 @@ impl Panel {
         }
     }
 
-    /// The camera, the light and the probe.
+    /// Handles the camera, the light and the probe.
     fn look(&mut self, ui: &Ui, state: &mut State, response: &egui::Response, rect: Rect) {
         let (shift, wheel) = ui.input(|input| (input.modifiers.shift, input.smooth_scroll_delta.y));
         if response.clicked() || response.drag_started() {
             ui.memory_mut(|memory| memory.focused().map(|id| memory.surrender_focus(id)));
         }
         if response.dragged() {
-            // Half a turn over the width of the picture, as in the report.
+            // Half a turn over the picture's width, as in the report.
             let [dx, dy] =
                 [response.drag_delta().x, response.drag_delta().y].map(|d| f64::from(d / rect.width()) * 180.0);
             if shift {
@@ -344,7 +340,7 @@ impl Panel {
         });
     }
 
-    /// The line between the halves.
+    /// Drags and draws the line between the halves.
     fn handle(&mut self, ui: &mut Ui, state: &mut State, rect: Rect) {
         let x = rect.left() + state.wipe * rect.width();
         // Above the legend of an error.
@@ -361,7 +357,7 @@ impl Panel {
         }
     }
 
-    /// Makes the texture anew where what it shows has changed.
+    /// Updates the texture if its content changed.
     fn paint(&mut self, context: &egui::Context, state: &State, shown: &Shown, wipe: f32) {
         let of = (shown.generation, self.arrivals, wipe, state.picture.has_sides());
         if self.painted.as_ref().is_some_and(|painted| painted.of == of) {
@@ -404,7 +400,7 @@ impl Panel {
         });
     }
 
-    /// Linear values under the pointer, of each method.
+    /// Shows linear values under the pointer.
     fn probe(&self, ui: &mut Ui, shown: &Shown) {
         egui::Grid::new("probe").num_columns(4).spacing(vec2(8.0, 2.0)).show(ui, |ui| {
             let place = self
@@ -426,7 +422,7 @@ impl Panel {
                     let [x, y] = self.probed?;
                     at(image, x / shot.scale, y / shot.scale).map(|rgb| rgb.map(|c| format!("{c:.4}")).join(" "))
                 };
-                // As wide as the values, so that the columns stay where they are.
+                // As wide as the values, so that columns stay in place.
                 ui.monospace(value(&shot.frame.radiance).unwrap_or_else(|| "  –      –      –   ".to_owned()));
                 ui.monospace(shot.score.map_or_else(String::new, |score| format!("{score:.3e}")));
                 ui.monospace(shot.frame.standard_error.as_ref().and_then(value).unwrap_or_default());
@@ -435,7 +431,7 @@ impl Panel {
         });
     }
 
-    /// Times of the last frames, and of the passes of the last one.
+    /// Shows times of recent frames and of the last frame's passes.
     fn graph(&self, ui: &mut Ui, shown: &Shown) {
         let cpu = shown.device.as_ref().is_some_and(|device| device.device_type == "cpu");
         let unit = if cpu { "CPU times" } else { "GPU times" };
@@ -469,7 +465,7 @@ impl Panel {
     }
 }
 
-/// One line of what the renderer does.
+/// Describes the renderer's state in one line.
 fn standing(shown: &Shown) -> String {
     let device = shown.device.as_ref().map_or("", |device| device.name.as_str());
     let refined = shown.truth.as_ref().map_or_else(String::new, |shot| {
@@ -484,7 +480,7 @@ fn standing(shown: &Shown) -> String {
     }
 }
 
-/// The orbit after a turn, in hundredths of a degree.
+/// Turns the orbit, in hundredths of a degree.
 fn turned(orbit: Orbit, yaw: f64, pitch: f64) -> Orbit {
     let yaw_deg = (orbit.yaw_deg + yaw + 180.0).rem_euclid(360.0) - 180.0;
     rounded(Orbit { yaw_deg, pitch_deg: (orbit.pitch_deg + pitch).clamp(-180.0, 180.0), ..orbit })
@@ -495,14 +491,13 @@ fn nearer(orbit: Orbit, factor: f64) -> Orbit {
     rounded(Orbit { distance: (orbit.distance * factor).clamp(nearest, farthest), ..orbit })
 }
 
-/// As a command line and a file can say it.
+/// Rounds as files and flags write it.
 fn rounded(orbit: Orbit) -> Orbit {
     let [yaw, pitch, distance] = orbit.numbers();
     let to = |x: f32, digits: f32| (x * digits).round() / digits;
     Orbit::new([to(yaw, 100.0), to(pitch, 100.0), to(distance, 1000.0)]).unwrap_or(orbit)
 }
 
-/// Turns the environment about +y.
 fn turn_light(state: &mut State, by: f64) {
     let old = state.point[ENVIRONMENT_ROTATION].number();
     let turned = (old + by + 180.0).rem_euclid(360.0) - 180.0;

@@ -1,4 +1,4 @@
-//! What of a frame is painted: the tone-mapped image, its error, parts of the g-buffer, tables.
+//! Pictures of a frame: the image, its error, parts of the g-buffer, tables.
 
 use crate::color::srgb_encode;
 use crate::gbuffer::Gbuffer;
@@ -11,20 +11,17 @@ use crate::table::colormap::{ColorScale, OFF_MASK_COLOR, RELATIVE_ERROR, SIGNED_
 use crate::tonemap::ToneCurve;
 use glam::DVec3;
 
-/// What is painted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Picture {
     Image,
     Error,
     Signed,
-    /// Of the halves.
     Difference,
     Part(Part),
     Prefiltered,
     Dfg,
 }
 
-/// A part of the g-buffer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Part {
     Position,
@@ -53,7 +50,7 @@ listed!(Picture, "picture", {
 });
 
 impl Picture {
-    /// The colours of an error, where it is one.
+    /// Returns the colours of an error.
     pub fn scale(self) -> Option<ColorScale> {
         match self {
             Self::Error => Some(RELATIVE_ERROR),
@@ -62,7 +59,7 @@ impl Picture {
         }
     }
 
-    /// What its colours are.
+    /// Explains the colours.
     pub fn about(self) -> &'static str {
         match self {
             Self::Image => "",
@@ -83,29 +80,27 @@ impl Picture {
         }
     }
 
-    /// Whether both halves show images of their methods.
     pub fn has_sides(self) -> bool {
         matches!(self, Self::Image | Self::Error | Self::Signed)
     }
 
-    /// Whether it shows what the frames look up, no pixel of theirs.
+    /// Whether it shows a table instead of pixels.
     pub fn is_table(self) -> bool {
         matches!(self, Self::Prefiltered | Self::Dfg)
     }
 }
 
-/// How radiance becomes display values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Tone {
     /// The tone curve of `render`.
     Curve,
-    /// Exposed, cut off at 1, sRGB: nothing is hidden.
+    /// Exposed, clipped at 1, sRGB.
     Srgb,
 }
 
 listed!(Tone, "tone", { "curve": Curve, "sRGB": Srgb });
 
-/// How a picture is made of a frame.
+/// How a frame becomes a picture.
 #[derive(Clone, Copy, Debug)]
 pub struct Look {
     pub picture: Picture,
@@ -115,7 +110,7 @@ pub struct Look {
     pub level: u32,
 }
 
-/// The picture of a half; `None` where an error lacks its reference, a difference the other half.
+/// Paints a half; `None` if an error lacks its reference.
 pub fn of_frame(
     pipeline: &mut Pipeline,
     look: Look,
@@ -136,7 +131,7 @@ pub fn of_frame(
     let truth = truth.filter(|truth| truth.radiance.data.len() == frame.radiance.data.len());
     let Some(truth) = truth else { return Ok(None) };
     let blank = || Pixels::filled(frame.mask.width, frame.mask.height, OFF_MASK_COLOR);
-    // No pixel of a scene that is out of sight has an error.
+    // A scene out of sight has no error.
     let Ok(comparison) = Comparison::new(&frame.radiance, &truth.radiance, &frame.mask, curve, epsilon) else {
         return Ok(Some(blank()));
     };
@@ -147,7 +142,7 @@ pub fn of_frame(
     Ok(Some(scale.image(&map, &frame.mask)))
 }
 
-/// A part of the g-buffer: positions as fractions of the scene's box `bounds`, directions as 0.5 + 0.5 n, the rest as it is.
+/// Paints a part of the g-buffer: positions within the box `bounds`, normals as 0.5 + 0.5 n, the rest unchanged.
 pub fn of_gbuffer(part: Part, gbuffer: &Gbuffer<f32>, camera: &Camera, (low, high): (DVec3, DVec3)) -> Rgb8Image {
     let code = |xyz: [f64; 3]| xyz.map(|x| (255.0 * x.clamp(0.0, 1.0)).round() as u8);
     let three = |texel: [f32; 4]| DVec3::new(texel[0].into(), texel[1].into(), texel[2].into());
@@ -172,7 +167,7 @@ pub fn of_gbuffer(part: Part, gbuffer: &Gbuffer<f32>, camera: &Camera, (low, hig
     })
 }
 
-/// A level of the prefiltered map, or the DFG table (red scales F0, green is added; n·v to the right, roughness downwards).
+/// Paints a level of the prefiltered map, or the DFG table (red scales F0, green is added).
 pub fn of_tables(look: Look, tables: &LightTables) -> Rgb8Image {
     if look.picture == Picture::Dfg {
         let code = |x: f32| (255.0 * x.clamp(0.0, 1.0)).round() as u8;
@@ -182,7 +177,7 @@ pub fn of_tables(look: Look, tables: &LightTables) -> Rgb8Image {
     look.curve.apply_image(&unfolded(level))
 }
 
-/// The six faces of a cube in two rows; other maps as they are.
+/// Arranges the faces of a cube in two rows.
 fn unfolded(level: &RgbImage) -> RgbImage {
     let side = level.width;
     if level.height != 6 * side {
@@ -191,7 +186,7 @@ fn unfolded(level: &RgbImage) -> RgbImage {
     Pixels::from_fn(3 * side, 2 * side, |x, y| level.get(x % side, (3 * (y / side) + x / side) * side + y % side))
 }
 
-/// The pixel at a place, where that is within the image.
+/// Returns the pixel, if it is inside the image.
 pub fn at<T: Copy>(image: &Pixels<T>, x: u32, y: u32) -> Option<T> {
     (x < image.width && y < image.height).then(|| image.get(x, y))
 }

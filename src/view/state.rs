@@ -1,4 +1,4 @@
-//! What a window shows, as data: it becomes requests, and by [`super::file`] a file, a command line and an experiment.
+//! The window's state as data: it becomes requests, and by [`super::file`] a file, commands and an experiment.
 
 use super::picture::{Look, Picture, Tone};
 use crate::bakes::given::Given;
@@ -12,34 +12,32 @@ use crate::scene::Scene;
 use std::path::Path;
 use std::sync::Arc;
 
-/// The halves of the picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Side {
     Left,
     Right,
 }
 
-/// Everything that a person chose.
+/// Everything that the user chose.
 #[derive(Clone, Debug, PartialEq)]
 pub struct State {
-    /// One value for every axis; its method is that of the left half.
+    /// Values of every axis; the method is the left half's.
     pub point: Point,
-    /// The method of the right half.
     pub right: Value,
-    /// Its `reference_samples` are where the reference stops refining.
+    /// Its `reference_samples` end the refinement.
     pub view: View,
     pub picture: Picture,
     pub tone: Tone,
-    /// Share of the width that shows the left half.
+    /// Share of the width for the left half.
     pub wipe: f32,
-    /// Level of the prefiltered map that its picture shows.
+    /// Shown level of the prefiltered map.
     pub level: u32,
 }
 
-/// Samples a pixel that a reference begins with.
+/// Samples per pixel of the reference's first picture.
 const FIRST_SAMPLES: u32 = 32;
 
-/// One image of a state: equal ones have equal pixels.
+/// One image of a state; equal images have equal pixels.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Image {
     pub point: Point,
@@ -47,13 +45,13 @@ pub struct Image {
 }
 
 impl State {
-    /// The left half of `point` beside the reference.
+    /// Shows `point` on the left and the reference on the right.
     pub fn new(point: Point, view: View) -> Self {
         let right = Value::Text(REFERENCE.to_owned().into());
         Self { point, right, view, picture: Picture::Image, tone: Tone::Curve, wipe: 0.5, level: 0 }
     }
 
-    /// Names files by whole paths, so that what is saved elsewhere finds them.
+    /// Makes paths absolute, so that saved files find them.
     pub fn name_files(&mut self) {
         for axis in [ENVIRONMENT, SCENE] {
             let name = self.point[axis].text();
@@ -70,19 +68,17 @@ impl State {
         self.point[SIZE].pair()
     }
 
-    /// How its pictures are made.
     pub fn look(&self) -> Look {
         Look { picture: self.picture, tone: self.tone, curve: self.point.settings().curve, level: self.level }
     }
 
-    /// The same at a fraction of the resolution.
     pub fn scaled(&self, scale: u32) -> Self {
         let mut state = self.clone();
         state.point[SIZE] = Value::Pair(self.size().map(|side| (side / scale).max(1)));
         state
     }
 
-    /// The sample counts at which the reference is shown, each four times the one before.
+    /// Lists the reference's sample counts, each four times the one before.
     pub fn counts(&self) -> Vec<u32> {
         let last = self.view.reference_samples;
         let mut counts: Vec<u32> = std::iter::successors(Some(last), |count| Some(count / 4))
@@ -92,7 +88,6 @@ impl State {
         counts
     }
 
-    /// The method of a half.
     pub fn method(&self, side: Side) -> &Value {
         match side {
             Side::Left => &self.point[METHOD],
@@ -100,14 +95,14 @@ impl State {
         }
     }
 
-    /// The image of a half; what is drawn without bias has `count` samples a pixel.
+    /// Returns the image of a half; unbiased terms draw `count` samples per pixel.
     pub fn image(&self, side: Side, count: u32) -> Image {
         let mut point = self.point.clone();
         point[METHOD] = self.method(side).clone();
         if point[METHOD].text() == REFERENCE { self.truth(count) } else { self.of(point, count) }
     }
 
-    /// The image that the halves are judged by: the reference's, of both terms.
+    /// Returns the reference's image of both terms.
     pub fn truth(&self, count: u32) -> Image {
         let mut point = self.point.clone();
         point[METHOD] = Value::Text(REFERENCE.to_owned().into());

@@ -1,6 +1,4 @@
 //! The window: events in, painted pixels out, files saved.
-//!
-//! Long because the events of a window and what it does about each of them are read together.
 
 use super::overlay::composed;
 use super::panel::Panel;
@@ -24,41 +22,37 @@ use winit::event::{StartCause, WindowEvent};
 use winit::event_loop::{ActiveEventLoop, ControlFlow, EventLoop, EventLoopProxy};
 use winit::window::{Window, WindowId};
 
-/// What the window opens with.
 pub struct Opened {
     pub state: State,
     pub options: Options,
     pub load: LoadOptions,
-    /// Where saved states go.
+    /// Folder of saved states.
     pub out: PathBuf,
 }
 
-/// How it ended.
 #[derive(Debug, PartialEq, Eq)]
 pub enum Windowed {
     Closed,
-    /// There is nothing to open a window on.
+    /// No window can be opened here.
     NoDisplay(String),
-    /// The device was lost; another process may have more luck.
+    /// The device was lost; a new process may work.
     Lost(String),
     Failed(String),
 }
 
-/// Names the file in which the window tells tests where its controls are and what it shows.
+/// Names a file for tests: places of the controls, and what is shown.
 const TOLD: &str = "SPLITSUM_TEST_WINDOW";
-/// Time after which the window says that it is at work.
+/// Delay before the window says that it is busy.
 const TOLD_AFTER: Duration = Duration::from_millis(150);
 const SIZE: [f64; 2] = [1180.0, 800.0];
-/// The numbers below the picture fit.
+/// Fits the numbers below the picture.
 const SMALLEST: [f64; 2] = [1144.0, 640.0];
 
-/// The renderer has something new.
 #[derive(Debug)]
 struct Arrived;
 
-/// Opens the window and stays until it is closed.
+/// Opens the window and runs until it is closed.
 pub fn open(opened: Opened) -> Windowed {
-    // Where no display answers, winit says so; its text is about crates.
     let no_display = |error: &dyn std::fmt::Display| {
         Windowed::NoDisplay(format!(
             "there is no display to open a window on: set DISPLAY or WAYLAND_DISPLAY ({error})"
@@ -87,10 +81,9 @@ fn surface_of(window: &Rc<Window>) -> Result<Surface, softbuffer::SoftBufferErro
     Surface::new(&softbuffer::Context::new(window.clone())?, window.clone())
 }
 
-/// What a window on the screen consists of.
 struct Screen {
     window: Rc<Window>,
-    /// As the last event reported it: winit panics if it is asked for the size of a window that was destroyed.
+    /// From the last event: winit panics when asked about a destroyed window.
     size: PhysicalSize<u32>,
     opened: Instant,
     surface: Surface,
@@ -99,7 +92,7 @@ struct Screen {
 }
 
 impl Screen {
-    /// What happened since the last pass; `egui_winit` would ask the window for its size.
+    /// Collects input; `egui_winit` would ask the window for its size.
     fn egui_input(&mut self) -> egui::RawInput {
         let scale = self.window.scale_factor();
         let size = self.size.to_logical(scale);
@@ -117,7 +110,7 @@ struct App {
     state: State,
     asked: Option<State>,
     generation: u64,
-    /// Environment and scene that could be shown.
+    /// The last environment and scene that loaded.
     accepted: Option<[Value; 2]>,
     out: PathBuf,
     worker: Option<Worker>,
@@ -126,22 +119,21 @@ struct App {
     context: egui::Context,
     screen: Option<Screen>,
     ended: Windowed,
-    /// Whether the surface was made anew since it last worked.
+    /// Whether the surface was created again since it last worked.
     is_renewed: bool,
     wakes_at: Option<Instant>,
-    /// A button went down and no pass has seen it.
+    /// Whether no pass has seen a pressed button yet.
     is_press_unseen: bool,
     heard: Heard,
     told: Option<(PathBuf, String)>,
 }
 
-/// What tests wait for.
 #[derive(Default)]
 struct Heard {
-    /// Keys and buttons that went down or up.
+    /// Presses and releases.
     inputs: u64,
     pointer: [f64; 2],
-    /// States of which a picture arrived.
+    /// States with a picture.
     pictures: u64,
 }
 
@@ -161,7 +153,7 @@ impl App {
         let context = egui::Context::default();
         context.set_fonts(fonts());
         context.set_theme(egui::Theme::Dark);
-        // A click is a click even if the frame between press and release takes long.
+        // A slow frame must not turn a click into a drag.
         context.options_mut(|options| options.input_options.max_click_duration = f64::INFINITY);
         Self {
             opened: Some((opened.options, opened.load)),
@@ -211,17 +203,16 @@ impl App {
         })
     }
 
-    /// Ends the program.
     fn end(&mut self, events: &ActiveEventLoop, ended: Windowed) {
         self.ended = ended;
         events.exit();
     }
 
-    /// One pass of the window: what a person did, then what is seen.
+    /// Runs one pass: input, then painting.
     fn frame(&mut self, events: &ActiveEventLoop) {
         let Some(screen) = &mut self.screen else { return };
         let PhysicalSize { width, height } = screen.size;
-        // A minimised window may have no pixel.
+        // A minimised window may have no pixels.
         let (Some(columns), Some(rows)) = (NonZeroU32::new(width), NonZeroU32::new(height)) else { return };
         let input = screen.egui_input();
         self.is_press_unseen = false;
@@ -244,7 +235,7 @@ impl App {
             buffer.present()
         });
         if let Err(error) = presented {
-            // A surface that is lost is made anew once; if that is no good either, it is told.
+            // Creates a lost surface again once, then gives up.
             let again = std::mem::replace(&mut self.is_renewed, true);
             match surface_of(&screen.window) {
                 Ok(surface) if !again => {
@@ -263,10 +254,10 @@ impl App {
         }
     }
 
-    /// Tells the renderer of a state that differs in what it makes.
+    /// Sends a changed state to the renderer.
     fn ask(&mut self) {
         self.state.name_files();
-        // The wipe and the halves' places are the window's own.
+        // The wipe is the window's own.
         let wanted = State { wipe: 0.0, ..self.state.clone() };
         if self.asked.as_ref() == Some(&wanted) {
             return;
@@ -275,7 +266,6 @@ impl App {
         if let Some(worker) = &self.worker {
             worker.ask(self.generation, wanted.clone());
         }
-        // Told where it takes long.
         self.shown.standing = Standing::Busy;
         let soon = Instant::now() + TOLD_AFTER;
         self.wakes_at = Some(self.wakes_at.map_or(soon, |at| at.min(soon)));
@@ -290,7 +280,7 @@ impl App {
         self.panel.arrive(&self.shown);
         let inputs = [ENVIRONMENT, SCENE].map(|axis| self.state.point[axis].clone());
         match &self.shown.standing {
-            // A file that cannot be shown gives way to the one before, so that it stands in the way of nothing else.
+            // Returns to the last file that loaded.
             Standing::Refused(why) if self.shown.generation == self.generation => {
                 if let Some(before) = self.accepted.clone().filter(|before| *before != inputs) {
                     self.panel.tell_fault(why.clone());
@@ -315,7 +305,6 @@ impl App {
         }
     }
 
-    /// Saves what is shown in a folder of its own.
     fn save(&mut self) {
         match self.saved() {
             Ok(folder) => self.panel.tell(format!("saved in {}", folder.display())),
@@ -357,7 +346,7 @@ impl App {
         Ok(folder)
     }
 
-    /// Writes what tests ask for, where they do. A window that is still asks for no pass at once.
+    /// Writes the file for tests.
     fn tell(&mut self, is_still: bool) {
         let Some((path, before)) = &mut self.told else { return };
         let scale = f64::from(self.context.pixels_per_point());
@@ -383,7 +372,7 @@ impl App {
         })
         .to_string();
         if text != *before {
-            // Whole or not at all; a test that cannot be told waits in vain and says so.
+            // Replaces the file in one step.
             let part = path.with_extension("part");
             let _ = std::fs::write(&part, &text).and_then(|()| std::fs::rename(&part, &*path));
             *before = text;
@@ -391,7 +380,6 @@ impl App {
     }
 }
 
-/// The fonts that figures are set in.
 fn fonts() -> egui::FontDefinitions {
     let mut fonts = egui::FontDefinitions::empty();
     let files = [("text", epaint_default_fonts::UBUNTU_LIGHT), ("code", epaint_default_fonts::HACK_REGULAR)];
@@ -415,7 +403,7 @@ impl ApplicationHandler<Arrived> for App {
         }
         if let Some((options, load)) = self.opened.take() {
             let proxy = self.proxy.clone();
-            // The window is gone: nobody is left to be woken.
+            // The window may be gone.
             let wake = move || drop(proxy.send_event(Arrived));
             match Worker::start(options, load, wake) {
                 Ok(worker) => self.worker = Some(worker),
@@ -440,7 +428,7 @@ impl ApplicationHandler<Arrived> for App {
     }
 
     fn window_event(&mut self, events: &ActiveEventLoop, _: WindowId, event: WindowEvent) {
-        // A slider sees a press only in a pass of its own: a click within a slow frame would be lost.
+        // A slider needs a pass between press and release.
         if let WindowEvent::MouseInput { state, .. } = event {
             if self.is_press_unseen && !state.is_pressed() {
                 self.frame(events);
@@ -461,7 +449,6 @@ impl ApplicationHandler<Arrived> for App {
                 events.exit();
             }
             WindowEvent::Destroyed => {
-                // Whatever is asked of it now fails.
                 self.screen = None;
                 self.end(events, Windowed::Lost("the window was taken away".to_owned()));
             }

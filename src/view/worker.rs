@@ -1,7 +1,6 @@
-//! The renderer's thread: takes the newest state, shows it coarsely at once where the whole would take long, then whole, then refines the
+//! The renderer's thread. It takes the newest state, shows it coarsely if the whole takes long, then whole, then
+//! refines the
 //! reference until the state changes.
-//!
-//! Long because both ends of the exchange between the threads are read together.
 
 use super::picture::{Picture, of_frame, of_gbuffer, of_tables};
 use super::state::{Image, Side, State};
@@ -19,60 +18,55 @@ use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-/// Time in which a state that changes is to be shown, ms.
+/// Time to show a changed state, ms.
 const COARSE_MS: f64 = 60.0;
-/// A state whose first picture takes longer, since tables are made for it, gives way to the next one.
+/// A first picture that takes longer, because of its tables, gives way to the next state.
 const PATIENCE: Duration = Duration::from_secs(5);
-/// The coarsest picture has this fraction of the resolution.
+/// Divisor of the coarsest resolution.
 const COARSEST: u32 = 8;
-/// Side of the picture that is shown first where nothing is known of its time.
+/// Side of the first picture, before any time is known.
 const FIRST_SIDE: f64 = 128.0;
-/// Whole frames that are kept: those of one state, and of what a person goes back to.
+/// Whole frames in memory.
 const KEPT: usize = 8;
-/// Texels of the largest level that is read for a picture of tables.
+/// Texels of the largest level in a picture of tables.
 const TABLE_TEXELS: u32 = 1 << 15;
 
-/// A frame as it is painted.
 #[derive(Clone, Debug)]
 pub struct Shot {
     pub image: Image,
     pub frame: Arc<Frame>,
     pub picture: Arc<Rgb8Image>,
-    /// Its resolution is this fraction of the state's.
+    /// Divisor of the state's resolution.
     pub scale: u32,
-    /// The headline metric against the reference, where that is there.
+    /// The headline metric, once there is a reference.
     pub score: Option<f64>,
 }
 
-/// How the work stands.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub enum Standing {
     #[default]
     Busy,
-    /// All that the state asks for is shown.
     Done,
-    /// The state cannot be shown; the window shows what was before.
+    /// The state cannot be shown; the previous picture stays.
     Refused(String),
-    /// Nothing more can be rendered, but a new process may.
+    /// The renderer ended, but a new process may work.
     Lost(String),
-    /// Nothing more can be rendered.
+    /// The renderer ended.
     Failed(String),
 }
 
-/// What there is to paint.
 #[derive(Clone, Debug, Default)]
 pub struct Shown {
     pub generation: u64,
     pub left: Option<Shot>,
     pub right: Option<Shot>,
     pub truth: Option<Shot>,
-    /// A picture that has no halves.
+    /// A picture without halves.
     pub part: Option<Arc<Rgb8Image>>,
-    /// Levels of the prefiltered map, where it was read.
+    /// Levels of the prefiltered map, if it was read.
     pub level_count: u32,
     pub standing: Standing,
     pub device: Option<DeviceInfo>,
-    /// Messages of the validation layer.
     pub messages: Vec<String>,
 }
 
@@ -85,16 +79,16 @@ impl Shown {
     }
 }
 
-/// What the two threads share.
+/// What both threads share.
 #[derive(Default)]
 struct Post {
     state: Mutex<Option<(u64, State)>>,
     shown: Mutex<Shown>,
     is_closed: AtomicBool,
     arrived: Condvar,
-    /// Since when the renderer is at its state.
+    /// Start of work on the current state.
     begun: Mutex<Option<Instant>>,
-    /// Ends what refines.
+    /// Ends refinement.
     interrupt: Arc<AtomicBool>,
     /// Ends first pictures, too.
     is_overdue: Arc<AtomicBool>,
@@ -104,14 +98,14 @@ fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// The window's end.
+/// The window's side of the thread.
 pub struct Worker {
     post: Arc<Post>,
     thread: Option<JoinHandle<()>>,
 }
 
 impl Worker {
-    /// Starts the thread; `wake` is called from there when there is something new. The device opens there too.
+    /// Starts the thread, which opens the device and calls `wake` at each update.
     pub fn start(options: Options, load: LoadOptions, wake: impl Fn() + Send + 'static) -> std::io::Result<Self> {
         let post = Arc::new(Post::default());
         let theirs = post.clone();
@@ -131,9 +125,9 @@ impl Worker {
         Ok(Self { post, thread: Some(thread) })
     }
 
-    /// Asks for a state in place of the one before.
+    /// Requests a state in place of the one before.
     pub fn ask(&self, generation: u64, state: State) {
-        // Held to the end: the renderer takes the state and lowers the flags under the same lock.
+        // The renderer takes the state and lowers the flags under the same lock.
         let mut held = lock(&self.post.state);
         *held = Some((generation, state));
         self.post.interrupt.store(true, Ordering::Relaxed);
@@ -147,7 +141,7 @@ impl Worker {
         lock(&self.post.shown).clone()
     }
 
-    /// Ends the thread and tells what there was to tell.
+    /// Ends the thread and returns its last update.
     pub fn close(&mut self) -> Shown {
         {
             let _held = lock(&self.post.state);
@@ -156,7 +150,7 @@ impl Worker {
             }
             self.post.arrived.notify_one();
         }
-        // A panic was told already.
+        // A panic was reported already.
         self.thread.take().map(JoinHandle::join);
         self.shown()
     }
@@ -168,7 +162,6 @@ impl Drop for Worker {
     }
 }
 
-/// What the thread owns.
 struct Renderer<'a> {
     post: &'a Post,
     wake: &'a dyn Fn(),
@@ -178,11 +171,10 @@ struct Renderer<'a> {
     scene: Option<(String, Arc<Scene>)>,
     kept: Recent<Image, Arc<Frame>>,
     shown: Shown,
-    /// Time of a pixel of the last coarse picture, ms, and what hung on it.
+    /// Time per pixel of the last coarse picture, ms, and the point that it depends on.
     pixel_ms: Option<(Point, f64)>,
 }
 
-/// Why a state is not shown.
 enum Stop {
     Refused(String),
     Broken(PipelineError),
@@ -216,7 +208,7 @@ impl<'a> Renderer<'a> {
         Ok(())
     }
 
-    /// Waits for the next state; `None` when the window is closed.
+    /// Waits for the next state; `None` if the window is closed.
     fn next(&self) -> Option<(u64, State)> {
         let mut state = lock(&self.post.state);
         loop {
@@ -270,7 +262,7 @@ impl<'a> Renderer<'a> {
                 self.pixel_ms = Some((cost_of(state), started.elapsed().as_secs_f64() * 1e3 / (width * height)));
             }
         }
-        // What refines gives way at once; a first picture, with its tables, is finished.
+        // Only a first picture is finished before the next state.
         if is_there || scale > 1 {
             self.pipeline.interrupt_by(Some(self.post.interrupt.clone()));
         }
@@ -283,7 +275,7 @@ impl<'a> Renderer<'a> {
         Ok(())
     }
 
-    /// The environment and the scene of a state, from memory where they are those of before.
+    /// Loads the environment and scene, unless they are the last ones.
     fn inputs(&mut self, state: &State) -> Result<(Arc<Environment>, Arc<Scene>), Stop> {
         let settings = state.point.settings();
         settings.shading.precompute.validate().map_err(|error| Stop::Refused(error.to_string()))?;
@@ -304,7 +296,7 @@ impl<'a> Renderer<'a> {
         Ok((environment.expect("loaded above"), scene.expect("loaded above")))
     }
 
-    /// The fraction of the resolution that is shown in time, as far as the last picture tells.
+    /// Estimates the divisor of the resolution that can be shown in time.
     fn scale(&self, state: &State) -> u32 {
         let [width, height] = state.size().map(f64::from);
         let pixels = match &self.pixel_ms {
@@ -315,7 +307,7 @@ impl<'a> Renderer<'a> {
         [1, 2, 4].into_iter().find(fits).unwrap_or(COARSEST)
     }
 
-    /// Shows both halves, and the reference where the picture needs it. Whether a table was made.
+    /// Shows both halves, and the reference if needed. Returns whether it made a table.
     fn shoot(
         &mut self,
         state: &State,
@@ -352,7 +344,7 @@ impl<'a> Renderer<'a> {
         Ok(made)
     }
 
-    /// Draws the reference by `count` samples a pixel and scores the halves.
+    /// Renders the reference with `count` samples per pixel and scores the halves.
     fn refine(&mut self, state: &State, inputs: (&Arc<Environment>, &Scene), count: u32) -> Result<(), Stop> {
         let image = state.truth(count);
         let truth = self.frame(&image, inputs)?;
@@ -393,14 +385,14 @@ impl<'a> Renderer<'a> {
         Ok(())
     }
 
-    /// The frame of an image: a kept one, or a new one.
+    /// Renders an image unless its frame is in memory.
     fn frame(&mut self, image: &Image, (environment, scene): (&Arc<Environment>, &Scene)) -> Result<Arc<Frame>, Stop> {
         let render = || Ok(Arc::new(self.pipeline.render(&image.request(environment, scene))?));
         self.kept.get_or_make(image.clone(), render)
     }
 }
 
-/// What the time of a pixel hangs on: all but the case, whose values change while a person turns it.
+/// Keeps the values that the time of a pixel depends on.
 fn cost_of(state: &State) -> Point {
     let mut point = state.image(Side::Left, 1).point;
     for (axis, value) in AXES.iter().zip(&mut point.0) {

@@ -1,4 +1,4 @@
-//! The directions of a level's texels, with their shares of the sphere.
+//! The directions of a level's texels, with their solid angles.
 
 use crate::bakes::convention::Axes;
 use crate::environment::layout::MapLayout;
@@ -6,7 +6,7 @@ use crate::pixels::RgbImage;
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
-/// Texels of a level, face after face and row after row.
+/// Texels of a level, face by face and row by row.
 pub struct Directions {
     /// In the world.
     pub world: Vec<DVec3>,
@@ -18,7 +18,6 @@ pub struct Directions {
 }
 
 impl Directions {
-    /// Those of faces of `size` texels.
     pub fn new(layout: &'static MapLayout, axes: Axes, size: [u32; 2]) -> Self {
         let of = |index: usize| place(layout, size, index, DVec2::splat(0.5));
         let count = layout.face_count as usize * size[0] as usize * size[1] as usize;
@@ -33,13 +32,13 @@ impl Directions {
         }
     }
 
-    /// Face, column and row of a texel.
+    /// Returns face, column and row of a texel.
     pub fn texel(&self, index: usize) -> [usize; 3] {
         let [width, height] = self.size.map(|side| side as usize);
         [index / (width * height), index % width, index / width % height]
     }
 
-    /// Means of a function over `n` x `n` points of each texel.
+    /// Averages a function over `n` x `n` points of each texel.
     pub fn means(&self, n: u32, value: impl Fn(DVec3) -> DVec3 + Sync) -> Vec<DVec3> {
         let points: Vec<DVec2> =
             (0..n * n).map(|k| DVec2::new(f64::from(k % n) + 0.5, f64::from(k / n) + 0.5) / f64::from(n)).collect();
@@ -51,7 +50,7 @@ impl Directions {
         (0..self.world.len()).into_par_iter().map(mean).collect()
     }
 
-    /// Every `stride`-th texel of each row and column.
+    /// Lists every `stride`-th texel of each row and column.
     pub fn subset(&self, stride: usize) -> Vec<usize> {
         let is_in = |index: &usize| {
             let [_, x, y] = self.texel(*index);
@@ -60,7 +59,6 @@ impl Directions {
         (0..self.world.len()).filter(is_in).collect()
     }
 
-    /// The directions of some of the texels.
     pub fn only(&self, chosen: &[usize]) -> Self {
         Self {
             world: chosen.iter().map(|index| self.world[*index]).collect(),
@@ -70,7 +68,7 @@ impl Directions {
     }
 }
 
-/// The file's direction at a point of a texel.
+/// Returns the file's direction at a point of a texel.
 fn place(layout: &MapLayout, [width, height]: [u32; 2], index: usize, point: DVec2) -> DVec3 {
     let (w, h) = (width as usize, height as usize);
     let (face, x, y) = (index / (w * h), index % w, index / w % h);
@@ -78,7 +76,7 @@ fn place(layout: &MapLayout, [width, height]: [u32; 2], index: usize, point: DVe
     (layout.direction)(face as u32, at)
 }
 
-/// The texels of a level in the same order, times a scale.
+/// Lists the texels of a level in the same order, times a scale.
 pub fn texels(faces: &[RgbImage], scale: f64) -> Vec<DVec3> {
     let texel = |texel: &[f32; 3]| DVec3::from_array(texel.map(f64::from)) * scale;
     faces.iter().flat_map(|face| &face.data).map(texel).collect()

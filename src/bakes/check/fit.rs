@@ -1,40 +1,39 @@
-//! Which width and gain would explain what a level holds.
+//! Fits the width and gain that best explain a level.
 
 use super::directions::Directions;
 use super::{Truth, errors};
 use crate::metrics::Epsilon;
 use glam::DVec3;
 
-/// How much narrower or wider than a level's own the lobes are that are tried.
+/// Tries lobes narrower and wider by this factor.
 const REACH: f64 = 4.0;
-/// Directions that a fit looks at, about.
+/// Approximate number of directions in a fit.
 const DIRECTIONS: usize = 600;
-/// Highest degree that a fit looks at.
+/// Highest degree of spherical harmonics in a fit.
 pub const DEGREE_MAX: usize = 320;
-/// Narrower lobes are not tried: they reach beyond that degree.
+/// Narrower lobes reach beyond [`DEGREE_MAX`].
 const ALPHA_MIN: f64 = 5.0 / DEGREE_MAX as f64;
-/// Widths that are tried on the grid, and by bisection about the best of them.
+/// Widths on the grid, then bisections around the best.
 const GRID: i32 = 12;
 const REFINED: u32 = 8;
 
-/// The lobe that comes nearest to a level.
+/// The lobe that fits a level best.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Fit {
-    /// Its width.
     pub alpha: f64,
-    /// What the level is of it: 1.1 is 10 % too bright.
+    /// Factor on the lobe: 1.1 means the level is 10 % too bright.
     pub gain: f64,
-    /// relMSE that is left, as a share of what the lobe of the level's own width leaves with a gain of 1.
+    /// relMSE of the fit over the relMSE of the level's own width at a gain of 1.
     pub left: f64,
 }
 
-/// Fits a level of the width `alpha`; `found` are its texels at `directions`. None for lobes too narrow to fit.
+/// Fits a level of width `alpha` with texels `found` at `directions`; `None` for lobes too narrow to fit.
 pub fn fit(truth: &Truth, directions: &Directions, found: &[DVec3], alpha: f64) -> Option<Fit> {
     if alpha < ALPHA_MIN {
         return None;
     }
     let side = (directions.world.len() as f64 / DIRECTIONS as f64).sqrt();
-    // Odd, so that what differs from column to column is not one of them alone.
+    // An odd stride covers all columns.
     let chosen = directions.subset(side.round() as usize | 1);
     let found: Vec<DVec3> = chosen.iter().map(|index| found[*index]).collect();
     let directions = directions.only(&chosen);
@@ -62,7 +61,7 @@ pub fn fit(truth: &Truth, directions: &Directions, found: &[DVec3], alpha: f64) 
     Some(best)
 }
 
-/// The gain g of least mean `(found/g - exact)²/(exact² + ε)`.
+/// Returns the gain g of least mean `(found/g - exact)²/(exact² + ε)`.
 pub fn gain(directions: &Directions, found: &[DVec3], exact: &[DVec3], epsilon: Epsilon) -> f64 {
     let (mut product, mut square) = (0.0, 0.0);
     for ((weight, found), exact) in directions.weights.iter().zip(found).zip(exact) {

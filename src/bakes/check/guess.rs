@@ -1,4 +1,4 @@
-//! Which axes fit a map: all 48 are tried against the environment.
+//! Finds the axes of a map by comparing all 48 with the environment.
 
 use super::directions::Directions;
 use super::{Truth, has_width};
@@ -8,35 +8,34 @@ use crate::environment::layout::{FilteredMap, LAYOUTS};
 use crate::pixels::RgbImage;
 use glam::DVec3;
 
-/// Width of the lobe that is compared: wide enough that no texel decides, narrow enough to tell directions apart.
+/// Width of the compared lobe: wide enough to average texels, narrow enough to distinguish directions.
 const ALPHA: f64 = 0.15;
-/// Side of the cube of directions.
+/// Side of the cube of directions, texels.
 const SIDE: u32 = 16;
-/// Points a side of each of its texels, so that a mirror is compared by its means.
+/// Points per side of a texel, to average a mirror level.
 const SUPERSAMPLED: u32 = 8;
-/// Beside radiance under the logarithm, as a share of the mean: a lamp counts, but not alone.
+/// Added to radiance before the logarithm, as a share of the mean, so that a lamp does not decide alone.
 const FLOOR: f64 = 0.1;
-/// How much less variance the best must leave than the next one to be clear.
+/// A fit is clear if it leaves this many times less variance than the next.
 const CLEAR: f64 = 4.0;
 
-/// Correlation below which a map and a light have nothing in common: bakes of the light itself have 0.95 or more in some axes, those of
-/// another light 0.8 at most.
+/// Correlation below which a map belongs to another light: bakes of the light itself reach 0.95, of other lights at
+/// most 0.8.
 pub const SAME_LIGHT: f64 = 0.9;
 
-/// Axes and how well they fit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AxesFit {
     pub axes: Axes,
-    /// Correlation of the logarithms of the bake and of the light.
+    /// Correlation of the logarithms of bake and light.
     pub correlation: f64,
 }
 
-/// Every orientation of a map, best first. The level whose width is nearest to `ALPHA` is compared.
+/// Ranks every orientation of a map, best first, by the level whose width is nearest to `ALPHA`.
 pub fn axes(truth: &Truth, map: &Map, convention: &Convention) -> Result<Vec<AxesFit>, String> {
     let alphas = convention.alphas(map.levels.len())?;
     let off = |level: &usize| (alphas[*level].max(1e-3) / ALPHA).ln().abs();
     let level = (0..alphas.len()).min_by(|a, b| off(a).total_cmp(&off(b))).expect("a map has levels");
-    // Against the light of another width than that of the level.
+    // Compares with the light at another width than the level's.
     let fits = |factor: f64| {
         let light = truth.prefiltered((factor * alphas[level]).clamp(ALPHA / 2.0, 1.0));
         ranked(truth, map, level, |direction| light.value(direction))
@@ -63,13 +62,13 @@ pub fn axes(truth: &Truth, map: &Map, convention: &Convention) -> Result<Vec<Axe
     Ok(best)
 }
 
-/// As [`axes`], for a map of irradiance.
+/// Ranks every orientation of an irradiance map.
 pub fn irradiance_axes(truth: &Truth, map: &Map) -> Vec<AxesFit> {
     let light = truth.irradiance();
     ranked(truth, map, 0, |direction| light.value(direction))
 }
 
-/// Turns and mirrors of a cube lead its cells to cells.
+/// Directions of a cube, whose texels map to texels under every orientation.
 fn directions() -> Directions {
     Directions::new(&LAYOUTS[0], Axes::SAME, [SIDE; 2])
 }
@@ -77,7 +76,7 @@ fn directions() -> Directions {
 fn ranked(truth: &Truth, map: &Map, level: usize, light: impl Fn(DVec3) -> DVec3) -> Vec<AxesFit> {
     let directions = directions();
     let floor = FLOOR * truth.environment.luminance.mean.max(f64::MIN_POSITIVE);
-    // A gain moves nothing: the floor of the bake is that of its own mean.
+    // The floor scales with the bake's own mean, so a gain has no effect.
     let texels = |image: &RgbImage| image.map(|texel| DVec3::from_array(texel.map(f64::from)));
     let found = FilteredMap { layout: map.layout, levels: vec![map.levels[level].iter().map(texels).collect()] };
     let values = directions.means(SUPERSAMPLED, |direction| found.value(direction, 0.0));
@@ -106,12 +105,11 @@ fn correlation(weights: &[f64], a: &[f64], b: &[f64]) -> f64 {
     if aa * bb > 0.0 { ab / (aa * bb).sqrt() } else { 0.0 }
 }
 
-/// Whether the best of ranked fits leaves far less variance than another one.
+/// Whether the best fit leaves far less variance than another.
 pub fn is_clear(best: AxesFit, other: AxesFit) -> bool {
     1.0 - other.correlation * other.correlation.abs() > CLEAR * (1.0 - best.correlation * best.correlation.abs())
 }
 
-/// The fits in a sentence.
 pub fn in_words(fits: &[AxesFit]) -> String {
     let [best, next] = [fits[0], fits[1]];
     let mirror = if best.axes.is_mirror() { ", a mirror" } else { "" };

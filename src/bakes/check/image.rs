@@ -1,14 +1,12 @@
-//! What given tables do to an image: rungs of the split sum's ladder with them in place of ours, each against the exact integral.
-//!
-//! The surfaces are those of the scene `design` ([`design::frame`]): directions of reflection even over the sphere, n·v even over (0, 1).
-//! With A and B the directional albedo and `m(r, alpha)` prefiltered radiance, both exact, the rungs are
-//!
-//! 1. the split sum itself, `(f0 A + B) m(r, alpha)`: what no table mends;
-//! 2. its levels: for m the linear blend of the exact widths of the two levels around alpha;
-//! 3. the map: the blend of what its texels hold, linear between them;
-//! 4. the table: for A and B what it holds, linear between texels.
-//!
-//! Where the split sum errs by far more than the tables, rungs barely move; so the last is held against the first, too.
+//! Effect of given tables on an image, rung by rung, each compared with the exact integral.
+//! | The surfaces are those of the scene `design` ([`design::frame`]). With A and B the exact directional albedo and
+//! `m(r, alpha)` exact prefiltered radiance:
+//! | 1. the split sum, `(f0 A + B) m(r, alpha)`;
+//! 2. its levels: m blended linearly between exact levels;
+//! 3. the map: m from the given texels;
+//! 4. the table: A and B from the given texels.
+//! | If the split sum errs far more than the tables, rungs barely move, so the last rung is also compared with the
+//! first.
 
 use super::level::level_of;
 use super::{Truth, has_width, relative_square};
@@ -27,17 +25,16 @@ use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 use serde::Serialize;
 
-/// Widths of the surfaces.
 pub const ALPHAS: [f64; 5] = [0.05, 0.1, 0.25, 0.5, 1.0];
-/// Their reflectances at normal incidence: a dielectric, and all of it.
+/// F0 of a dielectric and of a perfect reflector.
 const F0: [f64; 2] = [0.04, 1.0];
-/// Surfaces of each width.
+/// Surfaces for each width.
 pub const COUNT: u32 = 128;
-/// Bounds of the integrals; true errors are a tenth of them and less, relMSE below 1e-8.
+/// Error bounds of the integrals; true errors are at most a tenth, relMSE below 1e-8.
 const WITHIN: Tolerance = Tolerance { relative: 1e-3, max_part_count: 20_000 };
 const ALBEDO_WITHIN: f64 = 1e-4;
 
-/// relMSE of each rung, one after the other, for one width and reflectance; those of what is not given are left out.
+/// relMSE of each rung for one width and F0; `None` for rungs without a table.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ImageScore {
     pub alpha: f64,
@@ -46,22 +43,21 @@ pub struct ImageScore {
     pub levels: Option<f64>,
     pub map: Option<f64>,
     pub table: Option<f64>,
-    /// relMSE of the last rung against the first: what the tables alone do.
+    /// relMSE of the last rung against the first: the effect of the tables alone.
     pub alone: f64,
 }
 
-/// One surface of a width.
 struct Looked {
-    /// Radiance for f0 = 1 and 0.
+    /// Radiance for F0 = 1 and 0.
     exact: [DVec3; 2],
-    /// Of rungs 1 to 3, as far as there is a map.
+    /// Prefiltered radiance of rungs 1 to 3.
     means: Vec<DVec3>,
-    /// (A, B), exact and as the table holds them.
+    /// (A, B), exact and from the table.
     albedo: DVec2,
     table: Option<DVec2>,
 }
 
-/// Scores what a map and a table do; nothing without both.
+/// Scores the effect of the map and the table; empty without either.
 pub fn score(truth: &Truth, bake: &Bake, convention: &Convention) -> Result<Vec<ImageScore>, String> {
     if bake.specular.is_none() && bake.dfg.is_none() {
         return Ok(Vec::new());
@@ -144,7 +140,6 @@ pub fn score(truth: &Truth, bake: &Bake, convention: &Convention) -> Result<Vec<
     Ok(scores)
 }
 
-/// What the tables do, in a sentence.
 pub fn in_words(scores: &[ImageScore]) -> Option<String> {
     let worst = scores.iter().max_by(|a, b| a.alone.total_cmp(&b.alone))?;
     Some(format!(

@@ -1,4 +1,4 @@
-//! Judging a whole bake: every part against its integral, by the conventions that are given or that fit best.
+//! Judges a whole bake: every part against its integral.
 
 use super::guess::{self, AxesFit};
 use super::image::{self, ImageScore};
@@ -14,47 +14,41 @@ use crate::precompute::prefilter::{Kernel, WEIGHTS, Weight};
 use crate::spelling::Listed;
 use glam::DVec3;
 
-/// How a bake is judged.
 #[derive(Clone, Debug)]
 pub struct Judging {
-    /// The model that was baked.
     pub brdf: &'static dyn Brdf,
-    /// Weight of the prefiltered map.
     pub weight: &'static Weight,
     pub convention: Convention,
-    /// Tries every convention and takes those that fit best.
+    /// Tries every convention and uses the best.
     pub is_guessed: bool,
-    /// Scores what the tables do to an image, which takes as long as the rest.
+    /// Scores the effect on an image, which doubles the time.
     pub has_image: bool,
 }
 
-/// The scores of a bake.
 #[derive(Clone, Debug)]
 pub struct Judged {
-    /// The conventions of the scores: given, or those that fit best.
+    /// The given conventions, or the best fit.
     pub convention: Convention,
-    /// Of each map its name and how well axes fit it, best first.
+    /// Name of each map, and its fits, best first.
     pub axes: Vec<(&'static str, Vec<AxesFit>)>,
-    /// How well conventions fit the table, in words, if they were tried.
+    /// How well conventions fit the table, if they were searched.
     pub table_way: Option<String>,
-    /// Scores of the prefiltered map, finest level first.
+    /// Finest level first.
     pub levels: Vec<LevelScore>,
     pub irradiance: Option<LevelScore>,
     pub dfg: Option<TableScore>,
     pub sh: Option<ShScore>,
-    /// Empty unless images were scored.
+    /// Empty unless requested.
     pub image: Vec<ImageScore>,
-    /// Largest relative difference of the worst level's integrals from adaptive cubature at three directions.
+    /// Largest relative difference of the worst level from adaptive cubature at three directions.
     pub spot_check: Option<f64>,
 }
 
-/// Name of a map of irradiance in [`Judged::axes`].
+/// Name of the irradiance map in [`Judged::axes`].
 pub const IRRADIANCE: &str = "irradiance map";
 
 impl Judging {
-    /// GGX by the conventions that files state of themselves, and by those of `splitsum bake` where they state none.
-    ///
-    /// Fails with a name that is unknown.
+    /// Judges GGX by the conventions that the files state, else by those of `splitsum bake`. Fails on an unknown name.
     pub fn stated(told: &Told) -> Result<Self, String> {
         let preset = told.preset.as_deref().map_or(Ok(&PRESETS[0]), Preset::parse)?;
         let mut convention = preset.convention();
@@ -67,13 +61,12 @@ impl Judging {
     }
 
     /// Scores each part of `bake` against its integral over `environment`.
-    ///
-    /// Fails if the convention's widths are not one for each level.
+    /// | Fails unless the convention has one width per level.
     pub fn judge(&self, environment: &Environment, bake: &Bake) -> Result<Judged, String> {
         self.judge_saying(environment, bake, |_| ())
     }
 
-    /// Does the same and says what it begins, in a few words.
+    /// Does the same and reports each step to `doing`.
     pub fn judge_saying(
         &self,
         environment: &Environment,
@@ -84,7 +77,7 @@ impl Judging {
         let kernel = Kernel::new(self.brdf, self.weight, convention.masking);
         let alphas = bake.specular.as_ref().map_or(Ok(Vec::new()), |map| convention.alphas(map.levels.len()))?;
         doing("integrating the exact maps");
-        // Surfaces of an image are of other widths than the levels.
+        // The surfaces of an image have widths of their own.
         let truth = &Truth::judging(environment, kernel, &[&alphas[..], &image::ALPHAS].concat());
         doing("comparing the axes");
         let mut axes = Vec::new();
@@ -113,7 +106,7 @@ impl Judging {
             Some(map) => level::score(truth, map, &convention)?,
             None => Vec::new(),
         };
-        // The integral itself, where a level is worst.
+        // Checks the integral itself where a level is worst.
         let wide = levels.iter().filter(|level| super::has_width(level.alpha));
         let worst = wide.max_by(|a, b| a.errors.relmse.total_cmp(&b.errors.relmse));
         let spot_check =
@@ -130,7 +123,7 @@ impl Judging {
             levels,
             spot_check,
         };
-        // A width or a gain would explain nothing of another light, or of other axes.
+        // A fit explains nothing if the light or the axes are wrong.
         if judged.axes.iter().any(|(what, fits)| judged.doubt(what, fits).is_some()) {
             judged.levels.iter_mut().chain(&mut judged.irradiance).for_each(LevelScore::doubt);
             judged.sh.iter_mut().for_each(ShScore::doubt);
@@ -144,12 +137,12 @@ impl Judging {
 }
 
 impl Judged {
-    /// What the axes that fit a map best say of those that were used, and of the light; `None` if nothing speaks against them.
+    /// Describes why the axes or the light seem wrong, if they do.
     pub fn doubt(&self, what: &str, fits: &[AxesFit]) -> Option<String> {
         let used: Axes = self.convention.axes;
         let hint =
             if what == IRRADIANCE { "; if it is the map itself as a cube of one level: specular=FILE" } else { "" };
-        // A level that holds its integral is of this light, and with a constant light nothing correlates.
+        // A good level proves the light. With a constant light nothing correlates.
         let is_wrong = self.levels.iter().chain(&self.irradiance).all(|score| score.errors.relmse > GOOD);
         if is_wrong && fits[0].correlation < guess::SAME_LIGHT {
             let (axes, correlation) = (fits[0].axes, fits[0].correlation);

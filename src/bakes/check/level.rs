@@ -1,4 +1,4 @@
-//! The score of a level: errors, the worst direction, and what would explain them.
+//! The score of a level: errors, the worst direction, and a likely cause.
 
 use super::directions::{Directions, texels};
 use super::fit::{self, Fit};
@@ -17,32 +17,26 @@ use std::f64::consts::PI;
 pub struct Worst {
     /// In the world.
     pub direction: DVec3,
-    /// Face, column and row.
     pub texel: [usize; 3],
     /// Radiance of the bake and of the integral.
     pub found: DVec3,
     pub exact: DVec3,
 }
 
-/// How wrong a level is.
 #[derive(Clone, Debug)]
 pub struct LevelScore {
-    /// Width and height of a face, texels.
     pub size: [u32; 2],
-    /// Width of its lobe by the convention.
     pub alpha: f64,
-    /// At its texels.
+    /// Errors at its texels.
     pub errors: Errors,
-    /// relMSE of lookups between its texels; none of a mirror and of irradiance.
+    /// relMSE of lookups between texels; `None` for a mirror level and for irradiance.
     pub between: Option<f64>,
     pub worst: Worst,
-    /// Where the level is not [`GOOD`].
+    /// Set if the level is not [`GOOD`].
     pub fit: Option<Fit>,
-    /// In words.
     pub verdict: String,
 }
 
-/// Scores every level of a prefiltered map.
 pub fn score(truth: &Truth, map: &Map, convention: &Convention) -> Result<Vec<LevelScore>, String> {
     let alphas = convention.alphas(map.levels.len())?;
     let of = |(faces, &alpha): (&Vec<RgbImage>, &f64)| {
@@ -61,7 +55,7 @@ pub fn score(truth: &Truth, map: &Map, convention: &Convention) -> Result<Vec<Le
     Ok(map.levels.iter().zip(&alphas).map(of).collect())
 }
 
-/// relMSE of a level of width `alpha` at four points of each of its texels, looked up as a GPU does: linear, across the edges of faces.
+/// Returns relMSE at four points per texel, looked up as a GPU does: linear, across the edges of faces.
 pub fn between_texels(
     truth: &Truth,
     layout: &'static MapLayout,
@@ -76,13 +70,12 @@ pub fn between_texels(
     errors(&directions, &found.collect::<Vec<_>>(), &exact(truth, &directions, alpha), truth.epsilon(), 1.0).relmse
 }
 
-/// Scores a map of irradiance over π.
 pub fn score_irradiance(truth: &Truth, map: &Map, convention: &Convention) -> LevelScore {
     let faces = &map.levels[0];
     let (directions, found) = level_texels(map, faces, convention.axes, convention.irradiance_scale);
     let exact = exact_irradiance(truth, &directions);
     let (own, worst) = errors_and_worst(truth, &directions, &found, &exact);
-    // A gain alone: irradiance has no width.
+    // Irradiance has no width to fit.
     let gain = fit::gain(&directions, &found, &exact, truth.epsilon());
     let left = errors(&directions, &found, &exact, truth.epsilon(), 1.0 / gain).relmse / own.relmse;
     let fit = (own.relmse > GOOD).then_some(Fit { alpha: 1.0, gain, left });
@@ -94,7 +87,7 @@ pub fn score_irradiance(truth: &Truth, map: &Map, convention: &Convention) -> Le
     LevelScore { size: [faces[0].width, faces[0].height], alpha: 1.0, errors: own, between: None, worst, fit, verdict }
 }
 
-/// What the texels of a level of that width should hold: prefiltered radiance, or the environment, averaged over each texel.
+/// Returns exact texels of a level: prefiltered radiance, or the averaged environment for a mirror level.
 pub fn exact(truth: &Truth, directions: &Directions, alpha: f64) -> Vec<DVec3> {
     match has_width(alpha) {
         true => values(&truth.prefiltered(alpha), directions),
@@ -102,7 +95,7 @@ pub fn exact(truth: &Truth, directions: &Directions, alpha: f64) -> Vec<DVec3> {
     }
 }
 
-/// What the texels of an irradiance map should hold: irradiance over π.
+/// Returns exact texels of an irradiance map: irradiance over π.
 pub fn exact_irradiance(truth: &Truth, directions: &Directions) -> Vec<DVec3> {
     values(&truth.irradiance(), directions)
 }
@@ -115,7 +108,7 @@ fn values(map: &SmoothMap, directions: &Directions) -> Vec<DVec3> {
     directions.world.par_iter().map(|direction| map.value(*direction)).collect()
 }
 
-/// The environment, averaged over each texel by two points or more a texel of its own.
+/// Averages the environment over each texel, at least two points per texel of the environment.
 fn mirror(truth: &Truth, directions: &Directions) -> Vec<DVec3> {
     let (map, [width, height]) = (&truth.environment.image, directions.size);
     // A cube has two faces from pole to pole and four around.
@@ -137,7 +130,7 @@ fn errors_and_worst(truth: &Truth, directions: &Directions, found: &[DVec3], exa
     (errors(directions, found, exact, epsilon, 1.0), worst)
 }
 
-/// The level that a width belongs to, real, on the convention's own scale, among levels of the widths `alphas`.
+/// Returns the fractional level of a width on the convention's scale, among levels of widths `alphas`.
 pub(super) fn level_of(convention: &Convention, alphas: &[f64], alpha: f64) -> Option<f64> {
     match &convention.alphas {
         None if alphas.len() > 1 => {
@@ -147,15 +140,14 @@ pub(super) fn level_of(convention: &Convention, alphas: &[f64], alpha: f64) -> O
     }
 }
 
-/// The real level of a width among levels of any widths.
 fn between(alphas: &[f64], alpha: f64) -> Option<f64> {
     let after = alphas.iter().position(|known| *known >= alpha)?.max(1);
     let (low, high) = (*alphas.get(after - 1)?, *alphas.get(after)?);
-    // Roughness is nearly even from level to level.
+    // Roughness steps are nearly even.
     (high > low).then(|| (after - 1) as f64 + (alpha.sqrt() - low.sqrt()) / (high.sqrt() - low.sqrt()))
 }
 
-/// Share of the error that a fit may leave and still explain it.
+/// Largest share of the error that an explanation may leave.
 pub(super) const EXPLAINED: f64 = 0.25;
 
 fn verdict(errors: Errors, fit: Option<Fit>, alpha: f64, level_of: impl Fn(f64) -> Option<f64>) -> String {
@@ -181,14 +173,13 @@ fn verdict(errors: Errors, fit: Option<Fit>, alpha: f64, level_of: impl Fn(f64) 
     in_words(parts)
 }
 
-/// Levels that a verdict names.
+/// Smallest shift in levels that a verdict mentions.
 const SHIFT: f64 = 0.05;
 
-/// Why no verdict names a width, a gain or axes.
 pub(super) const DOUBT: &str = "its axes or its light do not fit, see the warning";
 
 impl LevelScore {
-    /// Takes width and gain out of the verdict: the axes do not fit, or the light is another one.
+    /// Removes width and gain from the verdict because the axes or the light do not fit.
     pub fn doubt(&mut self) {
         if self.errors.relmse > GOOD {
             self.verdict = unexplained(self.errors, DOUBT);
@@ -209,7 +200,7 @@ fn in_words(parts: Vec<String>) -> String {
     if parts.is_empty() { "slightly off".to_owned() } else { parts.join("; ") }
 }
 
-/// A gain, by the factor that was forgotten where it is one.
+/// Describes a gain, as a forgotten factor if it is near one.
 pub(super) fn gain_in_words(gain: f64) -> String {
     let known = [
         ("pi", PI),

@@ -1,7 +1,7 @@
-//! How wrong a bake is, against exact integrals over the environment's bilinear map.
-//!
-//! Prefiltered radiance and irradiance are convolutions, exact in spherical harmonics up to the degree that counts (relMSE below 1e-6).
-//! Every mean over directions is one over the sphere: each texel counts by its solid angle.
+//! How wrong a bake is, compared with exact integrals over the environment's bilinear map.
+//! | Prefiltered radiance and irradiance are convolutions, computed in spherical harmonics (relMSE below 1e-6). Means
+//! weight
+//! each texel by its solid angle.
 
 mod directions;
 mod fit;
@@ -25,25 +25,25 @@ use crate::metrics::Epsilon;
 use crate::precompute::prefilter::{Kernel, harmonic, reference};
 use glam::DVec3;
 
-/// relMSE up to which a level is as its integral: 3 % rms.
+/// Largest relMSE of a good level: 3 % rms.
 pub const GOOD: f64 = 1e-3;
 
-/// The light that a bake was made of, and the kernel that it should hold.
+/// The light of a bake, and the kernel that it should have.
 pub struct Truth<'a> {
     pub environment: &'a Environment,
     kernel: Kernel,
     harmonics: Harmonics,
-    /// Times the degree at which a bake is cut off.
+    /// Multiple of the degree at which a bake is cut off.
     reach: usize,
 }
 
 impl<'a> Truth<'a> {
-    /// Prepares the integrals for levels of these widths, cut off at the degree up to which they count.
+    /// Prepares the integrals for levels of these widths.
     pub fn new(environment: &'a Environment, kernel: Kernel, alphas: &[f64]) -> Self {
         Self::reaching(1, environment, kernel, alphas)
     }
 
-    /// The same to twice that degree: a bake of our own is not judged by its own cut-off.
+    /// Doubles the degree, so that our own bakes are not judged by their own cut-off.
     pub fn judging(environment: &'a Environment, kernel: Kernel, alphas: &[f64]) -> Self {
         Self::reaching(2, environment, kernel, alphas)
     }
@@ -51,7 +51,7 @@ impl<'a> Truth<'a> {
     fn reaching(reach: usize, environment: &'a Environment, kernel: Kernel, alphas: &[f64]) -> Self {
         let widths = alphas.iter().filter(|alpha| has_width(**alpha));
         let degree = widths.map(|alpha| harmonic::degree(*alpha)).max().unwrap_or_default();
-        // A fit asks for narrower lobes than the levels' own.
+        // A fit tries narrower lobes than the levels'.
         let degree = (reach * degree.max(harmonic::degree(1.0))).clamp(fit::DEGREE_MAX, harmonic::DEGREE_MAX);
         Self { environment, kernel, harmonics: harmonic::harmonics(&environment.image, degree), reach }
     }
@@ -60,35 +60,34 @@ impl<'a> Truth<'a> {
         harmonic::factors(kernel, alpha, degree.min(self.reach * harmonic::degree(alpha)))
     }
 
-    /// Prefiltered radiance of a width that [`has_width`].
+    /// Convolves the light for a width that [`has_width`].
     pub fn prefiltered(&self, alpha: f64) -> SmoothMap {
         self.harmonics.convolved(&self.factors(self.kernel, alpha, self.harmonics.degree()))
     }
 
-    /// The part of each degree of the light at directions.
+    /// Evaluates each degree of the light at directions.
     fn bands(&self, directions: &[DVec3], degree: usize) -> Vec<Vec<DVec3>> {
         self.harmonics.bands(degree, directions)
     }
 
-    /// Prefiltered radiance from the [`Self::bands`] at directions.
+    /// Sums prefiltered radiance from [`Self::bands`].
     fn of_bands(&self, bands: &[Vec<DVec3>], alpha: f64) -> Vec<DVec3> {
         let degree = bands.first().map_or(0, |bands| bands.len() - 1);
         let factors = self.factors(self.kernel, alpha, degree);
         bands.iter().map(|bands| bands.iter().zip(&factors).map(|(band, factor)| *band * *factor).sum()).collect()
     }
 
-    /// Irradiance over π.
+    /// Convolves the light to irradiance over π.
     pub fn irradiance(&self) -> SmoothMap {
-        // Of exponent 0 the distribution of Phong's model is constant, and the weight is n·l.
+        // At exponent 0 Phong's distribution is constant, so the weight is n·l.
         self.harmonics.convolved(&self.factors(Kernel::cosine(&Phong), 1.0, self.harmonics.degree()))
     }
 
-    /// ε of relMSE.
     pub fn epsilon(&self) -> Epsilon {
         Epsilon::of_light(self.environment.luminance.mean)
     }
 
-    /// Largest relative difference of the convolution from adaptive cubature at directions, for a width: what the scores rest on.
+    /// Returns the largest relative difference of the convolution from adaptive cubature at directions.
     pub fn spot_check(&self, alpha: f64, directions: &[DVec3]) -> f64 {
         let image = &self.environment.image;
         let quadrature = EquirectQuadrature::new(image.width, image.height, |x, y| image.get(x, y));
@@ -104,21 +103,20 @@ impl<'a> Truth<'a> {
     }
 }
 
-/// Whether a level of that width is wider than the mirror's: narrower ones are judged as the environment itself, averaged over a texel.
+/// Whether a level is wider than a mirror; others are compared with the averaged environment.
 pub fn has_width(alpha: f64) -> bool {
     alpha >= harmonic::ALPHA_MIN
 }
 
-/// relMSE and bias of values against exact ones.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Errors {
-    /// `mean d²/(r² + ε)`, over directions and channels.
+    /// `mean d²/(r² + ε)` over directions and channels.
     pub relmse: f64,
-    /// The mean over the sphere less the exact one, over the exact one.
+    /// Mean over the sphere, relative to the exact mean, minus 1.
     pub bias_rel: f64,
 }
 
-/// The errors of `gain` times a map.
+/// Scores `gain` times a map.
 pub fn errors(directions: &Directions, found: &[DVec3], exact: &[DVec3], epsilon: Epsilon, gain: f64) -> Errors {
     let (mut relmse, mut whole, mut sums) = (0.0, 0.0, [0.0; 2]);
     for ((weight, found), exact) in directions.weights.iter().zip(found).zip(exact) {
@@ -131,7 +129,7 @@ pub fn errors(directions: &Directions, found: &[DVec3], exact: &[DVec3], epsilon
     Errors { relmse: relmse / whole, bias_rel: if sums[1] > 0.0 { sums[0] / sums[1] - 1.0 } else { 0.0 } }
 }
 
-/// `d²/(r² + ε)`, the mean of the channels.
+/// Averages `d²/(r² + ε)` over channels.
 fn relative_square(found: DVec3, exact: DVec3, epsilon: Epsilon) -> f64 {
     let d = found - exact;
     (0..3).map(|c| epsilon.relative(d[c] * d[c], exact[c])).sum::<f64>() / 3.0

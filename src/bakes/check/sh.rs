@@ -1,4 +1,4 @@
-//! The score of SH: its irradiance beside that of the exact coefficients.
+//! The score of SH, by the irradiance of its coefficients.
 
 use super::directions::Directions;
 use super::level::{DOUBT, EXPLAINED, gain_in_words, unexplained};
@@ -15,20 +15,18 @@ use std::f64::consts::PI;
 /// Side of the cube of normals.
 const SIDE: u32 = 16;
 
-/// How wrong SH is.
 #[derive(Clone, Debug)]
 pub struct ShScore {
-    /// Of the irradiance, against that of the exact coefficients up to degree 2.
+    /// Errors of the irradiance, against the exact coefficients up to degree 2.
     pub errors: Errors,
     /// Largest error of a coefficient over the largest coefficient.
     pub max_error: f64,
     /// Axes that explain the error.
     pub better: Option<Axes>,
-    /// In words.
     pub verdict: String,
 }
 
-/// Scores coefficients; `axes` are those of the maps of the bake.
+/// Scores coefficients; `axes` are those of the bake's maps.
 pub fn score(truth: &Truth, found: &Coefficients, axes: Axes) -> ShScore {
     let image = &truth.environment.image;
     let exact = project_bilinear(&EquirectQuadrature::new(image.width, image.height, |x, y| image.get(x, y)));
@@ -65,7 +63,7 @@ pub fn score(truth: &Truth, found: &Coefficients, axes: Axes) -> ShScore {
 }
 
 impl ShScore {
-    /// Takes factors out of the verdict: the axes of the bake's maps do not fit, or the light is another one.
+    /// Removes factors from the verdict because the axes or the light do not fit.
     pub fn doubt(&mut self) {
         if self.errors.relmse > GOOD && self.better.is_none() {
             self.verdict = unexplained(self.errors, DOUBT);
@@ -73,7 +71,7 @@ impl ShScore {
     }
 }
 
-/// Of each degree the factor of the exact coefficients that comes nearest.
+/// Fits a factor to each degree of the exact coefficients.
 fn window(own: &Sh9, exact: &Sh9) -> [f64; 3] {
     let (mut products, mut squares) = ([0.0; 3], [f64::MIN_POSITIVE; 3]);
     for ((own, exact), l) in own.iter().zip(exact).zip(DEGREE) {

@@ -1,4 +1,4 @@
-//! The score of a DFG table, and which conventions would fit it better.
+//! The score of a DFG table, and the conventions that fit it best.
 
 use crate::bakes::convention::{Convention, TABLE_AXES, TABLE_CHANNELS, TableAxes, TableChannels};
 use crate::brdf::{Brdf, MaskingShadowing, alpha_from_perceptual_roughness};
@@ -11,34 +11,32 @@ use rayon::prelude::*;
 use std::collections::HashMap;
 use std::fmt;
 
-/// Rows and columns of a table that are compared, about; the outermost are among them.
+/// Approximate number of compared rows and columns, edges included.
 const LINES: u32 = 17;
-/// The same for a search of conventions.
+/// Number of rows and columns in a search of conventions.
 const SEARCHED: u32 = 7;
 
-/// How wrong a table is.
 #[derive(Clone, Debug)]
 pub struct TableScore {
-    /// Largest error of A or B at the texels that were compared.
+    /// Largest error of A or B.
     pub max_error: f64,
-    /// Root mean square of the errors of A and B.
+    /// Root mean square error of A and B.
     pub rms: f64,
-    /// n·v and perceptual roughness of the largest.
+    /// n·v and perceptual roughness of the largest error.
     pub worst: DVec2,
-    /// Texels that were compared.
+    /// Number of compared texels.
     pub count: usize,
-    /// In words.
     pub verdict: String,
 }
 
-/// Relative error of the integrals of a score, and of a search.
+/// Relative error of the integrals in a score and in a search.
 const SCORED_WITHIN: f64 = 1e-5;
 const SEARCHED_WITHIN: f64 = 1e-3;
 
-/// Error of a table that is as its integral: a step of 8 bits.
+/// Largest error of a good table: a step of 8 bits.
 const GOOD: f64 = 1.0 / 255.0;
 
-/// Scores a table against the integrals in f64 at texel centres.
+/// Scores a table against integrals in f64 at texel centres.
 pub fn score(table: &RgbImage, brdf: &'static dyn Brdf, convention: &Convention) -> TableScore {
     let Convention { table_axes, table_channels, masking, .. } = convention;
     let places = places(table, LINES);
@@ -61,7 +59,6 @@ pub fn score(table: &RgbImage, brdf: &'static dyn Brdf, convention: &Convention)
     TableScore { max_error, rms, worst, count: errors.len(), verdict }
 }
 
-/// What would explain the error of a table.
 fn explained(table: &RgbImage, brdf: &'static dyn Brdf, convention: &Convention, [rms, max_error]: [f64; 2]) -> String {
     let Convention { table_axes, table_channels, masking, .. } = convention;
     let found = search(table, brdf).swap_remove(0);
@@ -76,7 +73,7 @@ fn explained(table: &RgbImage, brdf: &'static dyn Brdf, convention: &Convention,
             found.rms
         );
     }
-    // Tables of texel corners or of another row: parameters that lie up to a texel elsewhere.
+    // A table sampled at texel corners is shifted by up to a texel.
     let places = places(table, SEARCHED);
     let texel = DVec2::new(1.0 / f64::from(table.width), 1.0 / f64::from(table.height));
     let sides = [-1.0, -0.5, 0.5, 1.0];
@@ -104,7 +101,7 @@ fn explained(table: &RgbImage, brdf: &'static dyn Brdf, convention: &Convention,
     format!("its convention fits best; the largest error is {:.0} steps of 8 bits", 255.0 * max_error)
 }
 
-/// Conventions of a table and what they leave.
+/// Conventions of a table and their error.
 pub struct Fitting {
     pub axes: &'static TableAxes,
     pub channels: &'static TableChannels,
@@ -119,10 +116,10 @@ impl fmt::Display for Fitting {
     }
 }
 
-/// Every way to read a table, best first.
+/// Tries every way to read a table, best first.
 pub fn search(table: &RgbImage, brdf: &'static dyn Brdf) -> Vec<Fitting> {
     let places = places(table, SEARCHED);
-    // Eight ways of axes look at the same parameters, as the places are symmetric: each is integrated once.
+    // The eight ways of axes share parameters, so each is integrated once.
     let key = |at: DVec2| [at.x.to_bits(), at.y.to_bits()];
     let round = |at: DVec2| (at * 65536.0).round() / 65536.0;
     let at = |axes: &TableAxes, place: &Place| round(axes.parameters(place.uv));
@@ -153,7 +150,7 @@ struct Place {
     texel: DVec2,
 }
 
-/// About `lines` x `lines` texels, evenly, with the edges.
+/// Picks about `lines` x `lines` texels, evenly, edges included.
 fn places(table: &RgbImage, lines: u32) -> Vec<Place> {
     let pick = |side: u32| -> Vec<u32> {
         let count = side.min(lines);
@@ -172,7 +169,7 @@ fn places(table: &RgbImage, lines: u32) -> Vec<Place> {
         .collect()
 }
 
-/// A and B at n·v and perceptual roughness, no narrower than is shaded.
+/// Integrates A and B at n·v and perceptual roughness, no narrower than the device shades.
 pub fn exact(brdf: &'static dyn Brdf, masking: MaskingShadowing, at: DVec2, within: f64) -> DVec2 {
     let found = dfg_within(brdf, masking, at.x, alpha_from_perceptual_roughness(at.y).max(ALPHA_MIN.into()), within);
     DVec2::new(found.f0_scale, found.f90_scale)

@@ -1,6 +1,5 @@
-//! DDS: face after face, each with all of its levels.
-//!
-//! A magic word, a header of 31 words, and for `DX10` files a second one of 5; all little-endian [Microsoft, "Programming Guide for DDS"].
+//! DDS: face by face, each with all of its levels [Microsoft, "Programming Guide for DDS"].
+//! | A magic word, a header of 31 words, and in `DX10` files a second header of 5 words; all little-endian.
 
 use super::texel::{TEXELS, Texel};
 use super::{Claim, Encoding, FACE_COUNT, Texture, truncated};
@@ -8,37 +7,36 @@ use crate::pixels::Fault;
 use crate::spelling::Listed;
 
 const MAGIC: u32 = u32::from_le_bytes(*b"DDS ");
-/// The pixel format's code in files with the second header.
+/// Pixel format code of files with the second header.
 const DX10: u32 = u32::from_le_bytes(*b"DX10");
-/// Words of the headers, the magic word first.
+/// Words of the headers, magic word included.
 const WORDS: usize = 32;
 const WORDS_DX10: usize = WORDS + 5;
 
-/// Bytes of the first header and of the pixel format in it, as they state themselves.
+/// Sizes of header and pixel format, bytes.
 const HEADER_BYTES: u32 = 124;
 const FORMAT_BYTES: u32 = 32;
 
-// Bits of the flags: which words hold something.
+// Header flags.
 const HAS_MIPS: u32 = 0x2_0000;
 const HAS_DEPTH: u32 = 0x80_0000;
 const HAS_PITCH: u32 = 0x8;
 /// Caps, height, width and pixel format.
 const HAS_REQUIRED: u32 = 0x1007;
-// Bits of the pixel format's flags.
+// Pixel format flags.
 const HAS_FOURCC: u32 = 0x4;
 const IS_RGB: u32 = 0x40;
-// Bits of the caps.
+// Caps.
 const COMPLEX: u32 = 0x8;
 const TEXTURE: u32 = 0x1000;
 const MIPMAP: u32 = 0x40_0000;
 const CUBE: u32 = 0x200;
 const ALL_FACES: u32 = 0xfc00;
-// Numbers of the second header.
+// Values of the second header.
 const TEXTURE_2D: u32 = 3;
 const CUBE_DX10: u32 = 0x4;
 const OPAQUE: u32 = 3;
 
-/// Reads the texture in the bytes of a file.
 pub fn read(bytes: &[u8]) -> Result<Texture, Fault> {
     let whole = || Fault::new("has no whole DDS header", "a DDS file");
     let words_of = |count: usize| -> Option<(Vec<u32>, &[u8])> {
@@ -84,7 +82,7 @@ pub fn read(bytes: &[u8]) -> Result<Texture, Fault> {
     Ok(Texture { levels: read, texel: texel.name })
 }
 
-/// The file of a texture, whose texel has a code here. It has no room for keys.
+/// Writes a texture whose format has a DXGI code. DDS has no keys.
 pub fn write(encoding: &Encoding) -> Vec<u8> {
     let Encoding { texel, levels, .. } = encoding;
     let (first, faces, count) = (&levels[0][0], levels[0].len(), levels.len() as u32);
@@ -96,7 +94,7 @@ pub fn write(encoding: &Encoding) -> Vec<u8> {
     let caps = TEXTURE | with(COMPLEX, is_cube || has_mips) | with(MIPMAP, has_mips);
     let caps = [caps, with(CUBE | ALL_FACES, is_cube), 0, 0, 0];
     let code = texel.dxgi.expect("a format with a code");
-    // A cube of six faces is one image of an array here.
+    // Six faces are one array element here.
     let dx10 = [code, TEXTURE_2D, with(CUBE_DX10, is_cube), 1, OPAQUE];
     let words = [&[MAGIC, HEADER_BYTES, flags][..], &size, &[0; 11], &format, &caps, &dx10].concat();
     let mut file: Vec<u8> = words.iter().flat_map(|word| word.to_le_bytes()).collect();
@@ -104,7 +102,7 @@ pub fn write(encoding: &Encoding) -> Vec<u8> {
     file
 }
 
-/// The DXGI format of a `D3DFORMAT` in files without the second header.
+/// Maps a `D3DFORMAT` of files without the second header.
 fn dxgi(fourcc: u32) -> Option<u32> {
     match fourcc {
         112 => Some(34), // G16R16F

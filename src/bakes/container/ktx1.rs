@@ -1,7 +1,5 @@
 //! KTX 1, as Filament's cmgen writes it. No maintained crate reads it.
-//!
-//! A header of 64 bytes, pairs of keys and values, then the levels, largest first: the length of one face, and the faces
-//! [KTX 1 file format, section 2].
+//! | A header of 64 bytes, keys and values, then the levels, largest first [KTX 1 file format, section 2].
 
 use super::texel::{TEXELS, Texel};
 use super::{Claim, Encoding, Texture, truncated};
@@ -9,9 +7,9 @@ use crate::pixels::Fault;
 use crate::spelling::Listed;
 
 const IDENTIFIER: [u8; 12] = *b"\xabKTX 11\xbb\r\n\x1a\n";
-/// The byte order of the file, as a little-endian file has it.
+/// The byte order of a little-endian file.
 const LITTLE_ENDIAN: u32 = 0x0403_0201;
-/// Words of the header behind the identifier.
+/// Words of the header after the identifier.
 const WORDS: usize = 13;
 const HEADER: usize = IDENTIFIER.len() + 4 * WORDS;
 
@@ -37,7 +35,7 @@ pub fn read(bytes: &[u8]) -> Result<Texture, Fault> {
         let face_bytes = claim.face_bytes(level, texel);
         let rest = bytes.get(at..).unwrap_or_default();
         let Some((length, data)) = rest.split_first_chunk() else { return Err(truncated(level, 4, rest.len())) };
-        // The length is that of one face of a cube; a level of one image is its own face.
+        // The stated length is one face's.
         let length = u32::from_le_bytes(*length) as usize;
         if length != face_bytes {
             return Err(Fault::new(
@@ -51,13 +49,12 @@ pub fn read(bytes: &[u8]) -> Result<Texture, Fault> {
         read.push(
             data.chunks_exact(face_bytes).map(|face| texel.image(width, height, face)).collect::<Result<_, _>>()?,
         );
-        // Lengths of these formats are multiples of 2; levels begin at multiples of 4.
+        // Levels are padded to 4 bytes.
         at += 4 + needed.next_multiple_of(4);
     }
     Ok(Texture { levels: read, texel: texel.name })
 }
 
-/// The file of a texture.
 pub fn write(encoding: &Encoding) -> Vec<u8> {
     let Encoding { texel, levels, keys, .. } = encoding;
     let mut pairs = Vec::new();

@@ -1,4 +1,4 @@
-//! KTX 2: levels anywhere in the file, smallest first by custom, each plain or compressed by zstd.
+//! KTX 2: levels anywhere in the file, plain or compressed by zstd.
 
 use super::texel::{TEXELS, Texel};
 use super::{Claim, Encoding, Texture, truncated};
@@ -14,7 +14,7 @@ use std::io::Read;
 pub fn read(bytes: &[u8]) -> Result<Texture, Fault> {
     let no_file = |error: ParseError| Fault::new(format!("is no whole KTX 2 file ({error})"), "a whole KTX 2 file");
     let whole = |found: Option<_>| found.ok_or(ParseError::UnexpectedEnd).map_err(no_file);
-    // Not by the crate's reader, which panics at data format descriptors that it does not expect.
+    // The crate's own reader panics at unexpected data format descriptors.
     let header = bytes.first_chunk().ok_or(ParseError::UnexpectedEnd).and_then(Header::from_bytes).map_err(no_file)?;
     let claim = Claim {
         width: header.pixel_width,
@@ -61,7 +61,7 @@ pub fn read(bytes: &[u8]) -> Result<Texture, Fault> {
     Ok(Texture { levels: read, texel: texel.name })
 }
 
-/// The file of a texture: header, index of levels, what a texel is, keys, and the levels, smallest first [KTX 2.0, section 3].
+/// Writes header, level index, format descriptor, keys, and the levels, smallest first [KTX 2.0, section 3].
 pub fn write(encoding: &Encoding) -> Vec<u8> {
     let Encoding { texel, levels, keys, is_packed } = encoding;
     let (basic, type_size) = Basic::from_format(texel.vulkan).expect("a format of the list");
@@ -98,7 +98,7 @@ pub fn write(encoding: &Encoding) -> Vec<u8> {
             sgd_byte_length: 0,
         },
     };
-    // Levels begin at the next multiple of a texel's bytes and of 4; packed ones anywhere (KTX 2, section 3.9.7).
+    // Levels are aligned to a texel's bytes and 4; packed ones are not (KTX 2, section 3.9.7).
     let alignment = if *is_packed { 1 } else { texel.bytes << 2u32.saturating_sub(texel.bytes.trailing_zeros()) };
     let mut end = kvd_start + kvd.len();
     let mut data = Vec::new();
@@ -121,7 +121,7 @@ pub fn write(encoding: &Encoding) -> Vec<u8> {
     [&header.as_bytes()[..], index.as_flattened(), &dfd, &kvd, &data].concat()
 }
 
-/// Levels that share bytes: a file of a kilobyte could stand for gigabytes.
+/// Refuses levels that share bytes: a file of a kilobyte could claim gigabytes.
 fn check_apart(bytes: &[u8], levels: &[&[u8]]) -> Result<(), Fault> {
     let start = |data: &[u8]| data.as_ptr() as usize - bytes.as_ptr() as usize;
     let mut ranges: Vec<_> = levels.iter().enumerate().map(|(level, data)| (start(data), data.len(), level)).collect();
@@ -138,8 +138,7 @@ fn check_apart(bytes: &[u8], levels: &[&[u8]]) -> Result<(), Fault> {
     Ok(())
 }
 
-/// The `needed` bytes of a level. What it claims to unpack to is not asked: nothing beyond `needed` is unpacked, and its window, which
-/// the decoder allocates, is no larger than a level needs.
+/// Unpacks exactly `needed` bytes of a level, with a window no larger than a level needs.
 fn unpacked(packed: &[u8], needed: usize, level: u32) -> Result<Vec<u8>, Fault> {
     let refuse = |error: &dyn std::fmt::Display| {
         Fault::new(format!("level {level} cannot be unpacked ({error})"), "zstd data of its size")
@@ -147,7 +146,7 @@ fn unpacked(packed: &[u8], needed: usize, level: u32) -> Result<Vec<u8>, Fault> 
     let window = (needed as u64).next_power_of_two().max(WINDOW_MIN);
     let decoder = StreamingDecoder::new_with_max_window_size(packed, window).map_err(|error| refuse(&error))?;
     let mut data = reserved(needed + 1)?;
-    // One byte more tells a level that is too long.
+    // One more byte detects a level that is too long.
     decoder.take(needed as u64 + 1).read_to_end(&mut data).map_err(|error| refuse(&error))?;
     if data.len() > needed {
         return Err(Fault::new(
@@ -158,5 +157,5 @@ fn unpacked(packed: &[u8], needed: usize, level: u32) -> Result<Vec<u8>, Fault> 
     Ok(data)
 }
 
-/// Encoders take no smaller windows for their higher levels.
+/// Smallest window that encoders use at higher levels.
 const WINDOW_MIN: u64 = 1 << 23;

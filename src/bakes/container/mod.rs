@@ -1,7 +1,5 @@
-//! Files that hold a texture: its levels and faces as they stand, without a convention.
-//!
-//! What a header claims is checked before anything is allocated: at most [`TEXELS_MAX`] texels in all, square faces, levels that halve, and
-//! bytes that are there and that no two levels share.
+//! Texture files: their levels and faces as stored, without a convention.
+//! | Headers are checked before anything is allocated: at most [`TEXELS_MAX`] texels, square faces, levels that halve.
 
 mod dds;
 mod ktx1;
@@ -14,59 +12,49 @@ use crate::environment::{FORMATS as IMAGES, Format as Image};
 use crate::pixels::{Decoded, Fault, PixelsError, RgbImage, png, read_bounded};
 use std::path::Path;
 
-/// Most texels of all levels and faces, 128 MiB as radiance: a cube of 1024 with its levels has 8.4 million. A score takes seven times
-/// as much.
+/// Most texels of all levels and faces: 128 MiB as radiance, seven times as much while scored.
 pub const TEXELS_MAX: u64 = (1 << 25) / 3;
-/// Longest chain of levels: those of the longest side.
 const LEVELS_MAX: u32 = 16;
 
-/// A texture as its file has it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Texture {
-    /// Levels, largest first, each with one image or with the six of a cube in the order +x, -x, +y, -y, +z, -z.
+    /// Largest level first, each with one image or the faces +x, -x, +y, -y, +z, -z.
     pub levels: Vec<Vec<RgbImage>>,
-    /// Name of the pixel format.
     pub texel: &'static str,
 }
 
 impl Texture {
-    /// Whether it has faces.
     pub fn is_cube(&self) -> bool {
         self.levels[0].len() == FACE_COUNT
     }
 }
 
-/// Faces of a cube.
 pub const FACE_COUNT: usize = 6;
 
-/// A container by the extension of its files.
 #[derive(Debug)]
 pub struct Format {
     pub name: &'static str,
-    /// Lower-case file name extension.
     pub extension: &'static str,
-    /// One sentence for help and docs.
     pub about: &'static str,
     read: fn(&[u8]) -> Result<Texture, Fault>,
-    /// Whether it knows pixel formats by DXGI's codes only.
+    /// Whether its pixel formats are DXGI codes.
     pub needs_dxgi: bool,
-    /// The bytes of a file; DDS has no room for keys.
+    /// Encodes a file; DDS ignores the keys.
     pub write: fn(&Encoding) -> Vec<u8>,
 }
 
-/// A texture to write.
 #[derive(Clone, Copy, Debug)]
 pub struct Encoding<'a> {
     pub texel: &'static Texel,
-    /// Levels, largest first, each with one image or with six faces.
+    /// Largest level first, each with one image or six faces.
     pub levels: &'a [Vec<RgbImage>],
-    /// What the file says of itself.
+    /// Metadata.
     pub keys: &'a [(String, String)],
-    /// Whether levels are packed by zstd, where the container can.
+    /// Whether to compress levels by zstd, if the container can.
     pub is_packed: bool,
 }
 
-/// Every container; images are those of an environment ([`IMAGES`]) and PNG.
+/// Every container. Other images are environment formats ([`IMAGES`]) and PNG.
 pub static FORMATS: &[Format] = &[
     Format {
         name: "ktx2",
@@ -94,7 +82,7 @@ pub static FORMATS: &[Format] = &[
     },
 ];
 
-/// Extensions of every file that [`read_texture`] reads.
+/// Lists the extensions that [`read_texture`] reads.
 pub fn extensions() -> Vec<&'static str> {
     let containers = FORMATS.iter().map(|format| format.extension);
     containers.chain(IMAGES.iter().map(|format| format.extension)).chain([PNG]).collect()
@@ -102,9 +90,9 @@ pub fn extensions() -> Vec<&'static str> {
 
 const PNG: &str = "png";
 
-/// Reads the texture at `path`, whose extension names the format.
+/// Reads the texture at `path`; its extension selects the format.
 pub fn read_texture(path: &Path) -> Result<Texture, PixelsError> {
-    // Before the file is opened: a folder of other things is refused by its names.
+    // Refuses unknown extensions before opening the file.
     let reader = reader(path);
     if reader.is_err() && !path.exists() {
         read_bounded(path)?;
@@ -112,7 +100,7 @@ pub fn read_texture(path: &Path) -> Result<Texture, PixelsError> {
     read_with(&reader?, path, &read_bounded(path)?)
 }
 
-/// The texture in the bytes of the file at `path`, whose extension names the format. Nothing is read from disk.
+/// Reads a texture from memory; the extension of `path` selects the format.
 pub fn from_bytes(path: &Path, bytes: &[u8]) -> Result<Texture, PixelsError> {
     read_with(&reader(path)?, path, bytes)
 }
@@ -140,7 +128,7 @@ fn read_with(reader: &Reader, path: &Path, bytes: &[u8]) -> Result<Texture, Pixe
         Reader::Image(format) => image(format.read(path, bytes)?, format.name),
         Reader::Png => image(png::read_linear(path, bytes)?, PNG),
     };
-    // Containers are asked before they are read; images may be as large as an environment.
+    // Containers check their claims; other images may be as large as an environment.
     let texels: usize = texture.levels.iter().flatten().map(|face| face.data.len()).sum();
     if texels as u64 > TEXELS_MAX {
         let fault = Fault::new(format!("it has {texels} texels"), format!("at most {TEXELS_MAX}; bake a smaller map"));
@@ -150,7 +138,7 @@ fn read_with(reader: &Reader, path: &Path, bytes: &[u8]) -> Result<Texture, Pixe
     Ok(texture)
 }
 
-/// The first texel that is no number.
+/// Finds the first texel that is not finite.
 fn first_oddity(texture: &Texture) -> Option<Fault> {
     for (level, faces) in texture.levels.iter().enumerate() {
         for (face, image) in faces.iter().enumerate() {
@@ -167,7 +155,7 @@ fn first_oddity(texture: &Texture) -> Option<Fault> {
     None
 }
 
-/// What a header claims of its texture.
+/// A texture's size as its header claims it.
 #[derive(Clone, Copy, Debug)]
 struct Claim {
     width: u32,
@@ -179,7 +167,7 @@ struct Claim {
 }
 
 impl Claim {
-    /// Faces that are read, or what is wrong.
+    /// Checks the claim and returns the number of faces.
     fn check(&self) -> Result<usize, Fault> {
         let Self { width, height, depth, layers, faces, levels } = *self;
         if width == 0 || height == 0 {
@@ -200,7 +188,7 @@ impl Claim {
             let what = format!("the header claims {levels} levels of {width}x{height} texels");
             return Err(Fault::new(what, format!("1 to {most}, each half as wide as the one before")));
         }
-        // The first level is three quarters of them or more.
+        // Level 0 has at least three quarters of all texels.
         let texels = u64::from(width).saturating_mul(height.into()).saturating_mul(faces.into());
         if texels.saturating_add(texels / 3) > TEXELS_MAX {
             let what = format!("the header claims {texels} texels in level 0, which take {} MiB", (texels * 12) >> 20);
@@ -209,19 +197,16 @@ impl Claim {
         Ok(faces as usize)
     }
 
-    /// Width and height of a level.
     fn size(&self, level: u32) -> [u32; 2] {
         [self.width, self.height].map(|side| (side >> level).max(1))
     }
 
-    /// Bytes of one face of a level.
     fn face_bytes(&self, level: u32, texel: &Texel) -> usize {
         let [width, height] = self.size(level);
         width as usize * height as usize * texel.bytes
     }
 }
 
-/// A file that ends before its texels do.
 fn truncated(level: u32, needed: usize, found: usize) -> Fault {
     Fault::new(
         format!("level {level} needs {needed} bytes, and {found} are there"),

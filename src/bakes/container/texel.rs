@@ -1,106 +1,39 @@
-//! How a texel lies in bytes, by the code that each container has for it.
+//! Pixel formats by their codes in each container.
 
 use crate::pixels::{Fault, Pixels, RgbImage, half, reserved};
 use crate::spelling::listed;
 use ktx2::Format;
 
-/// A pixel format. All are little-endian and linear.
+/// A pixel format: little-endian and linear.
 #[derive(Debug)]
 pub struct Texel {
     pub name: &'static str,
-    /// Bytes of a texel.
+    /// Bytes per texel.
     pub bytes: usize,
     pub channels: usize,
-    /// Its code in KTX 2.
+    /// Code in KTX 2.
     pub vulkan: Format,
     /// `glInternalFormat` in KTX 1.
     pub gl: u32,
-    /// `glType` and `glTypeSize` there.
+    /// `glType` and `glTypeSize` in KTX 1.
     pub gl_type: (u32, u32),
-    /// Its `DXGI_FORMAT` in DDS; three halves have none there.
+    /// `DXGI_FORMAT` in DDS; three halves have none.
     pub dxgi: Option<u32>,
-    /// Its largest number.
+    /// Largest representable number.
     pub largest: f32,
-    /// Red, green and blue of its bytes; 0 where it has no such channel.
+    /// Decodes red, green and blue; 0 for missing channels.
     decode: fn(&[u8]) -> [f32; 3],
-    /// The bytes of red, green, blue and 1 within [0, largest]; as many as it has room for.
+    /// Encodes red, green, blue and 1 within [0, largest], as many as fit.
     encode: fn([f32; 4], &mut [u8]),
 }
 
-/// Every pixel format of the containers.
 pub static TEXELS: &[Texel] = &[
-    Texel {
-        name: "rgba16f",
-        bytes: 8,
-        channels: 4,
-        vulkan: Format::R16G16B16A16_SFLOAT,
-        gl: 0x881a,
-        gl_type: (0x140b, 2),
-        dxgi: Some(10),
-        largest: HALF_MAX,
-        decode: halves,
-        encode: to_halves,
-    },
-    Texel {
-        name: "rgb16f",
-        bytes: 6,
-        channels: 3,
-        vulkan: Format::R16G16B16_SFLOAT,
-        gl: 0x881b,
-        gl_type: (0x140b, 2),
-        dxgi: None,
-        largest: HALF_MAX,
-        decode: halves,
-        encode: to_halves,
-    },
-    Texel {
-        name: "rg16f",
-        bytes: 4,
-        channels: 2,
-        vulkan: Format::R16G16_SFLOAT,
-        gl: 0x822f,
-        gl_type: (0x140b, 2),
-        dxgi: Some(34),
-        largest: HALF_MAX,
-        decode: halves,
-        encode: to_halves,
-    },
-    Texel {
-        name: "rgba32f",
-        bytes: 16,
-        channels: 4,
-        vulkan: Format::R32G32B32A32_SFLOAT,
-        gl: 0x8814,
-        gl_type: (0x1406, 4),
-        dxgi: Some(2),
-        largest: f32::MAX,
-        decode: floats,
-        encode: to_floats,
-    },
-    Texel {
-        name: "rgb32f",
-        bytes: 12,
-        channels: 3,
-        vulkan: Format::R32G32B32_SFLOAT,
-        gl: 0x8815,
-        gl_type: (0x1406, 4),
-        dxgi: Some(6),
-        largest: f32::MAX,
-        decode: floats,
-        encode: to_floats,
-    },
-    Texel {
-        name: "rg32f",
-        bytes: 8,
-        channels: 2,
-        vulkan: Format::R32G32_SFLOAT,
-        gl: 0x8230,
-        gl_type: (0x1406, 4),
-        dxgi: Some(16),
-        largest: f32::MAX,
-        decode: floats,
-        encode: to_floats,
-    },
+    half("rgba16f", 4, Format::R16G16B16A16_SFLOAT, 0x881a, Some(10)),
+    half("rgb16f", 3, Format::R16G16B16_SFLOAT, 0x881b, None),
+    half("rg16f", 2, Format::R16G16_SFLOAT, 0x822f, Some(34)),
+    float("rgba32f", 4, Format::R32G32B32A32_SFLOAT, 0x8814, 2),
+    float("rgb32f", 3, Format::R32G32B32_SFLOAT, 0x8815, 6),
+    float("rg32f", 2, Format::R32G32_SFLOAT, 0x8230, 16),
     Texel {
         name: "rgb9e5",
         bytes: 4,
@@ -127,8 +60,18 @@ pub static TEXELS: &[Texel] = &[
     },
 ];
 
+const fn half(name: &'static str, channels: usize, vulkan: Format, gl: u32, dxgi: Option<u32>) -> Texel {
+    let (bytes, gl_type, largest) = (2 * channels, (0x140b, 2), HALF_MAX);
+    Texel { name, bytes, channels, vulkan, gl, gl_type, dxgi, largest, decode: halves, encode: to_halves }
+}
+
+const fn float(name: &'static str, channels: usize, vulkan: Format, gl: u32, dxgi: u32) -> Texel {
+    let (bytes, gl_type, dxgi, largest) = (4 * channels, (0x1406, 4), Some(dxgi), f32::MAX);
+    Texel { name, bytes, channels, vulkan, gl, gl_type, dxgi, largest, decode: floats, encode: to_floats }
+}
+
 impl Texel {
-    /// The image of `width` x `height` texels at the front of `bytes`, which hold it.
+    /// Decodes `width` x `height` texels from the front of `bytes`.
     pub(super) fn image(&self, width: u32, height: u32, bytes: &[u8]) -> Result<RgbImage, Fault> {
         let count = width as usize * height as usize;
         let mut data = reserved(count)?;
@@ -136,7 +79,7 @@ impl Texel {
         Ok(Pixels::new(width, height, data))
     }
 
-    /// The bytes of an image. Numbers outside [0, largest] are cut.
+    /// Encodes an image; clips to [0, largest].
     pub(super) fn bytes_of(&self, image: &RgbImage) -> Vec<u8> {
         let mut bytes = vec![0; image.data.len() * self.bytes];
         for (texel, place) in image.data.iter().zip(bytes.chunks_exact_mut(self.bytes)) {
@@ -146,7 +89,6 @@ impl Texel {
         bytes
     }
 
-    /// `glFormat` in KTX 1.
     pub(super) fn gl_format(&self) -> u32 {
         match self.channels {
             4 => 0x1908,
@@ -156,7 +98,7 @@ impl Texel {
     }
 }
 
-/// What Filament's reader knows 10-11-11 floats by, and what cmgen writes: the internal format in the place of the type.
+/// Filament's reader and cmgen identify 10-11-11 floats by the internal format in the place of the type.
 const CMGEN: (u32, u32) = (0x8c3a, 1);
 
 listed!(Texel, "texel format", TEXELS);
@@ -187,17 +129,17 @@ fn word(bytes: &[u8]) -> u32 {
     u32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]])
 }
 
-/// Nine bits of mantissa each, without a leading 1, and five of exponent: `m 2^(e - 15 - 9)` [Vulkan13, "Shared Exponent to RGB"].
+/// Decodes 9 bits of mantissa each and a shared exponent: `m 2^(e - 15 - 9)` [Vulkan13, "Shared Exponent to RGB"].
 fn shared_exponent(bytes: &[u8]) -> [f32; 3] {
     let word = word(bytes);
     let scale = f32::powi(2.0, (word >> 27) as i32 - 24);
     [0, 9, 18].map(|shift| ((word >> shift) & 0x1ff) as f32 * scale)
 }
 
-/// The least exponent by which the largest channel has nine bits [Vulkan13, "RGB to Shared Exponent"].
+/// Encodes with the smallest exponent that fits the largest channel [Vulkan13, "RGB to Shared Exponent"].
 fn to_shared_exponent([r, g, b, _]: [f32; 4], bytes: &mut [u8]) {
     let largest = r.max(g).max(b);
-    // The place of the leading bit, from the bits of the float: exact where a logarithm rounds.
+    // Exact, where a logarithm rounds.
     let leading = ((largest.to_bits() >> 23) as i32 - 127).max(-16);
     let mantissa = |value: f32, exponent: i32| (value / f32::powi(2.0, exponent - 24)).round_ties_even() as u32;
     let exponent = leading + 16;
@@ -210,7 +152,7 @@ fn to_shared_exponent([r, g, b, _]: [f32; 4], bytes: &mut [u8]) {
 }
 
 fn to_eleven_eleven_ten([r, g, b, _]: [f32; 4], bytes: &mut [u8]) {
-    // Rounded once, to a number that a half holds with `drop` zeros at its end.
+    // Rounds once to a half with `drop` trailing zeros.
     let bits = |value: f32, drop: i32| {
         let leading = ((value.to_bits() >> 23) as i32 - 127).max(-14);
         let step = f32::powi(2.0, leading - 10 + drop);
@@ -219,12 +161,12 @@ fn to_eleven_eleven_ten([r, g, b, _]: [f32; 4], bytes: &mut [u8]) {
     bytes.copy_from_slice(&(bits(r, 4) | bits(g, 4) << 11 | bits(b, 5) << 22).to_le_bytes());
 }
 
-/// Largest finite half, shared-exponent number, and float of 10 bits, which is that of 11 but for its last bit.
+/// Largest finite half, shared-exponent number, and float of 10 bits.
 const HALF_MAX: f32 = 65504.0;
 const SHARED_MAX: f32 = 65408.0;
 const PACKED_MAX: f32 = 64512.0;
 
-/// Halves without a sign, cut to 6 and 5 bits of mantissa [Vulkan13, "Unsigned 11-Bit Floating-Point Numbers"].
+/// Decodes unsigned halves with 6 and 5 bits of mantissa [Vulkan13, "Unsigned 11-Bit Floating-Point Numbers"].
 fn eleven_eleven_ten(bytes: &[u8]) -> [f32; 3] {
     let word = word(bytes);
     let half = |bits: u32| half::from_bits(bits as u16);

@@ -1,6 +1,4 @@
-//! The list of all axes.
-//!
-//! Long because each axis stands here whole: splitting the list would hide its order, which is that of columns.
+//! The list of all axes but those of tables, which are in [`super::tables`].
 
 use super::{Axis, Part, Sheet, Spelling, Symbol, Used};
 use crate::bakes::given::{CENTRES, OWN};
@@ -17,22 +15,21 @@ use crate::shade::Method;
 use crate::shade::REFERENCE;
 use crate::spelling::Listed;
 
-/// Sample counts of precompute passes stop here: more only costs time.
+/// Largest sample count of a precompute pass.
 const PRECOMPUTE_SAMPLES_MAX: u32 = 1 << 20;
-/// Sides of precomputed tables stop at the size every Vulkan device supports.
+/// Largest side of a precomputed table: every Vulkan device supports it.
 const SIDE_MAX: u32 = 4096;
 
-/// Levels that a bias may add.
 const LEVELS: Range = Range::closed(-16.0, 16.0);
 
-/// Names of tables, as [`crate::precompute::table_of`] tells them.
+/// Names of tables, as in [`crate::precompute::table_of`].
 pub const MIPS: &str = "mips";
 pub const SH9: &str = "sh9";
 pub const PREFILTER: &str = "prefilter";
 pub const DFG: &str = "dfg";
 pub const IRRADIANCE: &str = "irradiance";
 
-/// An axis without peculiarities; entries override what differs.
+/// Defaults that the entries override.
 const PLAIN: Axis = Axis {
     name: "",
     about: "",
@@ -56,18 +53,15 @@ const PLAIN: Axis = Axis {
     apply: |_, _| {},
 };
 
-/// The first entry of a list.
 fn first<T: Listed + ?Sized>() -> Value {
     Value::from(T::names()[0])
 }
 
-/// Our own table, or one in a file.
 const TABLE_FILE: Kind = Kind::NameOrFile { what: "table", names: || vec![OWN] };
 
-/// A setting of the tables that a method looks up.
 const TABLE: Axis = Axis { part: Part::Table, tables_cost: true, ..PLAIN };
 
-/// Every axis, in the order of the columns that an experiment does not name itself.
+/// Every axis. Their order is the order of columns that an experiment does not name.
 pub static AXES: &[Axis] = LIST;
 
 const LIST: &[Axis] = &[
@@ -563,7 +557,7 @@ const LIST: &[Axis] = &[
     },
 ];
 
-/// Indices into [`AXES`] of the axes that the program itself speaks of. An axis that nothing speaks of needs none.
+/// Defines an index into [`AXES`] for each axis that the code refers to.
 macro_rules! indices {
     ($($index:ident = $name:literal;)*) => { $(pub const $index: usize = index($name);)* };
 }
@@ -600,7 +594,7 @@ indices! {
     IRRADIANCE_SIZE = "irradiance_size";
 }
 
-/// The place of a name in the list, while the program is compiled.
+/// Finds the index of a name at compile time.
 const fn index(name: &str) -> usize {
     let mut at = 0;
     while !is_equal(LIST[at].name.as_bytes(), name.as_bytes()) {

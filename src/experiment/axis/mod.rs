@@ -1,6 +1,5 @@
-//! Parameters that an experiment can sweep, and points: one value for each. Adding one is one entry of [`AXES`] in `list.rs`.
-//!
-//! Long because an axis, a point and its settings are one vocabulary.
+//! Axes (sweepable parameters) and points (one value for each axis). A new axis is one entry in `list.rs` or
+//! `tables.rs`.
 
 mod list;
 pub mod named;
@@ -27,20 +26,20 @@ use crate::tonemap::ToneCurve;
 use std::ops::{Index, IndexMut};
 use std::sync::Arc;
 
-/// The settings of one point. The rest of a request (camera, lights, seed) is the same for all points.
+/// The settings of one point. All points share the rest of a request (camera, lights, seed).
 #[derive(Clone, Debug)]
 pub struct Settings {
-    /// Width and height of the image.
+    /// Width and height of the image, pixels.
     pub size: [u32; 2],
     /// `builtin:NAME` or a path.
     pub environment: String,
-    /// Radiance above 2 to this power is cut off, in the reference too.
+    /// Clips radiance at 2 to this power, in the reference too.
     pub environment_clip_log2: Option<f64>,
     /// A scene's name or a path.
     pub scene: String,
     pub material: MaterialOverride,
     pub shading: Shading,
-    /// `own` or a file, of the prefiltered map and of the DFG table.
+    /// `own` or a file.
     pub prefiltered: String,
     pub dfg: String,
     pub curve: ToneCurve,
@@ -55,9 +54,9 @@ pub struct View {
     pub antialias: bool,
     pub lights: Vec<Light>,
     pub seed: u32,
-    /// Samples of a reference diffuse term beside another method; the reference method itself takes `samples`.
+    /// Samples of a reference diffuse term beside another specular method.
     pub reference_samples: u32,
-    /// Stops a reference earlier, once the relative standard error of each term is at most this.
+    /// Stops a reference earlier: largest relative standard error of each term.
     pub reference_error: Option<f64>,
 }
 
@@ -66,14 +65,13 @@ impl Settings {
         if self.dfg == OWN { DfgAxes::default() } else { DfgAxes::Centres }
     }
 
-    /// The specular pass, to be compiled for a GPU that is not here.
     pub fn specular_job(&self) -> Job {
         let mut shading = self.shading;
         shading.precompute.dfg_axes = self.dfg_axes();
         Job::new(specular_shader(shading.precompute.layout, shading.method, shading.brdf), &shading.constants())
     }
 
-    /// The request: `scene` with the settings' material, framed by the view's camera, with the tables that are `given`.
+    /// Builds the request: `scene` with the settings' material and the `given` tables.
     pub fn request(self, environment: &Arc<Environment>, scene: &Scene, view: &View, given: Given) -> RenderRequest {
         let mut shading = self.shading;
         let precompute = &mut shading.precompute;
@@ -104,23 +102,23 @@ impl Settings {
     }
 }
 
-/// The method and sample count that an experiment measures against.
+/// What an experiment measures against.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Reference {
     pub method: String,
     pub samples: u32,
-    /// Stops earlier, once the relative standard error of each term is at most this (`shade::reference_pass::Convergence`).
+    /// Stops earlier: largest relative standard error of each term (`shade::reference_pass::Convergence`).
     pub relative_error: Option<f64>,
     pub terms: Terms,
 }
 
-/// Which terms the reference of a cell has.
+/// Terms of a cell's reference.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Terms {
-    /// Those of the cell: a cell without a specular (or diffuse) term is judged on what it has.
+    /// The terms that the cell has.
     #[default]
     Cell,
-    /// Specular and diffuse always: a cell without a term is judged on what it leaves out, too.
+    /// Always specular and diffuse, so a cell without a term is scored on what it lacks.
     All,
 }
 
@@ -138,27 +136,27 @@ impl Default for Reference {
     }
 }
 
-/// The role of an axis: the thing that its values tell apart.
+/// What the values of an axis distinguish.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Part {
-    /// Cases: what is seen, in which light. The reference takes the same value.
+    /// What is seen and its light. The reference takes the same value.
     Case,
     /// Ways to compute a term.
     Method,
-    /// Samples a pixel.
+    /// Samples per pixel.
     Count,
     /// Equally good sets of points.
     Luck,
     /// Settings of a method.
     Parameter,
-    /// Settings of the tables that a method looks up.
+    /// Settings of the tables.
     Table,
     /// Tone curves. They never cause a new render.
     Display,
 }
 
 impl Part {
-    /// The heading above controls of its axes.
+    /// Returns the heading above its flags.
     pub fn heading(self) -> &'static str {
         match self {
             Self::Case => "Scene and light",
@@ -172,16 +170,14 @@ impl Part {
 /// Where a contact sheet shows the values of an axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Sheet {
-    /// One sheet each.
+    /// One sheet for each value.
     Page,
     Column,
     Row,
 }
 
-/// The word beside a value in labels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Symbol {
-    /// The value tells itself.
     None,
     /// `alpha 0.25`.
     Before(&'static str),
@@ -190,7 +186,7 @@ pub enum Symbol {
 }
 
 impl Symbol {
-    /// A value with the word: `alpha 0.25`, `5 lv`, `ggx`.
+    /// Labels a value: `alpha 0.25`, `5 lv`, `ggx`.
     pub fn label(self, value: &str) -> String {
         match self {
             Self::None => value.to_owned(),
@@ -200,7 +196,7 @@ impl Symbol {
         }
     }
 
-    /// A value with the words of a sentence: `5 levels`.
+    /// Writes a value for a sentence: `5 levels`.
     pub fn said(self, value: &str) -> String {
         match self {
             Self::After(_, words) => format!("{value} {words}"),
@@ -209,46 +205,39 @@ impl Symbol {
     }
 }
 
-/// One sweepable parameter.
+/// A sweepable parameter.
 pub struct Axis {
     /// Name in files, on the command line and in tables.
     pub name: &'static str,
-    /// One phrase for `splitsum list axes` and the help of `render`.
+    /// One phrase for help texts.
     pub about: &'static str,
-    /// Word for several values: "environments".
+    /// Plural: "environments".
     pub plural: &'static str,
-    /// Word beside a value in labels.
     pub symbol: Symbol,
     pub kind: Kind,
-    /// Its role.
     pub part: Part,
-    /// Where contact sheets show its values.
     pub sheet: Sheet,
-    /// Whether the time of a frame depends on it. `alpha` is no such axis: all widths run the same instructions.
+    /// Whether the time of a frame depends on it; false for `alpha`, since all widths run the same instructions.
     pub frames_cost: bool,
-    /// Whether the time of making the tables depends on it. That of an environment does through its size alone.
+    /// Whether the time to make the tables depends on it. An environment counts by its size alone.
     pub tables_cost: bool,
-    /// Whether frames that differ in it are timed in the same rounds, to be compared.
+    /// Whether frames that differ in it are timed in the same rounds.
     pub is_compared: bool,
-    /// Whether the memory of a frame depends on it.
     pub needs_memory: bool,
-    /// The tables whose texels depend on it, by name.
+    /// Names of the tables whose texels depend on it.
     pub feeds: &'static [&'static str],
-    /// Whether it may also stand beside `[axes]` in an experiment file, with one value.
+    /// Whether it may be set outside `[axes]` in an experiment file.
     pub is_key: bool,
-    /// The flag of `render`, where it is not the name.
+    /// The flag of `render`, if it differs from the name.
     pub flag: Option<&'static str>,
-    /// A second name for the same thing.
     pub spelling: Option<Spelling>,
-    /// The value where the experiment sets none.
     pub default: fn() -> Value,
-    /// The value where none is set, if it depends on the layout.
+    /// The default, if it depends on the layout.
     pub unset: Option<fn(&MapLayout) -> Value>,
-    /// Whether the parameter changes the image at this point; where not, its values collapse into one cell.
+    /// Whether it changes the image at this point. If not, its values collapse into one cell.
     pub used: fn(&Used) -> bool,
-    /// The value that the reference of a point with this value takes. Where it looks up a table, that is the default one.
+    /// The value of the reference for this value of a cell. Tables always have their default.
     pub reference: fn(&Reference, &Value) -> Value,
-    /// Writes a set value into the settings.
     pub apply: fn(&mut Settings, &Value),
 }
 
@@ -258,13 +247,11 @@ pub struct Used {
     pub diffuse: &'static Diffuse,
     pub compensation: Compensation,
     pub has_lights: bool,
-    /// Whether any surface may scatter diffuse light.
     pub has_diffuse_surface: bool,
-    /// Whether any surface may be a dielectric.
     pub has_dielectric: bool,
-    /// Whether the filtered tables are made of samples.
+    /// Whether the filtered tables are sampled.
     pub has_sampled_tables: bool,
-    /// Whether the prefiltered map and the DFG table are our own.
+    /// Whether the prefiltered map and the DFG table are made by splitsum.
     pub has_own: [bool; 2],
 }
 
@@ -274,17 +261,17 @@ impl Used {
         self.has_diffuse_surface && self.diffuse.uses_irradiance_map
     }
 
-    /// Whether a prefiltered map of our own reaches the pixels.
+    /// Whether the program's own prefiltered map reaches the pixels.
     fn makes_prefiltered(&self) -> bool {
         self.method.uses_prefiltered() && self.has_own[0]
     }
 
-    /// Whether a DFG table of our own reaches the pixels.
+    /// Whether the program's own DFG table reaches the pixels.
     fn makes_dfg(&self) -> bool {
         self.needs_dfg() && self.has_own[1]
     }
 
-    /// Whether the DFG table reaches the pixels.
+    /// Whether a DFG table reaches the pixels.
     fn needs_dfg(&self) -> bool {
         match self.has_diffuse_surface {
             true => self.method.needs_dfg(self.compensation, self.diffuse, self.has_lights),
@@ -300,17 +287,16 @@ impl Axis {
     }
 }
 
-/// Axes that `[precompute]` may set for all cells at once.
+/// Whether `[precompute]` may set the axis.
 pub fn is_precompute(axis: &Axis) -> bool {
     axis.part == Part::Table
 }
 
-/// The index in [`AXES`] of the axis of that name.
 pub fn index_of(name: &str) -> Option<usize> {
     AXES.iter().position(|axis| axis.name == name)
 }
 
-/// The axis of a name that the program itself wrote.
+/// Finds an axis by a name from the code. Panics on other names.
 pub fn by_name(name: &str) -> &'static Axis {
     &AXES[index_of(name).unwrap_or_else(|| panic!("{name} is not an axis"))]
 }
@@ -352,35 +338,31 @@ impl Point {
         &self[index_of(name).unwrap_or_else(|| panic!("{name} is not an axis"))]
     }
 
-    /// The specular method.
     pub fn method(&self) -> &'static Method {
         method(self[METHOD].text())
     }
 
-    /// The diffuse method.
     pub fn diffuse(&self) -> &'static Diffuse {
         diffuse(self[DIFFUSE_METHOD].text())
     }
 
-    /// The layout of its filtered maps; the default one where it has none.
     fn layout(&self) -> &'static MapLayout {
         let name = (self[LAYOUT] != Value::Unset).then(|| self[LAYOUT].text());
         name.map_or(&LAYOUTS[0], |name| MapLayout::listed(name))
     }
 
-    /// The value of an axis where none is set, in the point's layout.
+    /// Returns the default of an axis in the point's layout.
     pub fn default_of(&self, axis: usize) -> Value {
         AXES[axis].unset.map_or_else(AXES[axis].default, |of_layout| of_layout(self.layout()))
     }
 
-    /// The point with every unused parameter unset, so that points with the same work are equal. Cells are told apart by this: what a
-    /// method computes and a black surface then multiplies by zero still costs time, and can fail.
+    /// Unsets every unused parameter, so that points with equal work are equal. Cells are identified by this point.
     pub fn collapsed(&self, has_lights: bool) -> Self {
         self.where_used(has_lights, true, true)
     }
 
-    /// The point with every parameter unset that cannot reach the pixels, so that points with the same image are equal: beyond
-    /// [`Point::collapsed`], the diffuse term's of black and metal surfaces, and the reflectance of dielectrics where there are none.
+    /// Unsets every parameter that cannot reach the pixels, so that points with equal images are equal.
+    /// Beyond [`Point::collapsed`]: the diffuse term of black and metal surfaces, and F0 where nothing is a dielectric.
     pub fn of_pixels(&self, has_lights: bool) -> Self {
         let is_metal = self[METALLIC] == Value::Number(1.0);
         let is_black = self[ALBEDO] == Value::Color([0.0; 3]);
@@ -393,7 +375,7 @@ impl Point {
         let has_sampled_tables = method.prefilter.map_or_else(is_sampled, |by| by != PrefilterBy::Harmonic);
         let has_own = [PREFILTERED, DFG_TABLE].map(|axis| AXES[axis].kind.path_in(&self[axis].to_string()).is_none());
         let compensation = self.settings().shading.compensation;
-        // Light of several scatterings is diffuse on any surface.
+        // Compensation may add a diffuse term to any surface.
         let has_diffuse_surface = has_diffuse_surface || compensation.is_diffuse();
         let used = Used {
             method,
@@ -413,12 +395,12 @@ impl Point {
         Self(AXES.iter().zip(&self.0).map(value).collect())
     }
 
-    /// Whether that table, of [`PREFILTERED`] or [`DFG_TABLE`], is our own.
+    /// Whether the table of [`PREFILTERED`] or [`DFG_TABLE`] is the program's own.
     pub fn is_own(&self, axis: usize) -> bool {
         [Value::Unset, (AXES[axis].default)()].contains(&self[axis])
     }
 
-    /// The point of this point's reference, collapsed.
+    /// Returns the collapsed point of this point's reference.
     pub fn reference(&self, reference: &Reference, has_lights: bool) -> Self {
         let values = AXES.iter().zip(&self.0).map(|(axis, value)| match axis.part {
             Part::Table => (axis.default)(),
@@ -427,7 +409,6 @@ impl Point {
         Self(values.collect()).collapsed(has_lights)
     }
 
-    /// The settings that the point stands for.
     pub fn settings(&self) -> Settings {
         let mut settings = Settings {
             size: [1, 1],

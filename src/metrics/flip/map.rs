@@ -1,18 +1,18 @@
-//! The FLIP error of two views, pixel by pixel [Andersson20, section 4].
+//! FLIP error of two views [Andersson20, section 4].
 
 use super::view::{View, flat_lab};
 use crate::pixels::GrayImage;
 use std::sync::LazyLock;
 
-/// Exponent of the colour difference, `q_c`, section 4.1.
+/// Exponent `q_c` of the colour difference, section 4.1.
 const COLOUR_EXPONENT: f32 = 0.7;
-/// Share of the largest colour difference, `p_c`, that is mapped to [`COMPRESSED_SHARE`] of the range, `p_t`: section 4.1.
+/// Share `p_c` of the largest colour difference, mapped to `p_t` of the range, section 4.1.
 const LARGE_SHARE: f32 = 0.4;
 const COMPRESSED_SHARE: f32 = 0.95;
-/// Exponent of the feature difference, `q_f`, section 4.2.
+/// Exponent `q_f` of the feature difference, section 4.2.
 const FEATURE_EXPONENT: f32 = 0.5;
 
-/// FLIP error at every pixel of two views of one size, section 4.3: `ΔE = ΔE_c^(1 - ΔE_f)`.
+/// Computes FLIP at every pixel, section 4.3: `ΔE = ΔE_c^(1 - ΔE_f)`.
 pub fn flip_map(test: &View, reference: &View) -> GrayImage {
     let error = |pixel: usize| {
         let feature = test.feature_difference(reference, pixel).powf(FEATURE_EXPONENT);
@@ -22,14 +22,14 @@ pub fn flip_map(test: &View, reference: &View) -> GrayImage {
     GrayImage::new(width, height, (0..width as usize * height as usize).map(error).collect())
 }
 
-/// HyAB distance of two colours in Hunt-adjusted L*a*b*: city block in lightness, Euclidean in chroma.
+/// HyAB distance in Hunt-adjusted L*a*b*: city block in lightness, Euclidean in chroma.
 fn hyab(a: [f32; 3], b: [f32; 3]) -> f32 {
     (a[0] - b[0]).abs() + (a[1] - b[1]).hypot(a[2] - b[2])
 }
 
-/// A colour difference, after its exponent, on [0, 1]: the large ones, which all look different, share little of the range.
+/// Maps a colour difference to [0, 1] and compresses large ones.
 fn spread(difference: f32) -> f32 {
-    // The largest there is: between green and blue.
+    // Between green and blue.
     static LARGEST: LazyLock<f32> = LazyLock::new(|| {
         let [green, blue] = [[0, 255, 0], [0, 0, 255]].map(flat_lab);
         hyab(green, blue).powf(COLOUR_EXPONENT)

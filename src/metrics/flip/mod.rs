@@ -1,9 +1,8 @@
-//! LDR-FLIP [Andersson20]: what a viewer notices when the two display images alternate in place.
-//!
-//! The 8-bit display values are read as sRGB. The error is a property of the viewing distance: here the authors' default, a 0.7 m
-//! wide monitor of 3840 pixels seen from 0.7 m. What a viewer makes of one image does not depend on the other one ([`view::View`]), so that
-//! a sweep prepares each reference once; that is why this is not one of the crates that wrap the authors' program, against which
-//! the tests hold it pixel by pixel.
+//! LDR-FLIP [Andersson20]: visible difference of two alternating images.
+//! | Reads the display values as sRGB, at the authors' default distance: a 0.7 m wide monitor of 3840 pixels seen from
+//! 0.7 m. A
+//! sweep computes [`view::View`] of each reference once, which crates around the authors' program cannot; tests compare
+//! with it.
 
 pub(super) mod map;
 pub(super) mod view;
@@ -11,7 +10,7 @@ pub(super) mod view;
 use super::mean::pixel_mean;
 use super::{Comparison, Description, Metric, Space};
 
-/// Pixels per degree of visual angle: distance · pixels / width · π / 180, here 3840 π / 180.
+/// Pixels per degree of visual angle: distance · pixels / width · π / 180.
 pub const PIXELS_PER_DEGREE: f32 = 67.020_645;
 
 /// Mean of the FLIP error map, in [0, 1]; 0 for equal images.

@@ -1,4 +1,4 @@
-//! What a viewer makes of one image: its colours as far as the eye resolves them, and its edges and points.
+//! One image as FLIP sees it: filtered colours, edges and points.
 
 use super::PIXELS_PER_DEGREE;
 use crate::color::{Chromaticities, REC709, srgb_decode};
@@ -8,28 +8,28 @@ use glam::{DMat3, DVec2, Mat3, Vec3};
 use std::f64::consts::PI;
 use std::sync::LazyLock;
 
-/// White of the authors' program, four digits of D65 where sRGB has three.
+/// D65 as in the authors' program, with four digits.
 const WHITE: DVec2 = DVec2::new(0.312_71, 0.329_02);
 
-/// Contrast sensitivity of the three opponent channels (luminance, red to green, blue to yellow), table 1: the sum of
-/// `a √(π / b) exp(-π² r² / b)` over the pairs `(a, b)`, `r` in degrees of visual angle.
+/// Contrast sensitivity (luminance, red to green, blue to yellow), table 1: the sum of `a √(π / b) exp(-π² r² / b)`
+/// over pairs
+/// `(a, b)`, `r` in degrees.
 const SENSITIVITY: [&[(f64, f64)]; 3] = [&[(1.0, 0.0047)], &[(1.0, 0.0053)], &[(34.1, 0.04), (13.5, 0.025)]];
 
-/// Width of the edges and points that are looked for, degrees: section 4.2. Half of it is the standard deviation of the Gaussian.
+/// Width of edges and points, degrees: section 4.2; twice the Gaussian's standard deviation.
 const FEATURE_WIDTH: f64 = 0.082;
 
-/// One image, as FLIP compares it.
 #[derive(Debug)]
 pub(in crate::metrics) struct View {
     height: usize,
-    /// Hunt-adjusted L*a*b* after the contrast sensitivity.
+    /// Hunt-adjusted L*a*b* after filtering.
     lab: [Plane<f32>; 3],
     /// Magnitudes of the first and second derivatives of luminance.
     features: [Plane<f32>; 2],
 }
 
 impl View {
-    /// What is seen of an image that fills the monitor beyond its borders with its outermost pixels.
+    /// Filters an image, continued by its outermost pixels.
     pub fn new(image: &Rgb8Image) -> Self {
         let (width, len) = (image.width as usize, image.data.len());
         let opponent: Vec<Vec3> = image.data.iter().map(|&rgb| opponent(to_xyz(linear(rgb)))).collect();
@@ -53,14 +53,14 @@ impl View {
         self.lab.each_ref().map(|plane| plane.data[pixel])
     }
 
-    /// Larger one of the differences in edges and in points, in [0, 1].
+    /// Returns the larger difference in edges or points, in [0, 1].
     pub fn feature_difference(&self, other: &Self, pixel: usize) -> f32 {
         let difference = |i: usize| (self.features[i].data[pixel] - other.features[i].data[pixel]).abs();
         (difference(0).max(difference(1)) * std::f32::consts::FRAC_1_SQRT_2).min(1.0)
     }
 }
 
-/// Hunt-adjusted L*a*b* of a large area of one colour.
+/// Converts a colour without filtering.
 pub(super) fn flat_lab(rgb: [u8; 3]) -> [f32; 3] {
     hunt_lab(opponent(to_xyz(linear(rgb))))
 }
@@ -70,7 +70,7 @@ fn linear(rgb: [u8; 3]) -> Vec3 {
     Vec3::from_array(rgb.map(|code| DECODED[usize::from(code)]))
 }
 
-/// Linear RGB to XYZ with white at (1, 1, 1), and back.
+/// Matrices from linear RGB to XYZ with white at (1, 1, 1), and back.
 static RELATIVE_XYZ: LazyLock<[Mat3; 2]> = LazyLock::new(|| {
     let space = Chromaticities { white: WHITE, ..REC709 };
     let to_xyz = space.to_xyz().expect("the primaries of Rec.709 span a triangle around D65");
@@ -82,12 +82,12 @@ fn to_xyz(rgb: Vec3) -> Vec3 {
     RELATIVE_XYZ[0] * rgb
 }
 
-/// `Y C_x C_z` of XYZ relative to white, the linear form of L*a*b* in which colours may be averaged.
+/// Returns `Y C_x C_z`, the linear form of L*a*b*, which may be averaged.
 fn opponent(xyz: Vec3) -> Vec3 {
     Vec3::new(116.0 * xyz.y - 16.0, 500.0 * (xyz.x - xyz.y), 200.0 * (xyz.y - xyz.z))
 }
 
-/// L*a*b* of an opponent colour, cut to what a monitor shows, with chroma scaled by lightness (Hunt: section 4.1).
+/// Clips an opponent colour to the monitor; returns L*a*b* with chroma scaled by lightness (Hunt: section 4.1).
 fn hunt_lab(opponent: Vec3) -> [f32; 3] {
     let y = (opponent.x + 16.0) / 116.0;
     let xyz = Vec3::new(y + opponent.y / 500.0, y, y - opponent.z / 200.0);
@@ -101,17 +101,17 @@ fn hunt_lab(opponent: Vec3) -> [f32; 3] {
     [lightness, chroma * 500.0 * (x - y), chroma * 200.0 * (y - z)]
 }
 
-/// A Gaussian of [`SENSITIVITY`] along one axis, the same taps along the other.
+/// Taps of a Gaussian of [`SENSITIVITY`] along one axis.
 type Taps = Vec<f32>;
 
-/// The Gaussians of each channel; all weights of a channel sum to 1.
+/// Gaussians of each channel; their weights sum to 1.
 static SENSITIVITY_TAPS: LazyLock<[Vec<Taps>; 3]> = LazyLock::new(|| {
     let widest = SENSITIVITY.iter().copied().flatten().map(|&(_, b)| b).fold(0.0, f64::max);
-    // Three standard deviations of the widest one, for all.
+    // Three standard deviations of the widest Gaussian.
     let radius = (3.0 * (widest / (2.0 * PI * PI)).sqrt() * f64::from(PIXELS_PER_DEGREE)).ceil() as i32;
     SENSITIVITY.map(|pairs| {
         let gaussian = |&(a, b): &(f64, f64)| -> Vec<f64> {
-            // The root of the height, since both axes have it.
+            // Both axes multiply, so each has the root.
             let height = (a * (PI / b).sqrt()).sqrt();
             let at = |i: i32| f64::from(i) / f64::from(PIXELS_PER_DEGREE);
             (-radius..=radius).map(|i| height * (-PI * PI * at(i).powi(2) / b).exp()).collect()
@@ -123,7 +123,7 @@ static SENSITIVITY_TAPS: LazyLock<[Vec<Taps>; 3]> = LazyLock::new(|| {
     })
 });
 
-/// A channel as far as the eye resolves it.
+/// Filters a channel by its contrast sensitivity.
 fn seen(channel: &Plane<f32>, gaussians: &[Taps]) -> Plane<f32> {
     let blurred = |taps: &Taps| channel.filter_rows(taps, Border::Nearest).filter_columns(taps, Border::Nearest);
     let mut sum = blurred(&gaussians[0]);
@@ -133,8 +133,8 @@ fn seen(channel: &Plane<f32>, gaussians: &[Taps]) -> Plane<f32> {
     sum
 }
 
-/// Gaussian, its first and its second derivative. The weights of the first sum to 1, the positive ones of the others to 1 and the
-/// negative ones to -1.
+/// Gaussian and its derivatives. The Gaussian's weights sum to 1, positive and negative weights of the others to 1 and
+/// -1.
 static FEATURE_TAPS: LazyLock<[Taps; 3]> = LazyLock::new(|| {
     let sigma = 0.5 * FEATURE_WIDTH * f64::from(PIXELS_PER_DEGREE);
     let radius = (3.0 * sigma).ceil() as i32;
@@ -151,14 +151,14 @@ static FEATURE_TAPS: LazyLock<[Taps; 3]> = LazyLock::new(|| {
     [taps(|_| 1.0), taps(|t| -t), taps(|t| t * t - 1.0)]
 });
 
-/// Lengths of the gradient and of its gradient-wise second derivatives, of luminance on [0, 1].
+/// Returns the lengths of first and second derivatives of luminance on [0, 1].
 fn features(luminance: &Plane<f32>) -> [Plane<f32>; 2] {
     let [smooth, first, second] = &*FEATURE_TAPS;
     let across = luminance.filter_rows(smooth, Border::Nearest);
     [first, second].map(|derivative| {
         let mut along_x = luminance.filter_rows(derivative, Border::Nearest).filter_columns(smooth, Border::Nearest);
         let along_y = across.filter_columns(derivative, Border::Nearest);
-        // 116 spans black to white; the offset of 16 falls out, since the weights sum to 0.
+        // 116 spans black to white; the offset cancels.
         along_x.data.iter_mut().zip(along_y.data).for_each(|(x, y)| *x = x.hypot(y) / 116.0);
         along_x
     })

@@ -1,25 +1,24 @@
-//! Structural similarity [Wang04, eq. 13] of the display images, with the parameters of the paper's section III-C.
-//!
-//! Per pixel, over an 11×11 Gaussian window of σ = 1.5 pixels with weights that sum to 1:
-//! `SSIM = (2 μt μr + C1)(2 σtr + C2) / ((μt² + μr² + C1)(σt² + σr² + C2))`, `C1 = (0.01 · 255)²`, `C2 = (0.03 · 255)²`.
-//!
-//! Computed on luma `0.299 R + 0.587 G + 0.114 B` of the 8-bit values, as the authors' program does; so it does not see an
-//! error of hue alone (FLIP does). Departure: the paper keeps only windows that lie inside the image; here a window is cut at
-//! the border and its weights are normalised again, so that every masked pixel has a value.
+//! Structural similarity [Wang04, eq. 13] with the parameters of section III-C.
+//! | Per pixel, over an 11×11 Gaussian window of σ = 1.5 pixels with weights that sum to 1:
+//! `SSIM = (2 μt μr + C1)(2 σtr + C2) / ((μt² + μr² + C1)(σt² + σr² + C2))`, `C1 = (0.01 · 255)²`, `C2 = (0.03 ·
+//! 255)²`.
+//! | Computed on luma `0.299 R + 0.587 G + 0.114 B` of 8-bit values, as the authors' program does, so blind to hue.
+//! Departure: the
+//! paper drops windows across the border; here they are cut and renormalised.
 
 use crate::metrics::filter::{Border, Plane};
 use crate::pixels::Rgb8Image;
 
-/// Pixels from the centre to the edge of the window.
+/// Pixels from the window's centre to its edge.
 const WINDOW_RADIUS: usize = 5;
 /// Standard deviation of the window, pixels.
 pub(super) const WINDOW_SIGMA: f64 = 1.5;
 const C1: f64 = (0.01 * 255.0) * (0.01 * 255.0);
 const C2: f64 = (0.03 * 255.0) * (0.03 * 255.0);
-/// Rec. 601 luma weights of encoded RGB.
+/// Rec. 601 luma weights.
 const LUMA: [f64; 3] = [0.299, 0.587, 0.114];
 
-/// One image, as SSIM compares it: local means under the window.
+/// Local means of one image.
 #[derive(Debug)]
 pub struct View {
     luma: Plane<f64>,
@@ -35,7 +34,6 @@ impl View {
     }
 }
 
-/// SSIM at every pixel of two views of one size.
 pub fn ssim_map(test: &View, reference: &View) -> Plane<f64> {
     let mean_product = window_mean(&product(&test.luma, &reference.luma));
     let ssim = |pixel: usize| {
@@ -51,7 +49,7 @@ fn product(a: &Plane<f64>, b: &Plane<f64>) -> Plane<f64> {
     Plane::from_fn(a.width, a.data.len(), |pixel| a.data[pixel] * b.data[pixel])
 }
 
-/// Gaussian mean of the part of the window that lies in the image. Window and cut are separable.
+/// Gaussian mean over the part of the window inside the image; window and cut are separable.
 fn window_mean(plane: &Plane<f64>) -> Plane<f64> {
     let distance = |i: usize| i as f64 - WINDOW_RADIUS as f64;
     let taps: [f64; 2 * WINDOW_RADIUS + 1] =

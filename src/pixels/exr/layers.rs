@@ -1,4 +1,4 @@
-//! Which channels of a file are a colour.
+//! Colour channels of a file.
 
 use crate::pixels::file::Fault;
 use ::exr::meta::header::Header;
@@ -6,16 +6,16 @@ use std::collections::{HashMap, HashSet};
 
 pub(super) struct Layer {
     pub part: usize,
-    /// What stands before the dot of its channels' names, else the name of the part.
+    /// Prefix of the channels, else the name of the part.
     name: Option<String>,
-    /// Whether its channels have no prefix.
+    /// Whether the channels have no prefix.
     is_plain: bool,
-    /// Indices in the header's list; at least one is there.
+    /// Indices in the header's list; at least one is set.
     pub rgb: [Option<usize>; 3],
     pub alpha: Option<usize>,
 }
 
-/// Every layer with colour, part by part, the plain channels first.
+/// Lists every layer with colour, part by part, unprefixed channels first.
 fn layers(headers: &[Header]) -> Vec<Layer> {
     let mut layers = Vec::new();
     for (part, header) in headers.iter().enumerate().filter(|(_, header)| !header.deep) {
@@ -38,7 +38,7 @@ fn layers(headers: &[Header]) -> Vec<Layer> {
     layers
 }
 
-/// The layer to read, and a warning if the caller did not choose among several.
+/// Chooses the layer; warns if there were others.
 pub(super) fn choose(headers: &[Header], name: Option<&str>) -> Result<(Layer, Option<String>), Fault> {
     let mut layers = layers(headers);
     let names = |layers: &[Layer]| layers.iter().filter_map(|layer| layer.name.clone()).collect::<Vec<_>>().join(", ");
@@ -53,7 +53,7 @@ pub(super) fn choose(headers: &[Header], name: Option<&str>) -> Result<(Layer, O
     }
     let chosen = layers.remove(0);
     let place = match (headers.len(), &chosen.name) {
-        // Plain channels are a file's image by convention, whatever other layers are beside them.
+        // Unprefixed channels are a file's image by convention.
         (1, _) if chosen.is_plain || layers.is_empty() => return Ok((chosen, None)),
         (1, name) => format!("Only layer {:?} is used", name.as_deref().unwrap_or_default()),
         (count, _) => format!("Only part {} of {count} is used", chosen.part + 1),
@@ -65,7 +65,7 @@ pub(super) fn choose(headers: &[Header], name: Option<&str>) -> Result<(Layer, O
     Ok((chosen, Some(warning)))
 }
 
-/// The fault of a file or, as ` in layer ...`, of a layer without R, G and B.
+/// Reports a file or layer without R, G and B.
 fn no_colour(headers: &[Header], place: &str) -> Fault {
     let all = || headers.iter().flat_map(|header| &header.channels.list).map(|channel| channel.name.to_string());
     let is_luminance = all().any(|name| name == "Y");

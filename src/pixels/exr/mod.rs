@@ -7,5 +7,4 @@ mod write;
 pub use read::{check_whole, read, read_bytes, read_layer};
 pub use write::{write_channels, write_rgba};
 
-/// Whether this build reads and writes OpenEXR.
 pub const IS_BUILT: bool = true;

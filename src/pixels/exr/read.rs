@@ -1,7 +1,7 @@
-//! Reading: one layer of R, G, B channels, and A if the file has it.
-//!
-//! The crate `exr` parses and unpacks. The checks here are those that it leaves out: claims of memory and time, and blocks that come
-//! twice and so leave another one at 0.
+//! Reads one layer: R, G, B channels and, if present, A.
+//! | The crate `exr` parses and unpacks. The checks here are those that it lacks: claims of memory and time, and
+//! repeated blocks,
+//! which would leave others at 0.
 
 use super::layers::choose;
 use crate::color::{Chromaticities, REC709};
@@ -20,34 +20,33 @@ use std::collections::HashSet;
 use std::io::Cursor;
 use std::path::Path;
 
-/// Most pixels of a linear image that is not an environment: a frame (4096 x 4096).
+/// Most pixels of an image that is not an environment (4096 x 4096).
 const FRAME_TEXELS_MAX: u64 = 1 << 24;
-/// Bytes of pixels that are unpacked at a time, or one block if it has more. A block holds all channels of its lines, and the codecs
-/// need its size two or three times.
+/// Bytes of pixels per batch, or one block if it is larger; codecs need two or three times this.
 const BATCH_BYTES: usize = 1 << 26;
-/// Largest block that is unpacked: one tile of 8192 x 4096 pixels of four halves.
+/// Largest block: one tile of 8192 x 4096 pixels of four halves.
 const BLOCK_BYTES_MAX: usize = 1 << 28;
-/// Most bytes of pixels that are unpacked for an image: some ten seconds.
+/// Most bytes of pixels in an image: about ten seconds of unpacking.
 const PART_BYTES_MAX: usize = 1 << 32;
-/// Most pixels that a byte of a file holds; only absurd claims exceed it.
+/// Most pixels per byte of a file; only absurd claims exceed it.
 const TEXELS_PER_BYTE: u64 = 1 << 16;
 
-/// Reads the data window of the first layer with colour as linear Rec.709: half, float or uint; scan lines or the largest level of tiles.
+/// Reads the data window of the first colour layer as linear Rec.709: half, float or uint; scan lines or tiles.
 pub fn read(path: &Path) -> Result<Decoded, PixelsError> {
     read_layer(path, None)
 }
 
-/// As [`read`], of the layer called `layer`: the channels `layer.R` ..., or the part of that name.
+/// Reads the layer `layer`: the channels `layer.R` ..., or the part of that name.
 pub fn read_layer(path: &Path, layer: Option<&str>) -> Result<Decoded, PixelsError> {
     guarded(path, &read_bounded(path)?, |bytes| decode(bytes, layer, FRAME_TEXELS_MAX))
 }
 
-/// As [`read`] or [`read_layer`], of the bytes of the environment at `path`, which only errors name.
+/// Reads an environment from memory; errors name `path`.
 pub fn read_bytes(path: &Path, bytes: &[u8], layer: Option<&str>) -> Result<Decoded, PixelsError> {
     guarded(path, bytes, |bytes| decode(bytes, layer, ENVIRONMENT_TEXELS_MAX))
 }
 
-/// Fails if a block of the first part is missing or cut off. Nothing is unpacked.
+/// Fails if a block of the first part is missing or truncated. Unpacks nothing.
 pub fn check_whole(path: &Path) -> Result<(), PixelsError> {
     guarded(path, &read_bounded(path)?, |bytes| {
         let mut chunks = chunks(bytes, 0).map_err(damaged)?;
@@ -55,9 +54,9 @@ pub fn check_whole(path: &Path) -> Result<(), PixelsError> {
     })
 }
 
-/// Calls `read`. The codecs of the crate index by what they read; a panic there is bad input and must not end a run.
+/// Calls `read`. The crate's codecs may panic on bad input, which must not end a run.
 fn guarded<T>(path: &Path, bytes: &[u8], read: impl Fn(&[u8]) -> Result<T, Fault>) -> Result<T, PixelsError> {
-    // The bytes are only borrowed, so nothing half-changed can be seen afterwards.
+    // The bytes are only borrowed.
     std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| read(bytes)))
         .unwrap_or_else(|_| Err(Fault::new("is damaged in a way that its decoder cannot name", "a valid OpenEXR file")))
         .map_err(|fault| fault.at(path))
@@ -68,7 +67,7 @@ fn damaged(error: Error) -> Fault {
     Fault::new(format!("cannot be decoded ({error})"), expected)
 }
 
-/// The blocks of the largest level of a part, packed.
+/// Iterates over the packed blocks of a part's largest level.
 fn chunks(bytes: &[u8], part: usize) -> Result<FilteredChunksReader<Cursor<&[u8]>>, Error> {
     Reader::read_from_buffered(Cursor::new(bytes), false)?
         .filter_chunks(true, |_, tile, block| block.layer == part && tile.is_largest_resolution_level())
@@ -123,8 +122,7 @@ fn decode(bytes: &[u8], layer: Option<&str>, most_texels: u64) -> Result<Decoded
     Ok(Decoded { rgb: RgbImage::new(width, height, rgb), alpha, warnings })
 }
 
-/// Bytes of a block of a part, at least 1. Refuses what would take too much memory or time to unpack, mostly because of channels that
-/// are not wanted.
+/// Returns the bytes of a part's block, at least 1. Refuses parts that need too much memory or time.
 fn check_unpacked(header: &Header) -> Result<usize, Fault> {
     let block = match header.blocks {
         BlockDescription::ScanLines => Vec2(header.layer_size.width(), header.compression.scan_lines_per_block()),
@@ -147,9 +145,9 @@ fn unpack(chunk: Chunk, meta: &MetaData) -> Result<UncompressedBlock, Fault> {
     UncompressedBlock::decompress_chunk(chunk, meta, false).map_err(damaged)
 }
 
-/// Checks the sizes of unpacked sections that a DWA block claims, because the codec allocates them before it reads.
+/// Checks unpacked sizes that a DWA block claims: the codec allocates them before it reads.
 fn check_dwa_counters(chunk: &Chunk, header: &Header) -> Result<(), Fault> {
-    /// Of the eleven leading counters: bytes of other channels, run-length codes and their bytes, AC and DC coefficients.
+    /// Indices among eleven counters: other channels, run-length codes and bytes, AC and DC coefficients.
     const UNPACKED_SIZES: [usize; 5] = [1, 6, 7, 8, 9];
     let packed = match &chunk.compressed_block {
         CompressedBlock::ScanLine(block) => &block.compressed_pixels_le,
@@ -162,7 +160,7 @@ fn check_dwa_counters(chunk: &Chunk, header: &Header) -> Result<(), Fault> {
     if is_raw || !matches!(header.compression, Compression::DWAA(_) | Compression::DWAB(_)) {
         return Ok(());
     }
-    // The transform pads to 8 x 8; a factor of 2 covers run-length codes that grow their input.
+    // The transform pads to 8 x 8; the factor 2 covers run-length codes that grow.
     let limit = 2 * (width.next_multiple_of(8) * height.next_multiple_of(8) * header.channels.bytes_per_pixel) as u64;
     let (counters, _) = packed.as_chunks::<8>();
     let sizes = UNPACKED_SIZES.iter().filter_map(|&index| counters.get(index)).map(|&bytes| u64::from_le_bytes(bytes));
@@ -172,7 +170,7 @@ fn check_dwa_counters(chunk: &Chunk, header: &Header) -> Result<(), Fault> {
     }
 }
 
-/// Fills `targets` with the samples in `bytes`.
+/// Decodes samples into `targets`.
 fn put<'t>(targets: impl Iterator<Item = &'t mut f32>, bytes: &[u8], kind: SampleType) {
     fn each<'t, const N: usize>(
         targets: impl Iterator<Item = &'t mut f32>,

@@ -1,4 +1,4 @@
-//! Writing: one part, f32 scan lines, RLE.
+//! Writes one part of f32 scan lines, RLE.
 
 use crate::pixels::{GrayImage, PixelsError, RgbImage, write_atomically};
 use ::exr::prelude::{
@@ -7,8 +7,8 @@ use ::exr::prelude::{
 use std::io;
 use std::path::Path;
 
-/// Writes linear radiance: channels R, G, B, A, and for each of `layers` the channels `name.R`, `name.G`, `name.B`
-/// (viewers such as tev show them as groups). All images must have one size. The values come back bit for bit.
+/// Writes channels R, G, B, A, and `name.R`, `name.G`, `name.B` for each of `layers`, all of one size. Values survive
+/// bit for bit.
 pub fn write_rgba(
     path: &Path,
     rgb: &RgbImage,
@@ -27,7 +27,7 @@ pub fn write_rgba(
     write_channels(path, channels)
 }
 
-/// Writes any set of named f32 channels of one size, at least one.
+/// Writes named f32 channels of one size, at least one.
 pub fn write_channels(path: &Path, channels: Vec<(String, GrayImage)>) -> Result<(), PixelsError> {
     let (width, height) = channels.first().map(|(_, image)| (image.width, image.height)).expect("at least one channel");
     let list: SmallVec<[AnyChannel<FlatSamples>; 4]> = channels
@@ -38,14 +38,14 @@ pub fn write_channels(path: &Path, channels: Vec<(String, GrayImage)>) -> Result
         })
         .collect();
     let encoding = Encoding {
-        // ZIP makes files about a third smaller but takes ten times as long, which a run of hundreds of images feels.
+        // ZIP files are a third smaller but take ten times as long.
         compression: Compression::RLE,
         blocks: ::exr::image::Blocks::ScanLines,
         line_order: LineOrder::Increasing,
     };
     let image = Image::from_encoded_channels((width as usize, height as usize), encoding, AnyChannels::sort(list));
     write_atomically(path, |writer| {
-        // A thread pool for each file would cost more than it saves.
+        // A thread pool per file would cost more than it saves.
         image.write().non_parallel().to_buffered(writer).map_err(io::Error::other)
     })
 }

@@ -1,4 +1,4 @@
-//! Buffers and what accessors read from them. Every length comes from the file, so each is checked before anything is taken.
+//! Buffers and accessors. Files state every length, so each is checked before allocation.
 
 use crate::scene::source::{SceneFiles, existing};
 use ::gltf::Document;
@@ -9,13 +9,11 @@ use base64::prelude::BASE64_STANDARD;
 use std::borrow::Cow;
 use std::path::Path;
 
-/// Bytes of all buffers together.
 const MAX_BYTES: usize = 1 << 30;
 
-/// The bytes of every buffer.
 pub struct Buffers<'a>(Vec<Cow<'a, [u8]>>);
 
-/// The bytes that a URI of the file at `from` stands for: `data:` with base64, or the percent-encoded path of a file beside it.
+/// Reads a URI: `data:` with base64, or the percent-encoded path of a file beside `from`.
 pub fn resource(uri: &str, from: &Path, files: &dyn SceneFiles) -> Result<Vec<u8>, String> {
     if let Some(data) = uri.strip_prefix("data:") {
         let (_, text) = data.split_once(";base64,").ok_or("data: without base64")?;
@@ -53,7 +51,6 @@ impl<'a> Buffers<'a> {
         Ok(Self(all))
     }
 
-    /// The bytes of a view.
     pub fn view(&self, view: &View) -> Result<&[u8], String> {
         let buffer = &self.0[view.buffer().index()];
         let end = view.offset().checked_add(view.length());
@@ -62,7 +59,7 @@ impl<'a> Buffers<'a> {
         })
     }
 
-    /// `count` elements of `size` bytes from a view.
+    /// Returns `count` elements of `size` bytes.
     fn elements<'s>(
         &'s self,
         view: &View,
@@ -79,7 +76,7 @@ impl<'a> Buffers<'a> {
         Ok((0..count).map(move |i| &bytes[i * stride..][..size]))
     }
 
-    /// The elements of an accessor, one after the other; zeros where it has no view, and with its sparse ones replaced.
+    /// Concatenates the elements of an accessor: zeros if it has no view, with sparse ones replaced.
     fn packed(&self, accessor: &Accessor, most: usize) -> Result<Vec<u8>, String> {
         let (count, size) = (accessor.count(), accessor.size());
         if count == 0 || count > most {
@@ -105,7 +102,7 @@ impl<'a> Buffers<'a> {
         Ok(packed)
     }
 
-    /// Vectors of N floats, or of integers (`KHR_mesh_quantization`): as they are, or fractions of the largest one; at most `most` of them.
+    /// Reads at most `most` vectors of floats or, normalized if stated, integers (`KHR_mesh_quantization`).
     pub fn vectors<const N: usize>(&self, accessor: &Accessor, most: usize) -> Result<Vec<[f32; N]>, String> {
         let fault = |what: String| format!("accessor {}: {what}", accessor.index());
         let floats = [Dimensions::Scalar, Dimensions::Vec2, Dimensions::Vec3, Dimensions::Vec4][N - 1];
@@ -127,7 +124,7 @@ impl<'a> Buffers<'a> {
         Ok(numbers.as_chunks::<N>().0.to_vec())
     }
 
-    /// Unsigned integers, at most `most`.
+    /// Reads at most `most` unsigned integers.
     pub fn indices(&self, accessor: &Accessor, most: usize) -> Result<Vec<u32>, String> {
         let fault = |what: String| format!("accessor {}: {what}", accessor.index());
         let packed = self.packed(accessor, most).map_err(fault)?;

@@ -9,8 +9,9 @@
 //! | `doubleSided` | whether backs are seen | they are not |
 //! | `KHR_materials_ior` | f0 = ((ior - 1) / (ior + 1))² | 0.04 |
 //!
-//! Factors outside 0 to 1 are clamped. The maps of a material read one set of texture coordinates, with one `KHR_texture_transform`
-//! \[KhrTransform18\]; they repeat, clamp or mirror as their samplers say and are filtered trilinearly.
+//! Factors are clamped to [0, 1]. The maps of a material share one set of texture coordinates and one
+//! `KHR_texture_transform` \[KhrTransform18\]; they repeat, clamp or mirror by their samplers and are filtered
+//! trilinearly.
 
 use super::buffers::{Buffers, resource};
 use super::name;
@@ -29,7 +30,7 @@ use serde::Deserialize;
 use std::collections::{BTreeSet, HashMap};
 use std::path::Path;
 
-/// The materials that are used, in that order.
+/// The used materials, in order of first use.
 #[derive(Default)]
 pub struct Materials<'a> {
     used: Vec<::gltf::Material<'a>>,
@@ -37,7 +38,7 @@ pub struct Materials<'a> {
 }
 
 impl<'a> Materials<'a> {
-    /// The place of a material.
+    /// Returns a material's index and adds it at its first use.
     pub fn slot(&mut self, material: &::gltf::Material<'a>) -> usize {
         *self.slots.entry(material.index()).or_insert_with(|| {
             self.used.push(material.clone());
@@ -55,7 +56,7 @@ impl<'a> Materials<'a> {
         maps.iter().any(Option::is_some) || material.normal_texture().is_some()
     }
 
-    /// The set of texture coordinates that the maps of a material read, and what turns them.
+    /// Returns the texture coordinate set of a material's maps, and its transform.
     pub fn mapping(&self, slot: usize) -> Result<(u32, DAffine2), String> {
         let (material, factors) = (&self.used[slot], self.used[slot].pbr_metallic_roughness());
         let own = |info: Info| {
@@ -72,7 +73,7 @@ impl<'a> Materials<'a> {
             .map(own)
             .collect();
         if let Some(map) = material.normal_texture() {
-            // The crate has no name for it here.
+            // The crate has no accessor for it here.
             let transform = map.extension_value("KHR_texture_transform").map(TextureTransform::deserialize);
             let transform =
                 transform.transpose().map_err(|error| format!("KHR_texture_transform of its normal map: {error}"))?;
@@ -91,7 +92,7 @@ impl<'a> Materials<'a> {
         }
     }
 
-    /// The materials as they are shaded; what is not read is added to `unread`.
+    /// Reads the materials; adds skipped features to `unread`.
     pub fn read(
         &self,
         buffers: &Buffers,
@@ -100,7 +101,7 @@ impl<'a> Materials<'a> {
         maps: &mut Maps,
         unread: &mut BTreeSet<String>,
     ) -> Result<Vec<Material>, String> {
-        // Images are shared by materials, and one holds both roughness and metallic.
+        // Materials share images; one image holds roughness and metallic.
         let mut known: Vec<(usize, Meaning, Wrap, usize)> = Vec::new();
         let mut map = |texture: Texture, meaning: Meaning, unread: &mut BTreeSet<String>| {
             let (sampler, image) = (texture.sampler(), texture.source());
@@ -170,7 +171,7 @@ fn edge(mode: WrappingMode) -> Edge {
     }
 }
 
-/// Scaled, turned counter-clockwise as v grows downward, and moved: the example of the extension shows the sense.
+/// Scales, rotates counter-clockwise as v grows downward, and moves, as in the extension's example.
 fn affine(offset: [f32; 2], rotation: f32, scale: [f32; 2]) -> DAffine2 {
     let [offset, scale] = [offset, scale].map(|pair| Vec2::from_array(pair).as_dvec2());
     DAffine2::from_scale_angle_translation(DVec2::ONE, -f64::from(rotation), offset) * DAffine2::from_scale(scale)

@@ -1,13 +1,13 @@
-//! glTF 2.0 files, `.glb` and `.gltf` [GlTF20]: the triangles of the default scene with their nodes' transforms; see [`material`] for the
-//! materials.
-//!
-//! Read: lists, strips and fans of triangles; positions, normals, tangents and one set of texture coordinates, quantized ones too
-//! (`KHR_mesh_quantization`); sparse and interleaved accessors; buffers and images in the file, beside it or as `data:`. Missing normals are
-//! the triangles' own, missing tangents under a normal map those of MikkTSpace, as the specification asks (section 3.7.2.1). The winding
-//! tells the front; a transform that mirrors turns it around.
-//!
-//! Refused by name: morph targets, skins, required extensions that are not in [`EXTENSIONS`]. What else is not read (emission, occlusion,
-//! transparency, vertex colours, animations, lights) is a warning.
+//! glTF 2.0 files, `.glb` and `.gltf` [GlTF20]: the triangles of the default scene; see [`material`] for materials.
+//! | Read: lists, strips and fans of triangles; positions, normals, tangents and one set of texture coordinates, also
+//! quantized
+//! (`KHR_mesh_quantization`), sparse and interleaved; buffers and images in the file, beside it or as `data:`. Missing
+//! normals
+//! are the triangles' own, missing tangents under a normal map are MikkTSpace's (section 3.7.2.1). Winding determines
+//! the
+//! front; a mirroring transform flips it.
+//! | Refused: morph targets, skins, required extensions other than [`EXTENSIONS`]. Other features (emission, occlusion,
+//! transparency, vertex colours, animations, lights) only cause a warning.
 
 mod buffers;
 mod material;
@@ -27,17 +27,16 @@ use serde::Deserialize;
 use std::collections::BTreeSet;
 use std::path::Path;
 
-/// Extensions that are read; others that a file requires refuse it.
+/// Supported extensions.
 const EXTENSIONS: [&str; 3] = ["KHR_materials_ior", "KHR_mesh_quantization", "KHR_texture_transform"];
-/// Vertices of all meshes as they are placed, and a third of the corners of their triangles: below 1.5 GiB with 60 bytes a vertex and as
-/// many a corner while normals are made.
+/// Most vertices after placement, and most corners / 3: below 1.5 GiB.
 const MAX_VERTICES: usize = 1 << 23;
-/// Largest coordinate, as in OBJ files: squares of it stay finite in f32.
+/// Largest coordinate: its square is finite in f32.
 const MAX_COORDINATE: f64 = 1e15;
-/// Most of 16 an object and 1 a quotation mark of the text: an object takes up to 1 KiB, so they stay below 1 GiB.
+/// Largest weight of the text, 16 per object and 1 per quotation mark: below 1 GiB, since an object takes up to 1 KiB.
 const MAX_TEXT_WEIGHT: usize = 1 << 24;
 
-/// Loads the file at `path` of `files`; `spec` is what the user wrote.
+/// Loads the scene at `path`; `spec` is its name.
 pub(super) fn load(spec: &str, path: &Path, files: &dyn SceneFiles) -> Result<Scene, SceneError> {
     let fault = |what: String| SceneError::of_file(path, printable(&what));
     let bytes = files.read(path).map_err(|error| fault(format!("cannot read the scene: {error}")))?;
@@ -79,7 +78,7 @@ pub(super) fn load(spec: &str, path: &Path, files: &dyn SceneFiles) -> Result<Sc
     Ok(scene.hashed())
 }
 
-/// What decides whether a file can be read at all.
+/// Decides whether the file can be read at all.
 #[derive(Deserialize)]
 struct Head {
     asset: Asset,
@@ -94,7 +93,7 @@ struct Asset {
     version: String,
 }
 
-/// The checked document and the binary part of a `.glb`.
+/// Returns the checked document and the binary part of a `.glb`.
 fn parse(bytes: &[u8]) -> Result<(Document, Option<&[u8]>), String> {
     let wrong = |error: ::gltf::Error| match error {
         ::gltf::Error::Validation(errors) => {
@@ -126,23 +125,23 @@ fn parse(bytes: &[u8]) -> Result<(Document, Option<&[u8]>), String> {
             return Err(format!("it requires the extensions {names}, which are not read; export it without"));
         }
     }
-    // What such a file leaves to them is missing elsewhere.
+    // Extensions may hold what is missing elsewhere.
     let used = unread(&head.used).join(", ");
     let wrong =
         |error| if used.is_empty() { wrong(error) } else { format!("{}; it uses {used}, not read", wrong(error)) };
     let mut json = Gltf::from_slice_without_validation(text).map_err(wrong)?.document.into_json();
-    // The crate refuses what it does not know; here they are checked.
+    // The crate refuses extensions unknown to it; ours are checked above.
     json.extensions_required.clear();
-    // Attributes of an application, such as `_FEATURE_ID_0` (section 3.7.2.1), which the crate calls invalid.
+    // The crate rejects application-specific attributes such as `_FEATURE_ID_0` (section 3.7.2.1).
     for primitive in json.meshes.iter_mut().flat_map(|mesh| &mut mesh.primitives) {
         primitive.attributes.retain(|semantic, _| matches!(semantic, Checked::Valid(_)));
     }
-    // The crate's own check follows these without asking.
+    // The crate follows these indices unchecked.
     let accessors = json.meshes.iter().flat_map(|mesh| &mesh.primitives).flat_map(|part| part.attributes.values());
     if let Some(missing) = accessors.map(|index| index.value()).find(|index| *index >= json.accessors.len()) {
         return Err(format!("accessor {missing} of {}", json.accessors.len()));
     }
-    // Nor does it ask for these before it takes them.
+    // The crate unwraps these fields unchecked.
     let has_source = |image: &::gltf::json::Image| match image.buffer_view {
         Some(_) => image.mime_type.is_some(),
         None => image.uri.is_some(),
@@ -153,11 +152,10 @@ fn parse(bytes: &[u8]) -> Result<(Document, Option<&[u8]>), String> {
     Ok((Document::from_json(json).map_err(wrong)?, blob))
 }
 
-/// The JSON and the binary part of a `.glb`.
 fn container(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), String> {
     use std::borrow::Cow::Borrowed;
     let word = |at: usize| bytes.get(at..at + 4).map(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]]) as usize);
-    // What the crate subtracts from.
+    // The crate subtracts from this length.
     if word(8).is_none_or(|length| length < 20 || length > bytes.len()) {
         let claim = word(8).map_or("no length".to_owned(), |length| format!("{length} bytes"));
         return Err(format!("the header claims {claim}, but the file has {}; it is probably truncated", bytes.len()));
@@ -170,11 +168,11 @@ fn container(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), String> {
     }
 }
 
-/// What is gathered while the nodes are visited.
+/// State of the traversal of nodes.
 struct Reader<'a> {
     buffers: Buffers<'a>,
     materials: Materials<'a>,
-    /// One a material, in order of first use.
+    /// One for each material, in order of first use.
     meshes: Vec<Mesh>,
     vertices_left: usize,
     degenerate_count: usize,
@@ -187,7 +185,6 @@ impl<'a> Reader<'a> {
         let scene = scene.ok_or("it has no scene, expected at least one")?;
         let mut is_visited = vec![false; document.nodes().len()];
         let mut open: Vec<(Node<'a>, DMat4)> = scene.nodes().map(|node| (node, DMat4::IDENTITY)).collect();
-        // In the order of the file.
         open.reverse();
         while let Some((node, parent)) = open.pop() {
             if std::mem::replace(&mut is_visited[node.index()], true) {
@@ -255,7 +252,7 @@ impl<'a> Reader<'a> {
             return Err(format!("index {index}, expected below its {count} positions"));
         }
 
-        // The cofactors are the inverse transpose times the determinant; they know the way of a normal even where there is no inverse.
+        // Cofactors are the inverse transpose times the determinant; they exist even for singular transforms.
         let linear = DMat3::from_mat4(to_world);
         let (x, y, z) = (linear.x_axis, linear.y_axis, linear.z_axis);
         let mirror = if linear.determinant() < 0.0 { -1.0 } else { 1.0 };
@@ -264,13 +261,13 @@ impl<'a> Reader<'a> {
         let mut placed = Mesh::empty(slot);
         for position in &positions {
             let position = to_world.transform_point3(Vec3::from_array(*position).as_dvec3());
-            // Written so that what is no number is refused as well.
+            // Also refuses NaN.
             if !(position.abs().max_element() <= MAX_COORDINATE && position.is_finite()) {
                 return Err(format!("a position outside -{MAX_COORDINATE:e} to {MAX_COORDINATE:e}"));
             }
             placed.positions.push(position.as_vec3().to_array());
         }
-        // glTF counts v from the top row.
+        // glTF counts v from the top.
         let turned = |uv: &[f32; 2]| {
             let [u, v] = transform.transform_point2(Vec2::from_array(*uv).as_dvec2()).to_array();
             [u as f32, (1.0 - v) as f32]
@@ -313,12 +310,11 @@ impl<'a> Reader<'a> {
     }
 }
 
-/// `node 3 ("wheel")`.
+/// Names an object: `node 3 ("wheel")`.
 fn name(kind: &str, name: Option<&str>, index: usize) -> String {
     name.map_or_else(|| format!("{kind} {index}"), |name| format!("{kind} {index} ({name:?})"))
 }
 
-/// A node's transform in f64.
 fn matrix(transform: Transform) -> DMat4 {
     match transform {
         Transform::Matrix { matrix } => DMat4::from_cols_array_2d(&matrix.map(|column| column.map(f64::from))),
@@ -330,7 +326,7 @@ fn matrix(transform: Transform) -> DMat4 {
     }
 }
 
-/// The triangles of a list, a strip or a fan, each counter-clockwise from its front (section 3.7.2.1).
+/// Returns triangles counter-clockwise from their front (section 3.7.2.1).
 fn triangles(mode: Mode, indices: &[u32]) -> Vec<[u32; 3]> {
     let i = |k: usize| indices[k];
     let last = indices.len().saturating_sub(2);

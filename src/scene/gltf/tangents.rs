@@ -1,9 +1,9 @@
-//! What a mesh leaves out: normals of its triangles, and tangents by MikkTSpace \[Mikkelsen08\], which normal maps are baked for.
+//! Missing normals, and missing tangents by MikkTSpace \[Mikkelsen08\].
 
 use crate::scene::mesh::{Mesh, position};
 use bevy_mikktspace::{Geometry, TangentSpace, generate_tangents};
 
-/// The mesh with a vertex for every corner; with `is_flat` each has the normal of its triangle.
+/// Gives every corner its own vertex and, if `is_flat`, its triangle's normal.
 pub fn corners(mesh: &Mesh, is_flat: bool) -> Mesh {
     let at = |index: &u32| *index as usize;
     let mut own = Mesh::empty(mesh.material);
@@ -23,7 +23,7 @@ pub fn corners(mesh: &Mesh, is_flat: bool) -> Mesh {
     own
 }
 
-/// Fills the tangents of a mesh whose corners are [`corners`]. Its v points up, as the green of a normal map does (glTF 2.0, 3.9.3).
+/// Computes tangents of a mesh from [`corners`]. v points up, as a normal map's green does (glTF 2.0, 3.9.3).
 pub fn fill(mesh: &mut Mesh) {
     mesh.tangents.fill([0.0; 4]);
     let _: Result<(), _> = generate_tangents(&mut Corners(mesh));

@@ -1,55 +1,59 @@
-//! The statements of an OBJ file, checked line by line and rewritten for `tobj`.
-//!
-//! `tobj` names no lines in its errors, joins no continued lines, reads no forward references across materials and takes a missing
-//! texture or normal index from the corner before. So every statement is checked here and handed on in a form without those cases:
-//! all `v`, `vt` and `vn` come first, every corner is `v/vt/vn` with positive indices, and index 1 of `vt` (0, 0) and of `vn` (0, 0, 0) stands
-//! for "the file has none".
+//! The statements of an OBJ file, checked line by line. No crate names lines in errors, joins continued lines, allows forward
+//! references across materials and distinguishes missing indices.
 
 use std::borrow::Cow;
-use std::collections::{BTreeMap, BTreeSet};
-use std::fmt::Write;
+use std::collections::BTreeMap;
 
-/// Largest coordinate that is read. The squares of differences must stay far below the largest f32.
+/// Largest coordinate: the squares of differences must stay far below the largest f32.
 const MAX_COORDINATE: f32 = 1e15;
 
-/// Longest part of an unknown keyword that is repeated in a warning.
+/// Longest part of an unknown keyword in a warning.
 const MAX_KEYWORD: usize = 16;
 
-/// What is wrong with one line.
 #[derive(Debug)]
 pub struct LineError {
-    /// Counted from 1; of a continued statement the first.
+    /// From 1; the first line of a continued statement.
     pub line: usize,
     pub message: String,
 }
 
 /// A checked OBJ file.
 #[derive(Debug, Default)]
-pub struct ObjText {
-    /// The file as `tobj` shall see it. Its one `mtllib` statement stands for all of [`ObjText::libraries`].
-    pub text: String,
-    /// What follows each `mtllib`: one file name with spaces or several names.
+pub struct Obj {
+    pub positions: Vec<[f32; 3]>,
+    pub uvs: Vec<[f32; 2]>,
+    pub normals: Vec<[f32; 3]>,
+    /// Faces between two `usemtl` statements, in the order of the file.
+    pub runs: Vec<Run>,
+    /// Arguments of `mtllib`: one file name with spaces or several names.
     pub libraries: Vec<String>,
-    /// Names that `usemtl` asks for.
-    pub materials: BTreeSet<String>,
-    pub face_count: usize,
-    pub position_count: usize,
-    /// Number of statements of each kind that are legal and not read (`l`, `p`, `curv`, ...).
+    /// Number of legal statements of each kind that are not read (`l`, `p`, `curv`, ...).
     pub ignored: BTreeMap<String, usize>,
 }
 
-/// The logical lines of a text with the number of their first line: line ends of any kind, a byte order mark, and lines continued by `\`.
+/// Faces with one material.
+#[derive(Debug, Default)]
+pub struct Run {
+    pub material: Option<String>,
+    /// Corners of each face.
+    pub arities: Vec<usize>,
+    /// `v/vt/vn` of each corner, from 1; 0 for a missing one.
+    pub corners: Vec<[usize; 3]>,
+}
+
+/// Splits a text into logical lines, each with the number of its first line: any line ends, a byte order mark, lines continued
+/// by `\`.
 pub fn logical_lines(text: &str) -> Vec<(usize, Cow<'_, str>)> {
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
-    // A file with CR only holds no LF at all; in any other a CR at the end of a line is blank space.
+    // A file with CR only has no LF at all; in any other a CR at the end of a line is blank space.
     let ends = if text.contains('\n') { '\n' } else { '\r' };
     let mut lines = Vec::new();
     let mut physical = text.split(ends).map(str::trim).enumerate();
     while let Some((i, line)) = physical.next() {
         let mut logical = Cow::Borrowed(line);
-        // A comment that ends in a backslash (a Windows folder, say) does not swallow the next line.
+        // A comment that ends in a backslash (a Windows folder, say) does not continue.
         while !logical.starts_with('#') && logical.ends_with('\\') {
-            // In place: copying what is joined so far would take the square of the number of lines.
+            // In place: copying would take the square of the number of lines.
             let joined = logical.to_mut();
             joined.truncate(joined.trim_end_matches('\\').len());
             let Some((_, next)) = physical.next() else { break };
@@ -63,7 +67,7 @@ pub fn logical_lines(text: &str) -> Vec<(usize, Cow<'_, str>)> {
     lines
 }
 
-/// A finite number, or what is wrong with `word`.
+/// Parses a finite number.
 pub fn number(word: &str) -> Result<f32, String> {
     match word.parse::<f32>() {
         Ok(value) if value.is_finite() => Ok(value),
@@ -72,103 +76,73 @@ pub fn number(word: &str) -> Result<f32, String> {
     }
 }
 
-/// The three kinds of elements that a corner refers to, in the order `v/vt/vn`.
+/// Elements of a corner, in the order `v/vt/vn`.
 const ELEMENTS: [&str; 3] = ["position", "texture coordinate", "normal"];
 
-/// Checks an OBJ file and rewrites it for `tobj`.
-pub fn read(text: &str) -> Result<ObjText, LineError> {
+/// Reads and checks an OBJ file.
+pub fn read(text: &str) -> Result<Obj, LineError> {
     let lines = logical_lines(text);
-    // A face may refer to elements that follow it, so their numbers are needed first.
+    // A face may refer to elements that follow it.
     let totals = ["v", "vt", "vn"].map(|kind| lines.iter().filter(|(_, line)| split_keyword(line).0 == kind).count());
-    let mut out =
-        ObjText { text: "mtllib all\nvt 0 0\nvn 0 0 0\n".to_owned(), position_count: totals[0], ..ObjText::default() };
-    let mut faces = String::new();
-    let mut counts = [0usize; 3];
+    let mut obj = Obj { runs: vec![Run::default()], ..Obj::default() };
     for (line, logical) in &lines {
-        let (keyword, rest) = split_keyword(logical);
-        // Names may hold a number sign, numbers may not.
-        let values = rest.split('#').next().unwrap_or_default();
-        let result = match keyword {
-            "v" => element(&mut out.text, "v", values, 3..=3, &mut counts[0]),
-            "vt" => element(&mut out.text, "vt", values, 1..=2, &mut counts[1]),
-            "vn" => element(&mut out.text, "vn", values, 3..=3, &mut counts[2]),
-            "f" | "fo" => {
-                out.face_count += 1;
-                face(&mut faces, values, counts, totals)
-            }
-            "mtllib" => {
-                out.libraries.push(rest.to_owned());
-                Ok(())
-            }
-            "usemtl" if rest.is_empty() => Err("usemtl: expected the name of a material".to_owned()),
-            "usemtl" => {
-                let _ = writeln!(faces, "usemtl {rest}");
-                out.materials.insert(rest.to_owned());
-                Ok(())
-            }
-            // Names and smoothing groups change nothing: normals that a file does not give are smooth everywhere.
-            "o" | "g" | "s" => Ok(()),
-            other => {
-                *out.ignored.entry(other.chars().take(MAX_KEYWORD).collect()).or_default() += 1;
-                Ok(())
-            }
-        };
-        result.map_err(|message| LineError { line: *line, message })?;
+        statement(&mut obj, logical, totals).map_err(|message| LineError { line: *line, message })?;
     }
-    out.text.push_str(&faces);
-    Ok(out)
+    Ok(obj)
 }
 
-/// The first word of a statement and the rest.
+fn statement(obj: &mut Obj, logical: &str, totals: [usize; 3]) -> Result<(), String> {
+    let (keyword, rest) = split_keyword(logical);
+    // Names may contain a number sign, numbers may not.
+    let values = rest.split('#').next().unwrap_or_default();
+    match keyword {
+        "v" => obj.positions.push(element("v", values, 3)?),
+        "vt" => obj.uvs.push(element("vt", values, 1)?),
+        "vn" => obj.normals.push(element("vn", values, 3)?),
+        "f" | "fo" => {
+            let counts = [obj.positions.len(), obj.uvs.len(), obj.normals.len()];
+            let run = obj.runs.last_mut().expect("one from the beginning");
+            let before = run.corners.len();
+            for word in values.split_whitespace() {
+                run.corners.push(corner(word, counts, totals)?);
+            }
+            let count = run.corners.len() - before;
+            if count < 3 {
+                return Err(format!("a face of {count} corners, expected at least 3"));
+            }
+            run.arities.push(count);
+        }
+        "mtllib" => obj.libraries.push(rest.to_owned()),
+        "usemtl" if rest.is_empty() => return Err("usemtl: expected the name of a material".to_owned()),
+        "usemtl" => obj.runs.push(Run { material: Some(rest.to_owned()), ..Run::default() }),
+        // Names and smoothing groups have no effect: missing normals are smooth everywhere.
+        "o" | "g" | "s" => {}
+        other => *obj.ignored.entry(other.chars().take(MAX_KEYWORD).collect()).or_default() += 1,
+    }
+    Ok(())
+}
+
+/// Splits off the first word of a statement.
 pub fn split_keyword(logical: &str) -> (&str, &str) {
     let (keyword, rest) = logical.split_once(char::is_whitespace).unwrap_or((logical, ""));
     (keyword, rest.trim())
 }
 
-/// Copies the first values of a `v`, `vt` or `vn`; further ones (w, colours, the third texture coordinate) are not read.
-fn element(
-    out: &mut String,
-    keyword: &str,
-    values: &str,
-    wanted: std::ops::RangeInclusive<usize>,
-    count: &mut usize,
-) -> Result<(), String> {
-    let words: Vec<&str> = values.split_whitespace().take(*wanted.end()).collect();
-    if words.len() < *wanted.start() {
-        return Err(format!("{keyword}: {} values, expected {}", words.len(), wanted.start()));
-    }
-    out.push_str(keyword);
-    for i in 0..*wanted.end() {
-        let word = words.get(i).copied().unwrap_or("0");
-        let value = number(word).map_err(|message| format!("{keyword}: {message}"))?;
-        if value.abs() > MAX_COORDINATE {
+/// Parses the first values of a `v`, `vt` or `vn`, at least `least`; ignores others (w, colours, the third texture coordinate).
+fn element<const N: usize>(keyword: &str, values: &str, least: usize) -> Result<[f32; N], String> {
+    let mut element = [0.0; N];
+    let mut count = 0;
+    for (place, word) in element.iter_mut().zip(values.split_whitespace()) {
+        *place = number(word).map_err(|message| format!("{keyword}: {message}"))?;
+        if place.abs() > MAX_COORDINATE {
             return Err(format!("{keyword}: {word} is outside -{MAX_COORDINATE:e} to {MAX_COORDINATE:e}"));
         }
-        out.push(' ');
-        out.push_str(word);
+        count += 1;
     }
-    out.push('\n');
-    *count += 1;
-    Ok(())
+    if count < least { Err(format!("{keyword}: {count} values, expected {least}")) } else { Ok(element) }
 }
 
-/// Writes a face whose corners are all `v/vt/vn`, counting from 1 and past the stand-ins for "none".
-fn face(out: &mut String, values: &str, counts: [usize; 3], totals: [usize; 3]) -> Result<(), String> {
-    let mut corner_count = 0;
-    out.push('f');
-    for word in values.split_whitespace() {
-        let [v, vt, vn] = corner(word, counts, totals)?;
-        let _ = write!(out, " {v}/{}/{}", vt + 1, vn + 1);
-        corner_count += 1;
-    }
-    out.push('\n');
-    if corner_count < 3 {
-        return Err(format!("a face of {corner_count} corners, expected at least 3"));
-    }
-    Ok(())
-}
-
-/// A corner as indices from 1, 0 for an index that is left out. Negative indices count back from the elements read so far (`counts`);
+/// Parses a corner as indices from 1, 0 for a missing one. Negative indices count back from the elements so far (`counts`);
 /// positive ones may reach all of the file's (`totals`).
 fn corner(word: &str, counts: [usize; 3], totals: [usize; 3]) -> Result<[usize; 3], String> {
     let malformed = || format!("face corner \"{word}\", expected v, v/vt, v//vn or v/vt/vn with integers");

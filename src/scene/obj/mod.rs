@@ -1,7 +1,7 @@
-//! Wavefront OBJ files: polygons of any number of corners with materials; see [`mtl`] for the materials.
+//! Wavefront OBJ files: polygons with materials ([`mtl`]).
 //!
-//! Read: `v`, `vt`, `vn`, `f` (any corner form, negative indices), `usemtl`, `mtllib`. Points, lines, curves and vertex colours are
-//! left out. Missing normals are computed smooth (see [`normals`]), missing texture coordinates are (0, 0).
+//! Read: `v`, `vt`, `vn`, `f` (any corner form, negative indices), `usemtl`, `mtllib`. Skipped: points, lines, curves, vertex
+//! colours. Missing normals are smooth ([`normals`]), missing texture coordinates (0, 0).
 
 mod lines;
 mod mtl;
@@ -14,22 +14,22 @@ use super::source::{SceneFiles, existing};
 use super::{Material, Scene, SceneError, toward_viewer_of_files};
 use crate::pixels::lookup::Wrap;
 use glam::{DVec3, Vec3};
-use lines::ObjText;
-use std::collections::{HashMap, HashSet};
+use lines::Obj;
+use std::collections::{BTreeSet, HashMap};
 use std::path::{Path, PathBuf};
 
-/// Loads the file at `path` of `files`; `spec` is what the user wrote.
+/// Loads the scene at `path`; `spec` is its name.
 pub(super) fn load(spec: &str, path: &Path, files: &dyn SceneFiles) -> Result<Scene, SceneError> {
     let file_error = |what: String| SceneError::of_file(path, what);
     let bytes = files.read(path).map_err(|error| file_error(format!("cannot read the scene: {error}")))?;
-    // Comments and names are the only places for other text; in Latin-1 they must not stop the geometry.
+    // Only comments and names contain other text; Latin-1 there must not stop the geometry.
     let obj = lines::read(&String::from_utf8_lossy(&bytes))
         .map_err(|error| SceneError::of_line(path, error.line, error.message))?;
-    if obj.face_count == 0 {
+    if obj.runs.iter().all(|run| run.arities.is_empty()) {
         let what = if bytes.is_empty() {
             "the file is empty".to_owned()
         } else {
-            format!("{} positions and no face", obj.position_count)
+            format!("{} positions and no face", obj.positions.len())
         };
         return Err(file_error(format!("{what}, expected at least one face")));
     }
@@ -40,22 +40,17 @@ pub(super) fn load(spec: &str, path: &Path, files: &dyn SceneFiles) -> Result<Sc
         warnings.push(format!("statements that are not read: {}", kinds.join(", ")));
     }
     let libraries = read_libraries(files, &obj, path, &mut warnings)?;
-    let options = tobj::LoadOptions { single_index: true, ..tobj::LoadOptions::default() };
-    let load_libraries = |_: &Path| tobj::load_mtl_buf(&mut libraries.text.as_bytes());
-    let (models, file_materials) = tobj::load_obj_buf(&mut obj.text.as_bytes(), &options, load_libraries)
-        .map_err(|error| file_error(format!("cannot read the faces: {error}")))?;
-    let file_materials = file_materials.map_err(|error| file_error(format!("cannot read the materials: {error}")))?;
-    let defined: HashSet<&str> = file_materials.iter().map(|material| material.name.as_str()).collect();
-    let undefined = obj.materials.iter().filter(|name| !defined.contains(name.as_str()));
+    let named: BTreeSet<&str> = obj.runs.iter().filter_map(|run| run.material.as_deref()).collect();
+    let undefined = named.into_iter().filter(|name| libraries.materials.iter().all(|known| known.name != *name));
     add_first(
         &mut warnings,
         undefined.map(|name| format!("material \"{name}\" is not defined; the default material is used")),
     );
 
-    let (meshes, used) = assemble(&models, path, &mut warnings)?;
+    let (meshes, used) = assemble(&obj, &libraries, path, &mut warnings)?;
     let (textures, maps) = read_maps(files, &libraries, &mut warnings);
     let material = |index: &Option<usize>| {
-        index.map_or_else(Material::default, |index| mtl::material(&file_materials[index], &maps))
+        index.map_or_else(Material::default, |index| libraries.materials[index].material(&maps))
     };
     let mut scene = Scene::assemble(spec, Vec::new(), meshes, used.iter().map(material).collect());
     scene.textures = textures;
@@ -64,23 +59,23 @@ pub(super) fn load(spec: &str, path: &Path, files: &dyn SceneFiles) -> Result<Sc
     Ok(scene.hashed())
 }
 
-/// Warnings of one cause that are told one by one; a broken exporter can make one a line.
-const TOLD_COUNT: usize = 5;
+/// Printed warnings of one cause; a broken exporter can cause one per line.
+const SHOWN_COUNT: usize = 5;
 
-/// Adds the first warnings of one cause, and the number of those that are left out.
+/// Adds the first warnings of one cause, and the number of others.
 fn add_first(warnings: &mut Vec<String>, of_one_cause: impl IntoIterator<Item = String>) {
     let mut of_one_cause = of_one_cause.into_iter();
-    warnings.extend(of_one_cause.by_ref().take(TOLD_COUNT));
+    warnings.extend(of_one_cause.by_ref().take(SHOWN_COUNT));
     let left_out = of_one_cause.count();
     if left_out > 0 {
         warnings.push(format!("and {left_out} more of the last kind"));
     }
 }
 
-/// Reads what the `mtllib` statements name: one file whose name may hold spaces, or else several.
+/// Reads the files of `mtllib` statements: one whose name may contain spaces, or several.
 fn read_libraries(
     files: &dyn SceneFiles,
-    obj: &ObjText,
+    obj: &Obj,
     path: &Path,
     warnings: &mut Vec<String>,
 ) -> Result<mtl::Libraries, SceneError> {
@@ -100,7 +95,7 @@ fn read_libraries(
     Ok(libraries)
 }
 
-/// The textures, and the texture of each albedo map. A map that cannot be read adds a warning only.
+/// Reads the textures and returns the index of each albedo map, `None` with a warning if unreadable.
 fn read_maps(
     files: &dyn SceneFiles,
     libraries: &mtl::Libraries,
@@ -121,48 +116,58 @@ fn read_maps(
     (textures, indices)
 }
 
-/// One mesh a material in order of first use, and for each the material of the file (`None`: the default).
+/// Builds one mesh per material in order of first use; also returns the index of each material (`None`: the default).
 fn assemble(
-    models: &[tobj::Model],
+    obj: &Obj,
+    libraries: &mtl::Libraries,
     path: &Path,
     warnings: &mut Vec<String>,
 ) -> Result<(Vec<Mesh>, Vec<Option<usize>>), SceneError> {
     let file_error = |what: String| SceneError::of_file(path, what);
-    let mut slots: HashMap<Option<usize>, usize> = HashMap::new();
-    let mut meshes: Vec<Mesh> = Vec::new();
-    let mut used = Vec::new();
+    let index_of = |name: &String| libraries.materials.iter().rposition(|material| material.name == *name);
+    let (mut meshes, mut used): (Vec<Mesh>, Vec<Option<usize>>) = (Vec::new(), Vec::new());
+    let mut vertices: HashMap<[usize; 3], u32> = HashMap::new();
+    let mut last = None;
     let (mut degenerate_count, mut crossing_count) = (0, 0);
-    for source in models.iter().map(|model| &model.mesh).filter(|mesh| !mesh.indices.is_empty()) {
-        let slot = *slots.entry(source.material_id).or_insert_with(|| {
-            used.push(source.material_id);
+    for run in obj.runs.iter().filter(|run| !run.arities.is_empty()) {
+        let material = run.material.as_ref().and_then(index_of);
+        // Vertices are shared until the material changes.
+        if last.replace(material) != Some(material) {
+            vertices.clear();
+        }
+        let slot = used.iter().position(|known| *known == material).unwrap_or_else(|| {
+            used.push(material);
             meshes.push(Mesh::empty(meshes.len()));
             meshes.len() - 1
         });
         let mesh = &mut meshes[slot];
-        let base = mesh.positions.len() as u32;
-        mesh.positions.extend(source.positions.as_chunks::<3>().0);
-        mesh.uvs.extend(source.texcoords.as_chunks::<2>().0);
-        mesh.tangents.resize(mesh.positions.len(), [0.0; 4]);
-        mesh.normals.extend(source.normals.as_chunks::<3>().0.iter().map(|&n| unit_or_zero(n)));
-
-        let mut corners = source.indices.as_slice();
-        let arities = source.face_arities.iter().map(|&arity| arity as usize).chain(std::iter::repeat(3));
-        for arity in arities {
-            let Some((face, rest)) = corners.split_at_checked(arity).filter(|(face, _)| !face.is_empty()) else {
-                break;
-            };
+        let mut corners = run.corners.as_slice();
+        for arity in &run.arities {
+            let (face, rest) = corners.split_at(*arity);
             corners = rest;
-            let polygon: Vec<DVec3> = face.iter().map(|&index| position(&mesh.positions, base + index)).collect();
+            let face: Vec<u32> = face
+                .iter()
+                .map(|&[v, vt, vn]| {
+                    *vertices.entry([v, vt, vn]).or_insert_with(|| {
+                        mesh.positions.push(obj.positions[v - 1]);
+                        mesh.uvs.push(if vt == 0 { [0.0; 2] } else { obj.uvs[vt - 1] });
+                        mesh.normals.push(if vn == 0 { [0.0; 3] } else { unit_or_zero(obj.normals[vn - 1]) });
+                        mesh.tangents.push([0.0; 4]);
+                        mesh.positions.len() as u32 - 1
+                    })
+                })
+                .collect();
+            let polygon: Vec<DVec3> = face.iter().map(|&index| position(&mesh.positions, index)).collect();
             let split = triangulate::triangulate(&polygon).ok_or_else(|| {
                 let most = triangulate::MAX_CONCAVE_CORNERS;
-                file_error(format!("a face of {arity} corners that its first does not see all of (it is not convex), expected at most {most} corners"))
+                file_error(format!("a concave face of {arity} corners, expected at most {most}; triangulate the mesh"))
             })?;
             crossing_count += usize::from(!split.is_simple);
             for triangle in split.triangles {
                 if is_degenerate(triangle.map(|k| polygon[k])) {
                     degenerate_count += 1;
                 } else {
-                    mesh.indices.extend(triangle.map(|k| base + face[k]));
+                    mesh.indices.extend(triangle.map(|k| face[k]));
                 }
             }
         }
@@ -182,7 +187,7 @@ fn assemble(
     Ok((meshes, used))
 }
 
-/// The unit vector along `n`; (0, 0, 0), which stands for "compute it", if `n` has no direction.
+/// Normalizes `n`; zero marks a normal to compute.
 fn unit_or_zero(n: [f32; 3]) -> [f32; 3] {
     Vec3::from_array(n).as_dvec3().normalize_or_zero().as_vec3().to_array()
 }

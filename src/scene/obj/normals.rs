@@ -1,16 +1,16 @@
-//! Normals that a file leaves out, and triangles wound to agree with their normals.
+//! Missing normals, and winding that agrees with normals.
 
 use crate::scene::Mesh;
 use crate::scene::mesh::position;
 use glam::{DVec3, Vec3};
 use std::collections::HashMap;
 
-/// Sums of unit normals shorter than this have no direction: the surface folds back on itself.
+/// Shorter sums of unit normals have no direction.
 const MIN_SUM: f64 = 1e-6;
 
-/// Replaces every normal (0, 0, 0) by the mean of the triangles' normals around its position, each weighted by the triangle's angle there,
-/// so that the result does not depend on how polygons are split. Corners at equal positions are one point, whatever mesh, material or
-/// smoothing group they belong to: there are no creases. No triangle may be degenerate.
+/// Replaces normals (0, 0, 0) by the mean of the adjacent triangles' normals, weighted by angle, so that triangulation
+/// does not
+/// matter. Corners at equal positions are one point: there are no creases. No triangle may be degenerate.
 pub fn fill_missing(meshes: &mut [Mesh]) {
     let is_missing = |mesh: &Mesh| mesh.normals.contains(&[0.0; 3]);
     if !meshes.iter().any(is_missing) {
@@ -33,14 +33,14 @@ pub fn fill_missing(meshes: &mut [Mesh]) {
     for mesh in meshes {
         for (normal, &p) in mesh.normals.iter_mut().zip(&mesh.positions) {
             if *normal == [0.0; 3] {
-                // A position without a sum belongs to dropped triangles only; its normal is never read.
+                // Positions without a sum belong to dropped triangles.
                 *normal = sums.get(&key(p)).map_or(Vec3::Z, Sum::normal).to_array();
             }
         }
     }
 }
 
-/// Winds every triangle counter-clockwise as seen from where the sum of its normals points.
+/// Winds triangles counter-clockwise seen from their normals' side.
 pub fn wind_by_normals(mesh: &mut Mesh) {
     for triangle in mesh.indices.chunks_exact_mut(3) {
         let corner = |k: usize| position(&mesh.positions, triangle[k]);
@@ -53,7 +53,7 @@ pub fn wind_by_normals(mesh: &mut Mesh) {
 
 struct Sum {
     weighted: DVec3,
-    /// The normal of one of the triangles.
+    /// Normal of one of the triangles.
     any: DVec3,
 }
 
@@ -68,7 +68,7 @@ fn face_normal([a, b, c]: [DVec3; 3]) -> DVec3 {
     (b - a).cross(c - a).normalize()
 }
 
-/// The bits of a position; -0 and 0 are one place.
+/// Returns the bits of a position; -0 equals 0.
 fn key(p: [f32; 3]) -> [u32; 3] {
     p.map(|x| (x + 0.0).to_bits())
 }
