@@ -89,7 +89,7 @@ fn first(figures: impl Iterator<Item = f64>) -> Option<f64> {
 fn relmse(test: &Frame, truth: &Frame, request: &RenderRequest) -> f64 {
     let curve = ToneCurve::default();
     let comparison = Comparison::new(&test.radiance, &truth.radiance, &truth.mask, curve, request.epsilon());
-    comparison.expect("images of one size").evaluate(&[<dyn Metric>::listed(HEADLINE)])[0].1
+    comparison.expect("images of one size").evaluate(&[Metric::listed(HEADLINE)])[0].1
 }
 
 /// Million samples a CPU-second, GGX.

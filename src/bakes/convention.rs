@@ -1,6 +1,6 @@
 //! Meaning of a bake's numbers as data: conventions by name, and presets of known tools.
 
-use super::product::{Chain, LAST_SIDE, Product};
+use super::product::{Chain, Product};
 use crate::brdf::MaskingShadowing;
 use crate::precompute::prefilter::LevelMapping;
 use crate::spelling::Listed;
@@ -9,8 +9,7 @@ use glam::{DVec2, DVec3};
 use std::fmt;
 
 /// World axes in file axes: in `-z+y+x` the world's x is the file's -z. A file's own axes are those of a Vulkan cube
-/// map, or
-/// of our lat-long map ([`crate::math::equirect`]).
+/// map, or of our lat-long map ([`crate::math::equirect`]).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Axes {
     /// File axis of each world axis, and whether it is negated.
@@ -208,7 +207,6 @@ pub static PRESETS: &[Preset] = &[
         product: Product {
             engine: "khronos",
             about: "the glTF Sample Viewer: two KTX 2 cubes and the table",
-            specular: "specular.ktx2",
             irradiance: Some("diffuse.ktx2"),
             tables: &["lut_ggx.png"],
             ..Product::PLAIN
@@ -222,7 +220,6 @@ pub static PRESETS: &[Preset] = &[
         product: Product {
             engine: "bevy",
             about: "EnvironmentMapLight of Bevy: two KTX 2 cubes; features ktx2 and zstd",
-            specular: "specular.ktx2",
             irradiance: Some("diffuse.ktx2"),
             texel: "rgb9e5",
             is_packed: true,
@@ -236,7 +233,6 @@ pub static PRESETS: &[Preset] = &[
         product: Product {
             engine: "cesium",
             about: "Cesium: a KTX 2 cube for specularEnvironmentMaps, SH for sphericalHarmonicCoefficients, both of one run",
-            specular: "specular.ktx2",
             sh: Some("sh.txt"),
             ..Product::PLAIN
         },

@@ -99,7 +99,8 @@ struct Planned {
 }
 
 /// Bakes into the folder `out`, `bake.json` last, then reads everything back and compares it.
-/// | Fails if a file exists or cannot be written. [`Making::check`] reports what the engine's format cannot hold.
+///
+/// Fails if a file exists or cannot be written. [`Making::check`] reports what the engine's format cannot hold.
 pub fn make(making: &Making, out: &Path) -> Result<Baked, PixelsError> {
     let (product, convention) = (&making.preset.product, making.preset.convention());
     let names = [Some(product.specular), product.irradiance, product.sh, Some(MANIFEST)];

@@ -46,8 +46,7 @@ fn from_json(text: &str) -> Result<Coefficients, Fault> {
 }
 
 /// Parses cmgen's lines `( r, g, b); // L00, irradiance, pre-scaled base`. Each number multiplies its polynomial, such
-/// as
-/// `3 z² - 1`, in irradiance over π.
+/// as `3 z² - 1`, in irradiance over π.
 fn from_cmgen(text: &str) -> Result<Coefficients, Fault> {
     const EXPECTED: &str =
         "nine lines such as \"( 0.5, 0.4, 0.6); // L00, irradiance, pre-scaled base\", as cmgen writes them";

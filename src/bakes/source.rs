@@ -1,7 +1,7 @@
 //! Finds the parts of a bake in files and folders.
-//! | A cube or lat-long map is prefiltered radiance, or irradiance if it has one level; a square image is a DFG table;
-//! text is
-//! SH. `irradiance=FILE` and so on override this.
+//!
+//! A cube or lat-long map is prefiltered radiance, or irradiance if it has one level; a square image is a DFG table;
+//! text is SH. `irradiance=FILE` and so on override this.
 
 use super::container::{FACE_COUNT, Texture, read_texture};
 use super::parts::{Bake, Manifest, Map, Told};

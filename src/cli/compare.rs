@@ -90,7 +90,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         ("of", Align::Left),
     ]);
     for ((name, value), metric) in scores.iter().zip(METRICS) {
-        let d = metric.description();
+        let d = metric;
         table.row(&[*name, &value.to_string(), d.better.name(), d.space.name()]);
     }
     print(&table.to_string())

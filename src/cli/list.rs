@@ -80,7 +80,7 @@ fn listing(what: What) -> String {
         }
         What::Metrics => {
             for metric in metrics::METRICS {
-                let d = metric.description();
+                let d = metric;
                 add(d.name, &format!("{}; {} values, {} is better", d.formula, d.space.name(), d.better.name()));
             }
         }

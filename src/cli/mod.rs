@@ -178,8 +178,7 @@ fn print(text: &str) -> Result<(), Failure> {
     print_data(&safe)
 }
 
-/// Writes to standard output for programs; a closed pipe (`splitsum list
-/// head`) is not a failure.
+/// Writes to standard output for programs; a closed pipe (`splitsum list head`) is not a failure.
 fn print_data(text: &str) -> Result<(), Failure> {
     use std::io::Write;
     match progress::beside(|| std::io::stdout().write_all(text.as_bytes())) {

@@ -44,7 +44,7 @@ fn window(text: &str) -> Result<Window, String> {
 
 /// Checks the value of `--metric`.
 pub fn known_metric(name: &str) -> Result<String, String> {
-    <dyn Metric>::parse(name).map(|metric| metric.name().to_owned())
+    Metric::parse(name).map(|metric| metric.name().to_owned())
 }
 
 pub fn execute(arguments: &Arguments) -> Result<(), Failure> {

@@ -38,6 +38,8 @@ use std::time::Instant;
 pub struct Arguments {
     #[command(flatten)]
     subject: Subject,
+    /// Run part K of N into the shared folder --out; `splitsum merge` joins parts.
+    #[arg(long, value_name = "K/N", requires = "out")]
     shard: Option<Shard>,
     /// Stop at the first cell that fails.
     #[arg(long)]

@@ -118,8 +118,7 @@ pub fn check_lights(config: &Config, inputs: &Inputs, faults: &mut Faults) {
 }
 
 /// Reports exclusion conditions that match no value of their axis. If others of a condition match, the value may be
-/// left
-/// over from an earlier sweep ([`idle_values`]).
+/// left over from an earlier sweep ([`idle_values`]).
 pub fn check_exclusions(config: &Config, faults: &mut Faults) {
     // Values that could not be read have their own faults.
     let is_read =

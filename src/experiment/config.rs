@@ -1,5 +1,6 @@
 //! The experiment file as written: every value checked alone, with its place.
-//! | Reading never stops at the first fault. Paths are relative to the file.
+//!
+//! Reading never stops at the first fault. Paths are relative to the file.
 
 use super::axis::{AXES, METHOD, Named, Point, Reference, SAMPLES, Terms, index_of};
 use super::fault::{Faults, Place};
@@ -248,8 +249,8 @@ impl Config {
             },
             "asks" => self.read_asks(value, faults),
             METRIC_KEY => {
-                if let Some(found) = check(Kind::one_of::<dyn Metric>()) {
-                    let found = <dyn Metric>::listed(found.text());
+                if let Some(found) = check(Kind::one_of::<Metric>()) {
+                    let found = Metric::listed(found.text());
                     (self.metric, self.metric_place) = (found.name(), at(value));
                 }
             }

@@ -1,20 +1,21 @@
 //! Relative bias: light gained or lost in total.
 
-use super::{Better, Comparison, Description, Metric, ReferenceNoise};
+use super::{Better, Metric};
 
 /// `sum d / sum r`, positive if the test is too bright. A black reference gives 0 for a black test, else infinity.
-pub struct RelativeBias;
-
-impl Metric for RelativeBias {
-    fn description(&self) -> &'static Description {
-        const DESCRIPTION: Description = Description {
-            better: Better::NearerZero,
-            ..Description::linear("bias_rel", "sum d / sum r: energy gained (+) or lost (-)")
-        };
-        &DESCRIPTION
-    }
-
-    fn evaluate(&self, comparison: &Comparison, pixels: &[usize]) -> f64 {
+pub static BIAS: Metric = Metric {
+    better: Better::NearerZero,
+    // Standard error of the sum over the sum. Pixels count as independent, channels as fully correlated, which raises
+    // the floor by at most sqrt(3).
+    noise_floor: |noise| {
+        let (mut variance, mut energy) = (0.0, 0.0);
+        for [r, se] in noise.samples() {
+            variance += se.iter().sum::<f64>().powi(2);
+            energy += r.iter().sum::<f64>();
+        }
+        Some(ratio(variance.sqrt(), energy))
+    },
+    ..Metric::linear("bias_rel", "sum d / sum r: energy gained (+) or lost (-)", |comparison, pixels| {
         let (mut difference, mut energy) = (0.0, 0.0);
         for &pixel in pixels {
             let [t, r] = comparison.radiance(pixel);
@@ -22,20 +23,8 @@ impl Metric for RelativeBias {
             energy += r.iter().sum::<f64>();
         }
         ratio(difference, energy)
-    }
-
-    /// Standard error of the sum over the sum. Pixels count as independent, channels as fully correlated, which raises
-    /// the floor
-    /// by at most sqrt(3).
-    fn noise_floor(&self, noise: &ReferenceNoise) -> Option<f64> {
-        let (mut variance, mut energy) = (0.0, 0.0);
-        for [r, se] in noise.samples() {
-            variance += se.iter().sum::<f64>().powi(2);
-            energy += r.iter().sum::<f64>();
-        }
-        Some(ratio(variance.sqrt(), energy))
-    }
-}
+    })
+};
 
 /// Divides, with 0/0 = 0.
 fn ratio(numerator: f64, denominator: f64) -> f64 {

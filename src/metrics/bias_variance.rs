@@ -1,10 +1,12 @@
 //! Separates mean square error into bias and variance, by repeated renders with independent points.
-//! | For `K` images with mean `m` and unbiased variance `s²`, and a reference with standard error `se`:
-//! | `var_hat = mean s²`, the expected square noise of one image;
+//!
+//! For `K` images with mean `m` and unbiased variance `s²`, and a reference with standard error `se`:
+//!
+//! `var_hat = mean s²`, the expected square noise of one image;
 //! `bias2_hat = mean((m - r)² - s²/K - se²)`, since `E(m - r)² = bias² + Var/K + se²`.
-//! | Both are unbiased for independent images; a small `bias2_hat` may be negative. Relative forms divide by `r² + ε`,
-//! so they
-//! sum to the expected `relmse` of one image, apart from the reference's noise.
+//!
+//! Both are unbiased for independent images; a small `bias2_hat` may be negative. Relative forms divide by `r² + ε`, so
+//! they sum to the expected `relmse` of one image, apart from the reference's noise.
 
 use super::comparison::{check_size, check_values, masked_pixels};
 use super::{Epsilon, MetricsError};

@@ -25,13 +25,12 @@ pub struct BinRow {
 
 impl Comparison<'_> {
     /// Evaluates metrics per bin of n·v. Values outside the edges count in the first or last bin. Display metrics pool
-    /// the maps of
-    /// the whole image.
+    /// the maps of the whole image.
     pub fn evaluate_bins(
         &self,
         n_dot_v: &GrayImage,
         edges: &[f64],
-        metrics: &[&dyn Metric],
+        metrics: &[&Metric],
     ) -> Result<Vec<BinRow>, MetricsError> {
         check_size("n_dot_v image", n_dot_v, self.size())?;
         let increasing = edges.windows(2).all(|pair| pair[0] < pair[1]);

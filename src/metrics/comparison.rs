@@ -77,8 +77,7 @@ pub struct Comparison<'a> {
 
 impl<'a> Comparison<'a> {
     /// Checks sizes, mask (0 or 1, not empty) and masked values (finite, not negative). Display metrics use `curve`,
-    /// relative
-    /// metrics `epsilon`.
+    /// relative metrics `epsilon`.
     pub fn new(
         test: &'a RgbImage,
         reference: &'a RgbImage,
@@ -116,12 +115,12 @@ impl<'a> Comparison<'a> {
     }
 
     /// Evaluates metrics over all masked pixels.
-    pub fn evaluate(&self, metrics: &[&dyn Metric]) -> Vec<(&'static str, f64)> {
+    pub fn evaluate(&self, metrics: &[&Metric]) -> Vec<(&'static str, f64)> {
         self.evaluate_pixels(metrics, &self.pixels)
     }
 
-    pub(super) fn evaluate_pixels(&self, metrics: &[&dyn Metric], pixels: &[usize]) -> Vec<(&'static str, f64)> {
-        metrics.iter().map(|metric| (metric.description().name, metric.evaluate(self, pixels))).collect()
+    pub(super) fn evaluate_pixels(&self, metrics: &[&Metric], pixels: &[usize]) -> Vec<(&'static str, f64)> {
+        metrics.iter().map(|metric| (metric.name, metric.evaluate(self, pixels))).collect()
     }
 
     /// Row-major indices of masked pixels, ascending.

@@ -1,8 +1,9 @@
 //! Scores of an image against its reference. Metrics see images and a mask, never a method.
-//! | `t` is the test and `r` the reference, linear radiance of one pixel and channel; `d = t - r`. Means weight masked
-//! pixels and
-//! channels equally, in f64. Pixels off the mask never count: display metrics see them black in both images.
-//! | ε is [`Epsilon`], a share of the light's mean luminance. Names include it because four tools call four formulas
+//!
+//! `t` is the test and `r` the reference, linear radiance of one pixel and channel; `d = t - r`. Means weight masked
+//! pixels and channels equally, in f64. Pixels off the mask never count: display metrics see them black in both images.
+//!
+//! ε is [`Epsilon`], a share of the light's mean luminance. Names include it because four tools call four formulas
 //! "relMSE".
 
 mod bias;
@@ -66,9 +67,8 @@ impl Better {
     }
 }
 
-/// Facts about a metric.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Description {
+/// A score of a test image against a reference.
+pub struct Metric {
     /// Column name and config value.
     pub name: &'static str,
     pub space: Space,
@@ -81,48 +81,62 @@ pub struct Description {
     pub formula: &'static str,
     /// 2 for a mean square, 1 for its root; [`verdict`] compares scores and floors in units of the difference.
     pub power: f64,
+    /// Scores row-major indices of masked pixels, at least one.
+    evaluate: fn(&Comparison, &[usize]) -> f64,
+    /// Converts a score to an error: lower is better, and ratios mean something.
+    error: fn(f64) -> f64,
+    /// Expected score of an exact test, caused by the reference's standard error; `None` for display metrics.
+    noise_floor: fn(&ReferenceNoise) -> Option<f64>,
 }
 
-impl Description {
-    /// Describes an error of linear radiance; metrics override what differs.
-    const fn linear(name: &'static str, formula: &'static str) -> Self {
-        let (space, better) = (Space::Linear, Better::Lower);
-        Self { name, space, better, version: 1, parameters: &[], formula, power: 1.0 }
+impl Metric {
+    /// An error of linear radiance; metrics override what differs.
+    const fn linear(name: &'static str, formula: &'static str, evaluate: fn(&Comparison, &[usize]) -> f64) -> Self {
+        Self {
+            name,
+            space: Space::Linear,
+            better: Better::Lower,
+            version: 1,
+            parameters: &[],
+            formula,
+            power: 1.0,
+            evaluate,
+            error: f64::abs,
+            noise_floor: |_| None,
+        }
     }
-}
-
-pub trait Metric: Sync {
-    fn description(&self) -> &'static Description;
 
     /// Scores `pixels` (row-major indices of masked pixels; at least one).
-    fn evaluate(&self, comparison: &Comparison, pixels: &[usize]) -> f64;
+    pub fn evaluate(&self, comparison: &Comparison, pixels: &[usize]) -> f64 {
+        (self.evaluate)(comparison, pixels)
+    }
 
     /// Converts a score to an error: lower is better, and ratios mean something.
-    fn error(&self, score: f64) -> f64 {
-        score.abs()
+    pub fn error(&self, score: f64) -> f64 {
+        (self.error)(score)
     }
 
     /// Returns the expected score of an exact test, caused by the reference's standard error; `None` for display
     /// metrics.
-    fn noise_floor(&self, _noise: &ReferenceNoise) -> Option<f64> {
-        None
+    pub fn noise_floor(&self, noise: &ReferenceNoise) -> Option<f64> {
+        (self.noise_floor)(noise)
     }
 }
 
 /// Every metric, in column order.
-pub static METRICS: &[&dyn Metric] = &[
-    &rmse::Rmse,
-    &relmse::RelMse,
-    &relmse::TrimmedRelMse,
-    &mae::Mae,
-    &smape::Smape,
-    &bias::RelativeBias,
+pub static METRICS: &[&Metric] = &[
+    &rmse::RMSE,
+    &relmse::RELMSE,
+    &relmse::TRIMMED,
+    &mae::MAE,
+    &smape::SMAPE,
+    &bias::BIAS,
     &tail::P95,
     &tail::P99,
     &tail::MAXIMUM,
-    &psnr::Psnr,
-    &ssim::Ssim,
-    &flip::Flip,
+    &psnr::PSNR,
+    &ssim::SSIM,
+    &flip::FLIP,
 ];
 
 /// Default metric of answers.
@@ -131,7 +145,7 @@ pub const HEADLINE: &str = "relmse";
 /// Its counterpart after the tone curve.
 pub const DISPLAY_HEADLINE: &str = "flip";
 
-impl Listed for dyn Metric {
+impl Listed for Metric {
     const WHAT: &'static str = "metric";
 
     fn all() -> impl Iterator<Item = &'static Self> + Clone {
@@ -139,11 +153,11 @@ impl Listed for dyn Metric {
     }
 
     fn name(&self) -> &'static str {
-        self.description().name
+        self.name
     }
 }
 
 /// Lists the metrics that need no tone curve.
-pub fn linear_metrics() -> Vec<&'static dyn Metric> {
-    METRICS.iter().copied().filter(|metric| metric.description().space == Space::Linear).collect()
+pub fn linear_metrics() -> Vec<&'static Metric> {
+    METRICS.iter().copied().filter(|metric| metric.space == Space::Linear).collect()
 }

@@ -1,12 +1,12 @@
 //! Noise floors: scores that the reference's own error would cause.
-//! | The reference is a mean over K = 4 scrambles with standard error `se` per pixel and channel. A metric's floor is
-//! the expected
-//! score of an exact test.
-//! | `se` is an estimate with 3 degrees of freedom: `se²` is unbiased, its root and tails are not. So the error is
-//! taken as uniform
-//! within ±√3 se. Averaged over `se` that is the true normal distribution: the three deviations are a point on a
-//! sphere, and one
-//! coordinate of a uniform point on a sphere is uniform (the unbiased estimate of \[Kolmogorov50\]).
+//!
+//! The reference is a mean over K = 4 scrambles with standard error `se` per pixel and channel. A metric's floor is the
+//! expected score of an exact test.
+//!
+//! `se` is an estimate with 3 degrees of freedom: `se²` is unbiased, its root and tails are not. So the error is taken
+//! as uniform within ±√3 se. Averaged over `se` that is the true normal distribution: the three deviations are a point
+//! on a sphere, and one coordinate of a uniform point on a sphere is uniform (the unbiased estimate of
+//! \[Kolmogorov50\]).
 
 use super::comparison::{check_size, check_values, masked_pixels};
 use super::mean::rgb_mean;
@@ -75,7 +75,7 @@ pub fn noise_floor(
     epsilon: Epsilon,
 ) -> Result<Vec<(&'static str, Option<f64>)>, MetricsError> {
     let noise = ReferenceNoise::new(reference, standard_error, mask, epsilon)?;
-    Ok(METRICS.iter().map(|metric| (metric.description().name, metric.noise_floor(&noise))).collect())
+    Ok(METRICS.iter().map(|metric| (metric.name, metric.noise_floor(&noise))).collect())
 }
 
 /// A score compared with its noise floor.
@@ -104,8 +104,8 @@ const EQUAL_BELOW: f64 = 2.0;
 const RESOLVED_FROM: f64 = 10.0;
 
 /// Compares a score with its floor in units of the difference, so that `rmse` and `relmse` agree.
-pub fn verdict(metric: &dyn Metric, value: f64, floor: f64) -> Verdict {
-    let floors = |count: f64| floor * count.powf(metric.description().power);
+pub fn verdict(metric: &Metric, value: f64, floor: f64) -> Verdict {
+    let floors = |count: f64| floor * count.powf(metric.power);
     if value.abs() <= floors(EQUAL_BELOW) {
         Verdict::EqualWithinNoise
     } else if value.abs() < floors(RESOLVED_FROM) {

@@ -1,69 +1,46 @@
 //! Relative mean square error \[Rousselle11\], plain and trimmed.
-//! | One firefly can decide the plain form: in an image of 5,000 pixels one moved it from 0.018 to 428. The trimmed
-//! form hides
-//! rare, true errors.
+//!
+//! One firefly can decide the plain form: in an image of 5,000 pixels one moved it from 0.018 to 428. The trimmed form
+//! hides rare, true errors.
 
 use super::mean::pixel_mean;
-use super::{Comparison, Description, Epsilon, Metric, ReferenceNoise};
+use super::{Epsilon, Metric};
 
 /// The trimmed form drops one pixel in this many.
 const TRIM_ONE_IN: usize = 1000;
 
-/// `mean d² / (r² + ε)`.
-pub struct RelMse;
+/// `mean d² / (r² + ε)`; the floor is `mean se² / (r² + ε)`.
+pub static RELMSE: Metric = Metric {
+    version: 2,
+    parameters: &[("epsilon_share", Epsilon::SHARE)],
+    power: 2.0,
+    noise_floor: |noise| Some(mean(&noise.relative_squares())),
+    ..Metric::linear(
+        "relmse",
+        "mean d^2 / (r^2 + 0.01 m^2), m the mean luminance of the environment as it lights the scene",
+        |comparison, pixels| {
+            let squares = comparison.relative_squares();
+            pixel_mean(pixels, |pixel| squares[pixel])
+        },
+    )
+};
 
 /// The same without the 0.1 % of pixels with the largest error.
-pub struct TrimmedRelMse;
-
-impl Metric for RelMse {
-    fn description(&self) -> &'static Description {
-        const DESCRIPTION: Description = Description {
-            version: 2,
-            parameters: &[("epsilon_share", Epsilon::SHARE)],
-            power: 2.0,
-            ..Description::linear(
-                "relmse",
-                "mean d^2 / (r^2 + 0.01 m^2), m the mean luminance of the environment as it lights the scene",
-            )
-        };
-        &DESCRIPTION
-    }
-
-    fn evaluate(&self, comparison: &Comparison, pixels: &[usize]) -> f64 {
-        let squares = comparison.relative_squares();
-        pixel_mean(pixels, |pixel| squares[pixel])
-    }
-
-    /// `mean se² / (r² + ε)`.
-    fn noise_floor(&self, noise: &ReferenceNoise) -> Option<f64> {
-        Some(mean(&noise.relative_squares()))
-    }
-}
-
-impl Metric for TrimmedRelMse {
-    fn description(&self) -> &'static Description {
-        const DESCRIPTION: Description = Description {
-            version: 2,
-            parameters: &[("epsilon_share", Epsilon::SHARE), ("trimmed_fraction", 1e-3)],
-            power: 2.0,
-            ..Description::linear(
-                "relmse_trimmed",
-                "relmse without the floor(pixels/1000) pixels of largest RGB-mean error, over the remaining count",
-            )
-        };
-        &DESCRIPTION
-    }
-
-    fn evaluate(&self, comparison: &Comparison, pixels: &[usize]) -> f64 {
-        let squares = comparison.relative_squares();
-        trimmed_mean(pixels.iter().map(|&pixel| squares[pixel]).collect())
-    }
-
-    /// Trims expected squares, which is 1 to 2 % too high: in truth the noisiest pixels are dropped.
-    fn noise_floor(&self, noise: &ReferenceNoise) -> Option<f64> {
-        Some(trimmed_mean(noise.relative_squares()))
-    }
-}
+pub static TRIMMED: Metric = Metric {
+    version: 2,
+    parameters: &[("epsilon_share", Epsilon::SHARE), ("trimmed_fraction", 1e-3)],
+    power: 2.0,
+    // Trims expected squares, which is 1 to 2 % too high: in truth the noisiest pixels are dropped.
+    noise_floor: |noise| Some(trimmed_mean(noise.relative_squares())),
+    ..Metric::linear(
+        "relmse_trimmed",
+        "relmse without the floor(pixels/1000) pixels of largest RGB-mean error, over the remaining count",
+        |comparison, pixels| {
+            let squares = comparison.relative_squares();
+            trimmed_mean(pixels.iter().map(|&pixel| squares[pixel]).collect())
+        },
+    )
+};
 
 fn mean(values: &[f64]) -> f64 {
     values.iter().sum::<f64>() / values.len() as f64

@@ -1,5 +1,6 @@
 //! Filtered lookups in f64: twins of the device's linear samplers.
-//! | Texel (i, j) of a W x H image has its centre at `uv = ((i + 1/2)/W, (j + 1/2)/H)`.
+//!
+//! Texel (i, j) of a W x H image has its centre at `uv = ((i + 1/2)/W, (j + 1/2)/H)`.
 
 use super::Pixels;
 use glam::{DVec2, DVec3};

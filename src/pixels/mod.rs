@@ -1,7 +1,7 @@
 //! Float images in memory and their files.
-//! | Readers accept hostile bytes: they never panic, and allocate only what the file's size makes plausible. Writers
-//! replace the
-//! target in one step or not at all.
+//!
+//! Readers accept hostile bytes: they never panic, and allocate only what the file's size makes plausible. Writers
+//! replace the target in one step or not at all.
 
 #[cfg(feature = "exr")]
 pub mod exr;

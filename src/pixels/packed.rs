@@ -1,9 +1,8 @@
 //! Linear images as text: half floats, planes, differences, deflate, base64.
-//! | Half floats have 11 significant bits (within 4.9e-4), enough for error maps, whose colours start at 1e-3; 8-bit
-//! RGBE has not.
-//! Each channel is a plane of high bytes, then low bytes, each as the difference to the byte before modulo 256. On a
-//! noisy
-//! 1024x512 image this saves 28 % over deflating interleaved halves.
+//!
+//! Half floats have 11 significant bits (within 4.9e-4), enough for error maps, whose colours start at 1e-3; 8-bit RGBE
+//! has not. Each channel is a plane of high bytes, then low bytes, each as the difference to the byte before modulo
+//! 256. On a noisy 1024x512 image this saves 28 % over deflating interleaved halves.
 
 use super::{GrayImage, Pixels, half};
 use base64::Engine;

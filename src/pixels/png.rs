@@ -44,8 +44,7 @@ pub fn read_rgb8(path: &Path) -> Result<Rgb8Image, PixelsError> {
 }
 
 /// Decodes samples as fractions of their maximum, without a transfer curve. Keeps grey and alpha as two channels; drops
-/// alpha
-/// beside colour.
+/// alpha beside colour.
 pub fn read_linear(path: &Path, bytes: &[u8]) -> Result<Decoded, PixelsError> {
     let read = || {
         let samples = decode(bytes)?;

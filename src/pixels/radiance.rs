@@ -1,13 +1,12 @@
 //! Radiance pictures (`.hdr`, `.pic`) \[Ward94\].
-//! | A texel has three mantissas and a shared exponent, `value = mantissa 2^(e - 136)`, 0 if `e = 0`. (Radiance adds
-//! 0.5 to the
-//! mantissa; most software does not, and a stored 0 should stay 0.) `EXPOSURE` and `COLORCORR`, which multiply, are
-//! divided out.
-//! | `32-bit_rle_rgbe` is Rec.709 unless PRIMARIES says otherwise. `32-bit_rle_xyze` is converted with the RGB space of
-//! the
-//! Radiance programs (white at equal energy), the inverse of `ra_xyze`, so grey stays grey. XYZE is photometric: 179
-//! (lm/W)
-//! times RGBE; it stays in the file's unit, with a warning.
+//!
+//! A texel has three mantissas and a shared exponent, `value = mantissa 2^(e - 136)`, 0 if `e = 0`. (Radiance adds 0.5
+//! to the mantissa; most software does not, and a stored 0 should stay 0.) `EXPOSURE` and `COLORCORR`, which multiply,
+//! are divided out.
+//!
+//! `32-bit_rle_rgbe` is Rec.709 unless PRIMARIES says otherwise. `32-bit_rle_xyze` is converted with the RGB space of
+//! the Radiance programs (white at equal energy), the inverse of `ra_xyze`, so grey stays grey. XYZE is photometric:
+//! 179 (lm/W) times RGBE; it stays in the file's unit, with a warning.
 
 use super::file::{ENVIRONMENT_TEXELS_MAX, Fault, check_claim, filled, read_bounded};
 use super::{Decoded, PixelsError, RgbImage};
@@ -261,8 +260,7 @@ fn read_channel(input: &mut Input, scanline: &mut [[u8; 4]], channel: usize) -> 
 }
 
 /// Reads flat texels. In the old run-length form (1, 1, 1, n) repeats the texel before n times; consecutive runs are
-/// digits of
-/// base 256.
+/// digits of base 256.
 fn read_flat(input: &mut Input, scanline: &mut [[u8; 4]]) -> Result<(), ScanlineProblem> {
     let (mut x, mut shift) = (0, 0);
     while x < scanline.len() {

@@ -198,8 +198,8 @@ pub struct KeptCell {
 impl KeptCell {
     pub fn of(record: &CellRecord) -> Self {
         let of = |scores: &Scores, name: &str| scores.get(name).map(|score| score.0);
-        let all = |scores: &Scores, metrics: &[&dyn Metric]| -> Box<[Option<f64>]> {
-            metrics.iter().map(|metric| of(scores, metric.description().name)).collect()
+        let all = |scores: &Scores, metrics: &[&Metric]| -> Box<[Option<f64>]> {
+            metrics.iter().map(|metric| of(scores, metric.name)).collect()
         };
         Self {
             scores: all(&record.scores, METRICS),
@@ -211,19 +211,19 @@ impl KeptCell {
     }
 
     pub fn score(&self, metric: &str) -> Option<f64> {
-        self.scores[METRICS.iter().position(|known| known.description().name == metric)?]
+        self.scores[METRICS.iter().position(|known| known.name == metric)?]
     }
 
     /// Expected score of an exact image.
     pub fn noise_floor(&self, metric: &str) -> Option<f64> {
-        self.noise_floors[linear_metrics().iter().position(|known| known.description().name == metric)?]
+        self.noise_floors[linear_metrics().iter().position(|known| known.name == metric)?]
     }
 }
 
 impl CellRecord {
     /// Whether every metric has a score. A record of another program may lack some.
     pub fn has_all_scores(&self) -> bool {
-        METRICS.iter().all(|metric| self.scores.contains_key(metric.description().name))
+        METRICS.iter().all(|metric| self.scores.contains_key(metric.name))
     }
 }
 

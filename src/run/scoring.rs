@@ -186,7 +186,7 @@ impl Rendered<'_> {
         let [radiance_name, reference_name] = images::linear_files(plan, cell);
         let mut files = BTreeMap::from([reference.file(store, reference_name)?]);
         let comparison = reference.comparison(&self.frame.radiance, curve)?;
-        let bins_of = |metrics: &[&dyn Metric]| -> Result<Vec<BinRecord>, CellFault> {
+        let bins_of = |metrics: &[&Metric]| -> Result<Vec<BinRecord>, CellFault> {
             let bins = comparison.evaluate_bins(&self.frame.n_dot_v, &N_DOT_V_BIN_EDGES, metrics);
             let bins = bins?.into_iter();
             let record =
@@ -206,8 +206,8 @@ impl Rendered<'_> {
             linear.clone().expect("it was made")
         };
         files.extend(linear.files);
-        let display_metrics: Vec<&dyn Metric> =
-            METRICS.iter().copied().filter(|metric| metric.description().space == Space::Display).collect();
+        let display_metrics: Vec<&Metric> =
+            METRICS.iter().copied().filter(|metric| metric.space == Space::Display).collect();
         let (mut scores, mut bins) = (linear.scores, linear.bins);
         scores.extend(by_name(comparison.evaluate(&display_metrics)));
         let of_display = bins_of(&display_metrics)?.into_iter();
@@ -259,7 +259,7 @@ fn by_name(values: Vec<(&'static str, f64)>) -> Scores {
 }
 
 fn verdict_name(scores: &Scores, floors: &Scores) -> String {
-    let metric = <dyn Metric>::listed(HEADLINE);
+    let metric = Metric::listed(HEADLINE);
     match (scores.get(HEADLINE), floors.get(HEADLINE)) {
         (Some(score), Some(floor)) => verdict(metric, score.0, floor.0).name().to_owned(),
         _ => "no-noise-floor".to_owned(),

@@ -30,7 +30,7 @@ fn names_of(columns: &[Column]) -> impl Iterator<Item = String> + '_ {
 }
 
 fn metric_names() -> Vec<&'static str> {
-    METRICS.iter().map(|metric| metric.description().name).collect()
+    METRICS.iter().map(|metric| metric.name).collect()
 }
 
 /// The columns of a table of cells: id and swept axes first, axes with one value last.
@@ -66,7 +66,7 @@ impl<'p> CellColumns<'p> {
 /// `errors.csv`: one row per tried cell.
 pub fn errors(plan: &Plan, results: &Results) -> (Vec<String>, impl Iterator<Item = Result<Vec<Field>, StoreError>>) {
     let columns = CellColumns::new(plan);
-    let floors = linear_metrics().into_iter().map(|metric| format!("{}_noise_floor", metric.description().name));
+    let floors = linear_metrics().into_iter().map(|metric| format!("{}_noise_floor", metric.name));
     let numbers = metric_names().into_iter().chain(BiasVariance::NAMES).map(str::to_owned).chain(floors);
     let numbers: Vec<String> = numbers.collect();
     let number_count = numbers.len();

@@ -66,8 +66,7 @@ fn design() -> Scene {
 }
 
 /// A grid of unit spheres in the plane z = 0, smoother to the right and more metallic upwards (source document 0). The
-/// top
-/// right one is fully reflective (albedo 1, metallic 1, the smallest alpha).
+/// top right one is fully reflective (albedo 1, metallic 1, the smallest alpha).
 fn spheres() -> Scene {
     let (columns, rows) = (SPHERES_ALPHA.len(), SPHERES_METALLIC.len());
     let centred = |i: usize, count: usize| (i as f64 - 0.5 * (count as f64 - 1.0)) * SPHERES_PITCH;

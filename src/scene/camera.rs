@@ -1,12 +1,13 @@
 //! Orthographic and perspective cameras.
-//! | `right` and `up` span the image plane. Pixel (x, y) of a `w` by `h` image has its centre at the plane coordinates
-//! | ```text
+//!
+//! `right` and `up` span the image plane. Pixel (x, y) of a `w` by `h` image has its centre at the plane coordinates
+//!
+//! ```text
 //! s = (2 (x + 0.5) / w - 1) extent_x        t = (1 - 2 (y + 0.5) / h) extent_y
 //! ```
-//! | and its ray is `eye + s right + t up` along `forward` (orthographic), or from `eye` along `forward + s right + t
-//! up`
-//! (perspective). [`Camera::clip_from_world`] inverts this mapping exactly, and so do `shaders/gbuffer`
-//! (`gbuffer::params`).
+//!
+//! and its ray is `eye + s right + t up` along `forward` (orthographic), or from `eye` along `forward + s right + t up`
+//! (perspective). [`Camera::clip_from_world`] inverts this mapping exactly; so do `shaders/gbuffer` (`gbuffer::params`).
 
 use crate::scene::{Mesh, Scene, Sphere};
 use crate::spelling::listed;
@@ -100,11 +101,11 @@ pub struct Camera {
 
 impl Camera {
     /// Frames the whole scene in an image of `size` (width, height) pixels.
-    /// | A single sphere of radius r is seen from +z: a square of half side 1.05 r (orthographic), or from a distance
-    /// of 4 r under
-    /// 32 degrees (perspective). Other scenes are seen from `scene.toward_viewer` with a margin of 5 %; `design` has
-    /// its own
-    /// camera. Pixels are square: a wide image sees more to the sides, a tall one more above and below.
+    ///
+    /// A single sphere of radius r is seen from +z: a square of half side 1.05 r (orthographic), or from a distance of
+    /// 4 r under 32 degrees (perspective). Other scenes are seen from `scene.toward_viewer` with a margin of 5 %;
+    /// `design` has its own camera. Pixels are square: a wide image sees more to the sides, a tall one more above and
+    /// below.
     pub fn for_scene(kind: CameraKind, scene: &Scene, size: [u32; 2]) -> Self {
         let aspect = f64::from(size[0]) / f64::from(size[1]);
         if scene.is_design {
@@ -201,8 +202,7 @@ impl Camera {
             CameraKind::Perspective => {
                 let extent_y = perspective_extent() * (1.0 / aspect).max(1.0);
                 // The plane through the eye with slope e is `x - eye_x <= e (eye_z - z)`. It touches the scene at the
-                // support of
-                // (1, 0, e), so the sum of both sides gives eye_z and their difference eye_x.
+                // support of (1, 0, e), so the sum of both sides gives eye_z and their difference eye_x.
                 let (slope_x, slope_y) = (extent_y * aspect / FRAME_MARGIN, extent_y / FRAME_MARGIN);
                 let [to_right, to_left] = [reach(right + backward * slope_x), reach(backward * slope_x - right)];
                 let [to_top, to_bottom] = [reach(up + backward * slope_y), reach(backward * slope_y - up)];
@@ -255,8 +255,7 @@ impl Camera {
     }
 
     /// Returns scale and offset of `clip.z = scale z + offset` at distance `z` along `forward`, before division by
-    /// `clip.w` (1, or
-    /// `z` for perspective). Depth is 0 at `near` and 1 at `far`.
+    /// `clip.w` (1, or `z` for perspective). Depth is 0 at `near` and 1 at `far`.
     pub fn depth_scale_offset(&self) -> [f64; 2] {
         let range = self.far - self.near;
         match self.projection {

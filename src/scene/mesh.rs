@@ -3,9 +3,9 @@
 use glam::{DVec3, Vec3};
 
 /// An indexed triangle list with one material.
-/// | Triangles are counter-clockwise seen from the side of their normals (glTF files may disagree; their winding then
-/// decides),
-/// so the raster's facing alone determines the front.
+///
+/// Triangles are counter-clockwise seen from the side of their normals (glTF files may disagree; their winding then
+/// decides), so the raster's facing alone determines the front.
 #[derive(Clone, Debug)]
 pub struct Mesh {
     pub positions: Vec<[f32; 3]>,
@@ -14,8 +14,7 @@ pub struct Mesh {
     /// One texture coordinate per position, (0, 0) if missing; v points up as in OBJ.
     pub uvs: Vec<[f32; 2]>,
     /// One per position: unit tangent t towards growing u, and sign s of the bitangent `s n x t` towards growing v. All
-    /// 0 without a
-    /// normal map.
+    /// 0 without a normal map.
     pub tangents: Vec<[f32; 4]>,
     pub indices: Vec<u32>,
     /// Index into `Scene::materials`.

@@ -1,6 +1,7 @@
 //! The scene `shader-ball`: a sphere whose opening shows a smaller one, in a cup. It has convex, concave and grazing
 //! parts.
-//! | Both bodies are surfaces of revolution. A profile is a list of arcs and lines in the half plane (r, z).
+//!
+//! Both bodies are surfaces of revolution. A profile is a list of arcs and lines in the half plane (r, z).
 
 use super::mesh::{Mesh, is_degenerate, position};
 use super::{Material, Scene};

@@ -14,7 +14,7 @@ pub fn page() -> String {
     let _ = write!(text, "`{}`: {}\n\n## Axes\n\n", CELL.name, CELL.about);
     text += &table(Named::all().map(|axis| (axis.name(), format!("{}.", sentence(axis.about())))));
     text += "\nAn axis is empty in the rows of methods that do not use it.\n\n## Metrics\n\n";
-    let metric = |d: &crate::metrics::Description| {
+    let metric = |d: &crate::metrics::Metric| {
         let constants: Vec<String> = d.parameters.iter().map(|(name, value)| format!("{name} = {value}")).collect();
         let constants = if constants.is_empty() { String::new() } else { format!(" ({})", constants.join(", ")) };
         format!(
@@ -24,7 +24,7 @@ pub fn page() -> String {
             d.better.name()
         )
     };
-    text += &table(METRICS.iter().map(|known| (known.description().name, metric(known.description()))));
+    text += &table(METRICS.iter().map(|known| (known.name, metric(known))));
     text += "\n## Tables of a run\n";
     for (file, columns, about) in TABLES {
         let _ = write!(text, "\n### {file}\n\n{about}\n\n");

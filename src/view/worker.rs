@@ -1,6 +1,5 @@
 //! The renderer's thread. It takes the newest state, shows it coarsely if the whole takes long, then whole, then
-//! refines the
-//! reference until the state changes.
+//! refines the reference until the state changes.
 
 use super::picture::{Picture, of_frame, of_gbuffer, of_tables};
 use super::state::{Image, Side, State};
@@ -349,7 +348,7 @@ impl<'a> Renderer<'a> {
         let image = state.truth(count);
         let truth = self.frame(&image, inputs)?;
         let request = image.request(inputs.0, inputs.1);
-        let headline = <dyn Metric>::listed(HEADLINE);
+        let headline = Metric::listed(HEADLINE);
         for shot in [&mut self.shown.left, &mut self.shown.right].into_iter().flatten() {
             let curve = state.point.settings().curve;
             let (test, mask) = (&shot.frame.radiance, &truth.mask);

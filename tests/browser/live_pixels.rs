@@ -275,7 +275,7 @@ fn pixels_and_errors_are_those_of_the_renderer() {
             let epsilon = setting.request(&plan, "split-sum", 1, size).epsilon();
             let (test, curve) = (&test.radiance, ToneCurve::default());
             let comparison = Comparison::new(test, &truth.radiance, &truth.mask, curve, epsilon).unwrap();
-            comparison.evaluate(&[<dyn Metric>::listed(METRIC)])[0].1
+            comparison.evaluate(&[Metric::listed(METRIC)])[0].1
         };
         let frame_of = |name: &str| &frames[methods.iter().position(|method| *method == name).unwrap()];
         let split = frame_of("split-sum");

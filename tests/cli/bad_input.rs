@@ -237,7 +237,7 @@ fn list_prints_every_name() {
     let names = names.chain(prefilter::level_bias::LEVEL_BIASES.iter().map(|bias| bias.name));
     let names = names.chain(prefilter::LEVEL_MAPPINGS.iter().map(|mapping| mapping.name));
     let names = names.chain(prefilter::WEIGHTS.iter().map(|weight| weight.name));
-    let names = names.chain(splitsum::metrics::METRICS.iter().map(|metric| metric.description().name));
+    let names = names.chain(splitsum::metrics::METRICS.iter().map(|metric| metric.name));
     for name in names {
         assert!(text.contains(&format!("| {name} ")), "{name} is not listed");
     }

@@ -240,7 +240,6 @@ fn render_writes_what_compare_reads() {
     }
     // In the text, since a parsed object is sorted: the order of the list.
     let text = stdout(&output);
-    let places =
-        splitsum::metrics::METRICS.iter().map(|m| text.find(&format!("\"{}\":", m.description().name)).unwrap());
+    let places = splitsum::metrics::METRICS.iter().map(|m| text.find(&format!("\"{}\":", m.name)).unwrap());
     assert!(places.is_sorted(), "{text}");
 }

@@ -31,7 +31,7 @@ fn gray(width: u32, height: u32, values: &[f32]) -> RgbImage {
 
 fn score(test: &RgbImage, reference: &RgbImage, mask: &GrayImage, name: &str) -> f64 {
     let comparison = Comparison::new(test, reference, mask, LINEAR_CURVE, Epsilon::ABSOLUTE).unwrap();
-    comparison.evaluate(&[<dyn Metric>::listed(name)])[0].1
+    comparison.evaluate(&[Metric::listed(name)])[0].1
 }
 
 fn assert_relative(found: f64, expected: f64, tolerance: f64, what: &str) {
@@ -111,7 +111,7 @@ fn equal_images_have_the_best_scores() {
     for (name, value) in
         Comparison::new(&image, &image, &whole(&image), ToneCurve::default(), Epsilon::ABSOLUTE).unwrap().evaluate_all()
     {
-        let best = match <dyn Metric>::listed(name).description().better {
+        let best = match Metric::listed(name).better {
             Better::Lower | Better::NearerZero => 0.0,
             Better::Higher if name == "psnr" => f64::INFINITY,
             Better::Higher => 1.0,
@@ -279,7 +279,7 @@ fn the_noise_floor_is_what_an_exact_test_scores() {
             errors.map(|error| error * (chi_square / 3.0).sqrt() as f32)
         });
         let stated = noise_floor(&exact, &stated, &mask, Epsilon::ABSOLUTE).unwrap();
-        let is_linear = |name: &str| linear_metrics().iter().any(|metric| metric.description().name == name);
+        let is_linear = |name: &str| linear_metrics().iter().any(|metric| metric.name == name);
         for (sum, (name, floor)) in floors.iter_mut().zip(stated.into_iter().filter(|(name, _)| is_linear(name))) {
             let floor = floor.unwrap();
             *sum += if name == "bias_rel" { floor * floor } else { floor };
@@ -294,7 +294,7 @@ fn the_noise_floor_is_what_an_exact_test_scores() {
         }
     }
     for ((sum, floor), metric) in sums.into_iter().zip(floors).zip(linear_metrics()) {
-        let name = metric.description().name;
+        let name = metric.name;
         let mean = sum / f64::from(rounds);
         // 200 rounds: 5 % for a standard deviation, 1 % for means over 4,000 pixels, 4 % median against mean of a maximum.
         let floor = floor / f64::from(rounds);
@@ -315,7 +315,7 @@ fn an_exact_reference_has_no_floor() {
     let [_, reference] = noisy_pair(5, 5);
     let zero = RgbImage::filled(5, 5, [0.0; 3]);
     for (name, floor) in noise_floor(&reference, &zero, &whole(&zero), Epsilon::ABSOLUTE).unwrap() {
-        let is_linear = <dyn Metric>::listed(name).description().space == Space::Linear;
+        let is_linear = Metric::listed(name).space == Space::Linear;
         assert_eq!(floor, is_linear.then_some(0.0), "{name}");
     }
     let negative = RgbImage::filled(5, 5, [-1e-3; 3]);
@@ -324,7 +324,7 @@ fn an_exact_reference_has_no_floor() {
 
 #[test]
 fn verdicts_compare_differences() {
-    let (rmse, relmse) = (<dyn Metric>::listed("rmse"), <dyn Metric>::listed("relmse"));
+    let (rmse, relmse) = (Metric::listed("rmse"), Metric::listed("relmse"));
     for (ratio, expected) in [
         (0.0, Verdict::EqualWithinNoise),
         (1.9, Verdict::EqualWithinNoise),
@@ -343,8 +343,8 @@ fn verdicts_compare_differences() {
 #[test]
 fn the_list_is_well_formed() {
     for (i, metric) in METRICS.iter().enumerate() {
-        let description = metric.description();
-        assert!(METRICS[..i].iter().all(|other| other.description().name != description.name));
+        let description = metric;
+        assert!(METRICS[..i].iter().all(|other| other.name != description.name));
         assert!(description.name.chars().all(|c| c.is_ascii_lowercase() || c.is_ascii_digit() || "_-".contains(c)));
         assert!(!description.formula.is_empty() && description.version > 0);
     }
@@ -429,7 +429,7 @@ fn the_unit_of_radiance_changes_no_relative_metric() {
     // A black map counts as light of mean luminance 1.
     let of = |mean, name| {
         let comparison = Comparison::new(&test, &reference, &mask, LINEAR_CURVE, Epsilon::of_light(mean)).unwrap();
-        comparison.evaluate(&[<dyn Metric>::listed(name)])[0].1
+        comparison.evaluate(&[Metric::listed(name)])[0].1
     };
     assert_eq!(of(0.0, "relmse"), of(1.0, "relmse"));
     assert!(of(0.1, "relmse") > of(1.0, "relmse") && of(1.0, "relmse") > of(5.0, "relmse"));

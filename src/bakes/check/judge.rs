@@ -61,7 +61,8 @@ impl Judging {
     }
 
     /// Scores each part of `bake` against its integral over `environment`.
-    /// | Fails unless the convention has one width per level.
+    ///
+    /// Fails unless the convention has one width per level.
     pub fn judge(&self, environment: &Environment, bake: &Bake) -> Result<Judged, String> {
         self.judge_saying(environment, bake, |_| ())
     }

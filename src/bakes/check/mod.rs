@@ -1,7 +1,7 @@
 //! How wrong a bake is, compared with exact integrals over the environment's bilinear map.
-//! | Prefiltered radiance and irradiance are convolutions, computed in spherical harmonics (relMSE below 1e-6). Means
-//! weight
-//! each texel by its solid angle.
+//!
+//! Prefiltered radiance and irradiance are convolutions, computed in spherical harmonics (relMSE below 1e-6). Means
+//! weight each texel by its solid angle.
 
 mod directions;
 mod fit;

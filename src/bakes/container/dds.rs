@@ -1,5 +1,6 @@
 //! DDS: face by face, each with all of its levels [Microsoft, "Programming Guide for DDS"].
-//! | A magic word, a header of 31 words, and in `DX10` files a second header of 5 words; all little-endian.
+//!
+//! A magic word, a header of 31 words, and in `DX10` files a second header of 5 words; all little-endian.
 
 use super::texel::{TEXELS, Texel};
 use super::{Claim, Encoding, FACE_COUNT, Texture, truncated};

@@ -1,5 +1,6 @@
 //! KTX 1, as Filament's cmgen writes it. No maintained crate reads it.
-//! | A header of 64 bytes, keys and values, then the levels, largest first [KTX 1 file format, section 2].
+//!
+//! A header of 64 bytes, keys and values, then the levels, largest first [KTX 1 file format, section 2].
 
 use super::texel::{TEXELS, Texel};
 use super::{Claim, Encoding, Texture, truncated};

@@ -1,5 +1,6 @@
 //! Texture files: their levels and faces as stored, without a convention.
-//! | Headers are checked before anything is allocated: at most [`TEXELS_MAX`] texels, square faces, levels that halve.
+//!
+//! Headers are checked before anything is allocated: at most [`TEXELS_MAX`] texels, square faces, levels that halve.
 
 mod dds;
 mod ktx1;

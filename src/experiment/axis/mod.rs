@@ -361,8 +361,8 @@ impl Point {
         self.where_used(has_lights, true, true)
     }
 
-    /// Unsets every parameter that cannot reach the pixels, so that points with equal images are equal.
-    /// Beyond [`Point::collapsed`]: the diffuse term of black and metal surfaces, and F0 where nothing is a dielectric.
+    /// Unsets every parameter that cannot reach the pixels, so that points with equal images are equal. Beyond
+    /// [`Point::collapsed`]: the diffuse term of black and metal surfaces, and F0 where nothing is a dielectric.
     pub fn of_pixels(&self, has_lights: bool) -> Self {
         let is_metal = self[METALLIC] == Value::Number(1.0);
         let is_black = self[ALBEDO] == Value::Color([0.0; 3]);

@@ -12,8 +12,7 @@ use std::sync::LazyLock;
 const WHITE: DVec2 = DVec2::new(0.312_71, 0.329_02);
 
 /// Contrast sensitivity (luminance, red to green, blue to yellow), table 1: the sum of `a √(π / b) exp(-π² r² / b)`
-/// over pairs
-/// `(a, b)`, `r` in degrees.
+/// over pairs `(a, b)`, `r` in degrees.
 const SENSITIVITY: [&[(f64, f64)]; 3] = [&[(1.0, 0.0047)], &[(1.0, 0.0053)], &[(34.1, 0.04), (13.5, 0.025)]];
 
 /// Width of edges and points, degrees: section 4.2; twice the Gaussian's standard deviation.

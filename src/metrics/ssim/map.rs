@@ -1,10 +1,11 @@
 //! Structural similarity [Wang04, eq. 13] with the parameters of section III-C.
-//! | Per pixel, over an 11×11 Gaussian window of σ = 1.5 pixels with weights that sum to 1:
+//!
+//! Per pixel, over an 11×11 Gaussian window of σ = 1.5 pixels with weights that sum to 1:
 //! `SSIM = (2 μt μr + C1)(2 σtr + C2) / ((μt² + μr² + C1)(σt² + σr² + C2))`, `C1 = (0.01 · 255)²`, `C2 = (0.03 ·
 //! 255)²`.
-//! | Computed on luma `0.299 R + 0.587 G + 0.114 B` of 8-bit values, as the authors' program does, so blind to hue.
-//! Departure: the
-//! paper drops windows across the border; here they are cut and renormalised.
+//!
+//! Computed on luma `0.299 R + 0.587 G + 0.114 B` of 8-bit values, as the authors' program does, so blind to hue.
+//! Departure: the paper drops windows across the border; here they are cut and renormalised.
 
 use crate::metrics::filter::{Border, Plane};
 use crate::pixels::Rgb8Image;

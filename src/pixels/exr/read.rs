@@ -1,7 +1,7 @@
 //! Reads one layer: R, G, B channels and, if present, A.
-//! | The crate `exr` parses and unpacks. The checks here are those that it lacks: claims of memory and time, and
-//! repeated blocks,
-//! which would leave others at 0.
+//!
+//! The crate `exr` parses and unpacks. The checks here are those that it lacks: claims of memory and time, and repeated
+//! blocks, which would leave others at 0.
 
 use super::layers::choose;
 use crate::color::{Chromaticities, REC709};

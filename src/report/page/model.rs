@@ -138,10 +138,10 @@ pub fn shared(axes: &[PageAxis]) -> String {
 }
 
 /// Column names of `Model::row`.
-pub fn columns(axes: &[PageAxis], metrics: &[&'static dyn Metric]) -> Vec<&'static str> {
+pub fn columns(axes: &[PageAxis], metrics: &[&'static Metric]) -> Vec<&'static str> {
     let own = ["run", "cell", "image", "reference", "verdict", "noise_floor"];
     let axes = axes.iter().filter(|axis| !axis.is_constant).map(|axis| axis.name);
-    own.into_iter().chain(axes).chain(metrics.iter().map(|metric| metric.description().name)).collect()
+    own.into_iter().chain(axes).chain(metrics.iter().map(|metric| metric.name)).collect()
 }
 
 /// Rows are made while they are written, to save memory.
@@ -149,20 +149,20 @@ pub struct Model<'a> {
     pub runs: Vec<Json>,
     pub cells_of: &'a [Told<'a>],
     pub axes: &'a [PageAxis],
-    pub metrics: &'a [&'static dyn Metric],
-    pub headline: &'static dyn Metric,
+    pub metrics: &'a [&'static Metric],
+    pub headline: &'static Metric,
     pub answers: Vec<Json>,
     pub images: &'a ImageSet,
 }
 
 impl Serialize for Model<'_> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let metric = |metric: &&dyn Metric| {
-            let description = metric.description();
+        let metric = |metric: &&Metric| {
+            let description = metric;
             json!({ "name": description.name, "formula": description.formula })
         };
         let mut map = serializer.serialize_map(None)?;
-        map.serialize_entry("headline", self.headline.description().name)?;
+        map.serialize_entry("headline", self.headline.name)?;
         map.serialize_entry("runs", &self.runs)?;
         map.serialize_entry("axes", self.axes)?;
         map.serialize_entry("metrics", &self.metrics.iter().map(metric).collect::<Vec<_>>())?;
@@ -193,7 +193,7 @@ impl Model<'_> {
         let image = |file: &String| images.index.get(&(run, file.clone())).copied();
         let [own, reference] =
             [0, 1].map(|i| cell.images.as_ref().and_then(|files| image([&files.radiance, &files.reference][i])));
-        let floor = cell.noise_floors.get(headline.description().name);
+        let floor = cell.noise_floors.get(headline.name);
         let verdict = match (score(cell, headline), floor) {
             _ if cell.scores.is_none() => FAILED,
             (Some(score), Some(floor)) => verdict(headline, score, floor).name(),
@@ -229,7 +229,7 @@ pub fn field(cell: &Cell) -> Json {
 }
 
 /// Metrics with a score of some cell.
-pub fn metrics(runs: &[Told]) -> Vec<&'static dyn Metric> {
+pub fn metrics(runs: &[Told]) -> Vec<&'static Metric> {
     let cells = runs.iter().flat_map(|run| &run.finished.cells);
     METRICS.iter().copied().filter(|metric| cells.clone().any(|cell| score(cell, *metric).is_some())).collect()
 }

@@ -139,8 +139,8 @@ pub fn repeats(runs: &[Told]) -> Vec<String> {
     (0..runs.len()).filter_map(say).collect()
 }
 
-pub fn score(cell: &FinishedCell, metric: &dyn Metric) -> Option<f64> {
-    cell.scores.as_ref()?.get(metric.description().name)
+pub fn score(cell: &FinishedCell, metric: &Metric) -> Option<f64> {
+    cell.scores.as_ref()?.get(metric.name)
 }
 
 /// Whether two runs have the same cells and scores.

@@ -120,7 +120,7 @@ fn other_metric(provenance: &Value) -> Option<String> {
     let then: BTreeMap<&str, u64> =
         then.filter_map(|metric| Some((metric["name"].as_str()?, metric["version"].as_u64()?))).collect();
     let differs = |name: &str, version: u32| then.get(name).is_some_and(|then| *then != u64::from(version));
-    let mut now = METRICS.iter().map(|metric| metric.description());
+    let mut now = METRICS.iter().map(|metric| metric);
     now.find(|d| differs(d.name, d.version)).map(|d| d.name.to_owned())
 }
 

@@ -1,12 +1,11 @@
 //! glTF 2.0 files, `.glb` and `.gltf` [GlTF20]: the triangles of the default scene; see [`material`] for materials.
-//! | Read: lists, strips and fans of triangles; positions, normals, tangents and one set of texture coordinates, also
-//! quantized
-//! (`KHR_mesh_quantization`), sparse and interleaved; buffers and images in the file, beside it or as `data:`. Missing
-//! normals
-//! are the triangles' own, missing tangents under a normal map are MikkTSpace's (section 3.7.2.1). Winding determines
-//! the
-//! front; a mirroring transform flips it.
-//! | Refused: morph targets, skins, required extensions other than [`EXTENSIONS`]. Other features (emission, occlusion,
+//!
+//! Read: lists, strips and fans of triangles; positions, normals, tangents and one set of texture coordinates, also
+//! quantized (`KHR_mesh_quantization`), sparse and interleaved; buffers and images in the file, beside it or as
+//! `data:`. Missing normals are the triangles' own, missing tangents under a normal map are MikkTSpace's (section
+//! 3.7.2.1). Winding determines the front; a mirroring transform flips it.
+//!
+//! Refused: morph targets, skins, required extensions other than [`EXTENSIONS`]. Other features (emission, occlusion,
 //! transparency, vertex colours, animations, lights) only cause a warning.
 
 mod buffers;

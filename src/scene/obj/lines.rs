@@ -1,5 +1,5 @@
-//! The statements of an OBJ file, checked line by line. No crate names lines in errors, joins continued lines, allows forward
-//! references across materials and distinguishes missing indices.
+//! The statements of an OBJ file, checked line by line. No crate names lines in errors, joins continued lines, allows
+//! forward references across materials and distinguishes missing indices.
 
 use std::borrow::Cow;
 use std::collections::BTreeMap;
@@ -41,8 +41,8 @@ pub struct Run {
     pub corners: Vec<[usize; 3]>,
 }
 
-/// Splits a text into logical lines, each with the number of its first line: any line ends, a byte order mark, lines continued
-/// by `\`.
+/// Splits a text into logical lines, each with the number of its first line: any line ends, a byte order mark, lines
+/// continued by `\`.
 pub fn logical_lines(text: &str) -> Vec<(usize, Cow<'_, str>)> {
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     // A file with CR only has no LF at all; in any other a CR at the end of a line is blank space.
@@ -128,7 +128,8 @@ pub fn split_keyword(logical: &str) -> (&str, &str) {
     (keyword, rest.trim())
 }
 
-/// Parses the first values of a `v`, `vt` or `vn`, at least `least`; ignores others (w, colours, the third texture coordinate).
+/// Parses the first values of a `v`, `vt` or `vn`, at least `least`; ignores others (w, colours, the third texture
+/// coordinate).
 fn element<const N: usize>(keyword: &str, values: &str, least: usize) -> Result<[f32; N], String> {
     let mut element = [0.0; N];
     let mut count = 0;
@@ -142,7 +143,8 @@ fn element<const N: usize>(keyword: &str, values: &str, least: usize) -> Result<
     if count < least { Err(format!("{keyword}: {count} values, expected {least}")) } else { Ok(element) }
 }
 
-/// Parses a corner as indices from 1, 0 for a missing one. Negative indices count back from the elements so far (`counts`);
+/// Parses a corner as indices from 1, 0 for a missing one. Negative indices count back from the elements so far
+/// (`counts`);
 /// positive ones may reach all of the file's (`totals`).
 fn corner(word: &str, counts: [usize; 3], totals: [usize; 3]) -> Result<[usize; 3], String> {
     let malformed = || format!("face corner \"{word}\", expected v, v/vt, v//vn or v/vt/vn with integers");

@@ -1,7 +1,7 @@
 //! Wavefront OBJ files: polygons with materials ([`mtl`]).
 //!
-//! Read: `v`, `vt`, `vn`, `f` (any corner form, negative indices), `usemtl`, `mtllib`. Skipped: points, lines, curves, vertex
-//! colours. Missing normals are smooth ([`normals`]), missing texture coordinates (0, 0).
+//! Read: `v`, `vt`, `vn`, `f` (any corner form, negative indices), `usemtl`, `mtllib`. Skipped: points, lines, curves,
+//! vertex colours. Missing normals are smooth ([`normals`]), missing texture coordinates (0, 0).
 
 mod lines;
 mod mtl;

@@ -98,7 +98,8 @@ impl Libraries {
                 material.kd = Some(clamped);
             }
             "Pr" | "Pm" | "Ns" | "Ni" => {
-                let value = rest.split_whitespace().next().ok_or("no value".to_owned()).and_then(number).map_err(fault)?;
+                let value =
+                    rest.split_whitespace().next().ok_or("no value".to_owned()).and_then(number).map_err(fault)?;
                 let clamped = value.clamp(0.0, if keyword.starts_with('P') { 1.0 } else { f32::MAX });
                 if clamped != value {
                     warn(format!("{keyword} {value} is outside its range and is read as {clamped}"));

@@ -9,8 +9,7 @@ use std::collections::HashMap;
 const MIN_SUM: f64 = 1e-6;
 
 /// Replaces normals (0, 0, 0) by the mean of the adjacent triangles' normals, weighted by angle, so that triangulation
-/// does not
-/// matter. Corners at equal positions are one point: there are no creases. No triangle may be degenerate.
+/// does not matter. Corners at equal positions are one point: there are no creases. No triangle may be degenerate.
 pub fn fill_missing(meshes: &mut [Mesh]) {
     let is_missing = |mesh: &Mesh| mesh.normals.contains(&[0.0; 3]);
     if !meshes.iter().any(is_missing) {

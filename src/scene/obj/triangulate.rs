@@ -18,8 +18,7 @@ pub struct Triangulation {
 }
 
 /// Splits a polygon, perhaps concave and not quite planar, into triangles of its corners whose projected areas sum to
-/// its own.
-/// `None` above [`MAX_CONCAVE_CORNERS`] corners, unless the first corner sees everything.
+/// its own. `None` above [`MAX_CONCAVE_CORNERS`] corners, unless the first corner sees everything.
 pub fn triangulate(polygon: &[DVec3]) -> Option<Triangulation> {
     let fan =
         |ring: &[usize]| -> Vec<[usize; 3]> { (2..ring.len()).map(|i| [ring[0], ring[i - 1], ring[i]]).collect() };
@@ -111,8 +110,7 @@ fn neighbours(ring: &[usize], i: usize) -> [usize; 3] {
 }
 
 /// Whether the triangle at `ring[i]` has area and contains no other corner. Coinciding corners do not count: a hole
-/// joined to
-/// the outline repeats them.
+/// joined to the outline repeats them.
 fn is_ear(flat: &[DVec2], ring: &[usize], i: usize) -> bool {
     let [a, b, c] = neighbours(ring, i).map(|k| flat[k]);
     if turn(a, b, c) <= 0.0 {

@@ -24,11 +24,11 @@ pub struct MetricValues(Box<[f64]>);
 impl MetricValues {
     /// Calls `value` for each metric.
     pub fn of(value: impl Fn(&'static str) -> Option<f64>) -> Self {
-        Self(METRICS.iter().map(|metric| value(metric.description().name).unwrap_or(f64::NAN)).collect())
+        Self(METRICS.iter().map(|metric| value(metric.name).unwrap_or(f64::NAN)).collect())
     }
 
     pub fn get(&self, name: &str) -> Option<f64> {
-        let place = METRICS.iter().position(|metric| metric.description().name == name)?;
+        let place = METRICS.iter().position(|metric| metric.name == name)?;
         Some(self.0[place]).filter(|value| !value.is_nan())
     }
 }

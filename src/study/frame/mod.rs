@@ -43,7 +43,7 @@ pub struct Frame<'f> {
     pub run: &'f Finished,
     pub shape: Shape,
     pub rows: Vec<Row<'f>>,
-    pub metric: &'static dyn Metric,
+    pub metric: &'static Metric,
     pub names: Names,
     /// The axis of the rows of a digest, if the experiment names one.
     by: Option<usize>,
@@ -58,7 +58,7 @@ impl<'f> Frame<'f> {
     /// The frame of a run with the metric of that name, else the experiment's own.
     pub fn new(run: &'f Finished, metric_name: Option<&str>) -> Self {
         let own = run.config.as_ref().map_or(HEADLINE, |config| config.metric);
-        let metric = <dyn Metric>::listed(metric_name.unwrap_or(own));
+        let metric = Metric::listed(metric_name.unwrap_or(own));
         let rows = distinct(run);
         Self { shape: Shape::of_rows(run, &rows), run, rows, metric, names: Names::of(run), by: None }
     }
@@ -79,7 +79,7 @@ impl<'f> Frame<'f> {
     }
 
     pub fn metric_name(&self) -> &'static str {
-        self.metric.description().name
+        self.metric.name
     }
 
     /// The error of a row ([`Metric::error`]): lower is better. `None` for a failed cell.
@@ -130,7 +130,7 @@ impl<'f> Frame<'f> {
     fn silent_scenes(&self) -> Vec<Value> {
         let scenes = distinct_in_order(self.rows.iter().map(|row| row.point[SCENE].clone()));
         let (designs, pictures): (Vec<_>, Vec<_>) = scenes.into_iter().partition(|scene| is_design(&scene.to_string()));
-        match (designs.is_empty() || pictures.is_empty(), self.metric.description().space) {
+        match (designs.is_empty() || pictures.is_empty(), self.metric.space) {
             (true, _) => Vec::new(),
             (false, Space::Linear) => pictures,
             (false, Space::Display) => designs,
@@ -139,8 +139,7 @@ impl<'f> Frame<'f> {
 
     /// Whether the metric needs pictures but every scene is a design.
     pub fn has_no_picture(&self) -> bool {
-        self.metric.description().space == Space::Display
-            && self.rows.iter().all(|row| is_design(&row.point[SCENE].to_string()))
+        self.metric.space == Space::Display && self.rows.iter().all(|row| is_design(&row.point[SCENE].to_string()))
     }
 
     /// Rows with scores, each linear image once: with the default tone curve, else the first.

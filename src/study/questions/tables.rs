@@ -46,7 +46,7 @@ const SHARE: f64 = 0.1;
 
 /// The same share in the metric of the question: a third for an error that is not a square.
 fn enough(frame: &Frame) -> f64 {
-    SHARE.powf(0.5 * frame.metric.description().power)
+    SHARE.powf(0.5 * frame.metric.power)
 }
 
 fn lacks(shape: &Shape) -> Option<&'static str> {
@@ -282,7 +282,7 @@ fn sentence(
         ),
         None => format!(
             "No tried tables err by {} of the split's own `{metric}` or less. The best, {}, reach {} ({}).",
-            if frame.metric.description().power == 2.0 { "a tenth" } else { "a third" },
+            if frame.metric.power == 2.0 { "a tenth" } else { "a third" },
             words(&best.tables),
             share(best.worst()),
             place(best.worst())

@@ -33,7 +33,7 @@ pub fn range_words(ends: [f64; 2], words: impl Fn(f64) -> String) -> String {
 
 /// The root of a mean square in percent: 11 for 0.012. `None` for other metrics.
 pub fn rms_percent(frame: &Frame, error: f64) -> Option<f64> {
-    (frame.metric.description().power == 2.0).then(|| 100.0 * error.sqrt())
+    (frame.metric.power == 2.0).then(|| 100.0 * error.sqrt())
 }
 
 /// "0.012 (11 % rms)".

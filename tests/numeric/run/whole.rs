@@ -54,8 +54,8 @@ fn a_run_renders_each_radiance_once_and_leaves_everything() {
         assert_eq!(row[verdict], "resolved");
     }
     for metric in splitsum::metrics::linear_metrics() {
-        let floors = table.numbers(&format!("{}_noise_floor", metric.description().name)).unwrap();
-        assert!(floors.iter().all(|floor| floor.is_some_and(|f| f > 0.0)), "{}", metric.description().name);
+        let floors = table.numbers(&format!("{}_noise_floor", metric.name)).unwrap();
+        assert!(floors.iter().all(|floor| floor.is_some_and(|f| f > 0.0)), "{}", metric.name);
     }
 
     let bins = Table::read(&dir.path().join("errors_by_n_dot_v.csv")).unwrap();

@@ -91,7 +91,7 @@ pub fn finished_of(text: &str, cell: impl Fn(&Point) -> Option<Made>) -> Finishe
 
 /// Every number of the cells multiplied by a factor that hangs on the point.
 pub fn scaled(run: &mut Finished, factor: impl Fn(&Point) -> f64) {
-    let names = || METRICS.iter().map(|metric| metric.description().name);
+    let names = || METRICS.iter().map(|metric| metric.name);
     for cell in &mut run.cells {
         let factor = factor(&cell.point);
         let by = |values: &MetricValues| {

@@ -82,7 +82,7 @@ fn every_column_of_every_table_is_explained() {
     let (dir, plan) = (tempfile::tempdir().unwrap(), plan(&text));
     invoke(&plan, dir.path(), &log(), usize::MAX).unwrap();
     let axes = splitsum::experiment::axis::Named::all().map(|axis| axis.name());
-    let metrics: Vec<&str> = splitsum::metrics::METRICS.iter().map(|metric| metric.description().name).collect();
+    let metrics: Vec<&str> = splitsum::metrics::METRICS.iter().map(|metric| metric.name).collect();
     let known: Vec<&str> = axes.chain(metrics.iter().copied()).chain([CELL.name]).collect();
     for (file, columns, _) in TABLES {
         let table = Table::read(&dir.path().join(file)).unwrap();
