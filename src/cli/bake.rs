@@ -1,13 +1,13 @@
 //! `splitsum bake`: precomputed tables as files.
 
-use super::check_bake::named;
-use super::run::open_device;
+use super::shared::{DeviceFlag, InputFlags};
 use super::{Failure, print, progress};
 use clap::Args;
+use splitsum::bakes::container::Texel;
 use splitsum::bakes::convention::{PRESETS, Preset};
 use splitsum::bakes::make::{self, Making};
 use splitsum::brdf::MODELS;
-use splitsum::environment::{Environment, LoadOptions};
+use splitsum::environment::Environment;
 use splitsum::experiment::axis::{
     AXES, BRDF, DFG_SIZE, IRRADIANCE_SIZE, MASKING, PREFILTER_LEVEL_COUNT, PREFILTER_SIZE, PREFILTER_WEIGHT, Part,
     Point, Settings,
@@ -15,8 +15,8 @@ use splitsum::experiment::axis::{
 use splitsum::experiment::value::Value;
 use splitsum::pipeline::BakeRequest;
 use splitsum::run::RenderFault;
-use splitsum::spelling::suggestion;
-use std::path::{Path, PathBuf};
+use splitsum::spelling::{Listed, suggestion};
+use std::path::PathBuf;
 use std::sync::Arc;
 
 /// Write the prefiltered map, DFG table, lobes, SH9 and irradiance map as files.
@@ -37,16 +37,16 @@ pub struct Arguments {
     /// Set a size, sample count, format, masking or brdf (`splitsum list axes`).
     #[arg(long = "set", value_name = "NAME=VALUE", value_parser = setting)]
     settings: Vec<(usize, Value)>,
-    #[arg(long)]
-    clamp_invalid: bool,
-    #[arg(long, value_name = "N")]
-    device: Option<usize>,
+    #[command(flatten)]
+    inputs: InputFlags,
+    #[command(flatten)]
+    device: DeviceFlag,
     /// Write an engine's files instead, exact and without a device.
-    #[arg(long = "for", value_name = "ENGINE", long_help = engines_help())]
-    engine: Option<String>,
+    #[arg(long = "for", value_name = "ENGINE", long_help = engines_help(), value_parser = Preset::parse)]
+    engine: Option<&'static Preset>,
     /// Set the pixel format of --for's cubes: rgba16f, rgba32f, rgb9e5, ...
-    #[arg(long, value_name = "NAME", requires = "engine")]
-    format: Option<String>,
+    #[arg(long, value_name = "NAME", requires = "engine", value_parser = Texel::parse)]
+    format: Option<&'static Texel>,
 }
 
 fn engines_help() -> String {
@@ -56,9 +56,7 @@ fn engines_help() -> String {
 }
 
 pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
-    let options = LoadOptions { clamp_invalid: arguments.clamp_invalid, ..LoadOptions::default() };
-    let environment = Environment::load(&arguments.environment, Path::new(""), &options).map_err(Failure::input)?;
-    environment.warnings.iter().for_each(|warning| super::warn(&environment.name, warning));
+    let environment = arguments.inputs.environment(&arguments.environment)?;
     let mut point = Point::default();
     for (index, (axis, value)) in arguments.settings.iter().enumerate() {
         if arguments.settings[..index].iter().any(|(earlier, _)| earlier == axis) {
@@ -68,12 +66,12 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     }
     let has_model = arguments.settings.iter().any(|(axis, _)| *axis == BRDF);
     let settings = point.settings();
-    if let Some(engine) = &arguments.engine {
-        return execute_for(engine, arguments, &environment, &settings);
+    if let Some(preset) = arguments.engine {
+        return execute_for(preset, arguments, &environment, &settings);
     }
     settings.shading.precompute.validate().map_err(|error| Failure::input(format!("--set: {error}")))?;
     progress::doing("baking");
-    let mut pipeline = open_device(arguments.device).map_err(Failure::opening)?;
+    let mut pipeline = arguments.device.open().map_err(Failure::opening)?;
     std::fs::create_dir_all(&arguments.out)
         .map_err(|error| Failure::input(format!("--out: {} cannot be made: {error}", arguments.out.display())))?;
     let request = BakeRequest {
@@ -92,13 +90,13 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
 
 /// Bakes by an engine's preset.
 fn execute_for(
-    engine: &str,
+    preset: &'static Preset,
     arguments: &Arguments,
     environment: &Environment,
     settings: &Settings,
 ) -> Result<(), Failure> {
-    let preset: &Preset = named("--for", engine)?;
     let product = &preset.product;
+    let engine = product.engine;
     let known = [BRDF, MASKING, PREFILTER_WEIGHT, PREFILTER_SIZE, PREFILTER_LEVEL_COUNT, IRRADIANCE_SIZE, DFG_SIZE];
     if let Some((axis, _)) = arguments.settings.iter().find(|(axis, _)| !known.contains(axis)) {
         let names: Vec<&str> = known.iter().map(|axis| AXES[*axis].name).collect();
@@ -113,13 +111,12 @@ fn execute_for(
             Err(Failure::input(format!("--set {}={width}x{height}: faces are square", AXES[axis].name)))
         }
     };
-    let texel = arguments.format.as_deref().unwrap_or(product.texel);
     let side = square(PREFILTER_SIZE, make::SIDE)?;
     let making = Making {
         brdf: settings.shading.brdf,
         masking: value(MASKING).map_or(preset.masking, |_| settings.shading.masking_shadowing),
         weight: settings.shading.precompute.prefilter_weight,
-        texel: named("--format", texel)?,
+        texel: arguments.format.unwrap_or_else(|| Texel::listed(product.texel)),
         irradiance_side: square(IRRADIANCE_SIZE, make::IRRADIANCE_SIDE)?,
         table_side: value(DFG_SIZE).map_or(make::TABLE_SIDE, Value::count),
         level_count: value(PREFILTER_LEVEL_COUNT).map_or(product.chain.level_count(side), Value::count),

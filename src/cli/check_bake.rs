@@ -1,16 +1,17 @@
 //! `splitsum check-bake`: how wrong a bake is.
 
 use super::bake_scores::{as_json, as_text, rows};
+use super::shared::{InputFlags, folder_of};
 use super::{Failure, print, print_data, progress};
 use clap::Args;
 use splitsum::bakes::check::{Judged, Judging};
-use splitsum::bakes::convention::{Axes, Convention, PRESETS, Preset};
+use splitsum::bakes::convention::{Axes, PRESETS, Preset, TableAxes, TableChannels};
 use splitsum::bakes::page;
 use splitsum::bakes::source::{Reading, read};
 use splitsum::bakes::{Bake, Told};
-use splitsum::brdf::Brdf;
-use splitsum::environment::{Environment, LoadOptions};
-use splitsum::precompute::prefilter::WEIGHTS;
+use splitsum::brdf::{Brdf, MaskingShadowing};
+use splitsum::environment::layout::MapLayout;
+use splitsum::precompute::prefilter::{LevelMapping, Weight};
 use splitsum::spelling::Listed;
 use std::fs::File;
 use std::io::Read;
@@ -38,41 +39,41 @@ pub struct Arguments {
     #[arg(long, value_name = "MAP")]
     environment: String,
     /// Use the conventions of a tool; the flags below override them.
-    #[arg(long, value_name = "NAME", long_help = presets_help())]
-    preset: Option<String>,
+    #[arg(long, value_name = "NAME", long_help = presets_help(), value_parser = Preset::parse)]
+    preset: Option<&'static Preset>,
     /// Set the file's axes for the world's x, y and z, such as -x+y+z (y is up).
     #[arg(long, value_parser = Axes::parse, allow_hyphen_values = true)]
     axes: Option<Axes>,
     /// Set the roughness of each level (`splitsum list level-mappings`).
-    #[arg(long, value_name = "NAME")]
-    level_mapping: Option<String>,
+    #[arg(long, value_name = "NAME", value_parser = LevelMapping::parse)]
+    level_mapping: Option<&'static LevelMapping>,
     /// Set the width alpha of each level, such as 0,0.0625,0.25,1.
-    #[arg(long, value_name = "LIST", value_delimiter = ',')]
+    #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = alpha)]
     alphas: Option<Vec<f64>>,
     /// Set the radiance of a texel of 1.
-    #[arg(long, value_name = "X")]
+    #[arg(long, value_name = "X", value_parser = positive)]
     scale: Option<f64>,
     /// Set irradiance/pi of a texel of 1: 0.31831 if the map holds irradiance.
-    #[arg(long, value_name = "X")]
+    #[arg(long, value_name = "X", value_parser = positive)]
     irradiance_scale: Option<f64>,
     /// Set the table's directions: n·v (n) and roughness (r), as in n+r+ or r-n+.
-    #[arg(long, value_name = "NAME")]
-    table_axes: Option<String>,
+    #[arg(long, value_name = "NAME", value_parser = TableAxes::parse)]
+    table_axes: Option<&'static TableAxes>,
     /// Set the table's channels: scale-bias, bias-scale or bias-albedo.
-    #[arg(long, value_name = "NAME")]
-    table_channels: Option<String>,
+    #[arg(long, value_name = "NAME", value_parser = TableChannels::parse)]
+    table_channels: Option<&'static TableChannels>,
     /// Set the DFG table's masking-shadowing.
-    #[arg(long, value_name = "NAME")]
-    masking: Option<String>,
+    #[arg(long, value_name = "NAME", value_parser = MaskingShadowing::parse)]
+    masking: Option<&'static MaskingShadowing>,
     /// Set the map's weight (`splitsum list prefilter-weights`).
-    #[arg(long, value_name = "NAME")]
-    weight: Option<String>,
+    #[arg(long, value_name = "NAME", value_parser = Weight::parse)]
+    weight: Option<&'static Weight>,
     /// Set the baked model.
-    #[arg(long, value_name = "NAME", default_value = "ggx")]
-    brdf: String,
+    #[arg(long, value_name = "NAME", default_value = "ggx", value_parser = <dyn Brdf>::parse)]
+    brdf: &'static dyn Brdf,
     /// Set the layout of images that are neither lat-long nor six faces in a column.
-    #[arg(long, value_name = "NAME")]
-    layout: Option<String>,
+    #[arg(long, value_name = "NAME", value_parser = MapLayout::parse)]
+    layout: Option<&'static MapLayout>,
     /// Try all 48 axes and every table convention; use the best fit.
     #[arg(long, conflicts_with_all = ["axes", "table_axes", "table_channels", "masking"])]
     guess: bool,
@@ -91,8 +92,8 @@ pub struct Arguments {
     /// Exit 1 if the largest error of the DFG table is above X.
     #[arg(long, value_name = "X", value_parser = threshold)]
     fail_table_above: Option<f64>,
-    #[arg(long)]
-    clamp_invalid: bool,
+    #[command(flatten)]
+    inputs: InputFlags,
 }
 
 fn presets_help() -> String {
@@ -104,33 +105,24 @@ fn presets_help() -> String {
     )
 }
 
-/// Finds the entry of a flag's value.
-pub fn named<T: Listed + ?Sized>(flag: &str, name: &str) -> Result<&'static T, Failure> {
-    T::parse(name).map_err(|fault| Failure::input(format!("{flag}: {fault}")))
-}
-
 pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     if let Some(path) = &arguments.html {
-        writable(path).map_err(|fault| Failure::input(format!("--html {}: {fault}", path.display())))?;
+        writable(path)?;
     }
-    let model = named::<dyn Brdf>("--brdf", &arguments.brdf)?;
-    let layout = arguments.layout.as_deref().map(|name| named("--layout", name));
     progress::doing("reading the bake");
-    let bake =
-        read(&arguments.files, Reading { layout: layout.transpose()?, brdf: model.name() }).map_err(Failure::input)?;
+    let reading = Reading { layout: arguments.layout, brdf: arguments.brdf.name() };
+    let bake = read(&arguments.files, reading).map_err(Failure::input)?;
     thresholds(arguments, &bake)?;
-    let (preset, convention) = (preset(arguments, &bake.told)?, convention(arguments, &bake.told)?);
-    let weight = arguments.weight.as_deref().or(bake.told.weight.as_deref()).unwrap_or(WEIGHTS[0].name);
-    let weight = named("--weight", weight)?;
-    let options = LoadOptions { clamp_invalid: arguments.clamp_invalid, ..LoadOptions::default() };
-    let environment = Environment::load(&arguments.environment, Path::new(""), &options).map_err(Failure::input)?;
-    environment.warnings.iter().for_each(|warning| super::warn(&environment.name, warning));
-
+    let told = &bake.told;
+    let preset = match (arguments.preset, &told.preset) {
+        (Some(preset), _) => preset,
+        (None, name) => name.as_deref().map_or(Ok(&PRESETS[0]), Preset::parse).map_err(Failure::input)?,
+    };
+    let judging = judging(arguments, preset, told)?;
+    let environment = arguments.inputs.environment(&arguments.environment)?;
     if let Some(map) = &bake.specular {
-        convention.alphas(map.levels.len()).map_err(|fault| Failure::input(format!("--alphas: {fault}")))?;
+        judging.convention.alphas(map.levels.len()).map_err(|fault| Failure::input(format!("--alphas: {fault}")))?;
     }
-    let judging =
-        Judging { brdf: model, weight, convention, is_guessed: arguments.guess, has_image: !arguments.no_image };
     let judged = judging.judge_saying(&environment, &bake, |words| progress::doing(words)).map_err(Failure::input)?;
     if arguments.json {
         let text = serde_json::to_string_pretty(&as_json(&arguments.environment, preset.name, &judged))
@@ -147,16 +139,16 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
 }
 
 /// Refuses targets that cannot be written, and files that are not pages of this command.
-fn writable(path: &Path) -> Result<(), String> {
-    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    if path.is_dir() || !folder.is_dir() {
-        return Err(if path.is_dir() { "is a folder" } else { "its folder does not exist" }.to_owned());
-    }
+fn writable(path: &Path) -> Result<(), Failure> {
+    folder_of("--html", path)?;
     let Ok(mut file) = File::open(path) else { return Ok(()) };
     let mut start = [0; page::START.len()];
     match file.read_exact(&mut start) {
         Ok(()) if start == page::START.as_bytes() => Ok(()),
-        _ => Err("exists and is no page of check-bake; give another name".to_owned()),
+        _ => {
+            let path = path.display();
+            Err(Failure::input(format!("--html: {path} is not a page of check-bake; give another name")))
+        }
     }
 }
 
@@ -174,44 +166,28 @@ fn thresholds(arguments: &Arguments, bake: &Bake) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Finds the preset of `--preset`, else of the files.
-fn preset(arguments: &Arguments, told: &Told) -> Result<&'static Preset, Failure> {
-    let name = arguments.preset.as_deref().or(told.preset.as_deref()).unwrap_or(PRESETS[0].name);
-    named("--preset", name)
-}
-
 /// Applies the preset, the files' statements and the flags, in this order.
-fn convention(arguments: &Arguments, told: &Told) -> Result<Convention, Failure> {
-    let mut convention = preset(arguments, told)?.convention();
-    convention.alphas = arguments.alphas.clone().or_else(|| told.alphas.clone());
-    if let Some(name) = arguments.masking.as_ref().or(told.masking.as_ref()) {
-        convention.masking = *named("--masking", name)?;
+fn judging(arguments: &Arguments, preset: &'static Preset, told: &Told) -> Result<Judging, Failure> {
+    let told = Told { preset: Some(preset.name.to_owned()), ..told.clone() };
+    let stated = Judging::stated(&told).map_err(Failure::input)?;
+    let mut convention = stated.convention;
+    if let Some(mapping) = arguments.level_mapping {
+        (convention.mapping, convention.alphas) = (mapping, None);
     }
-    if let Some(name) = &arguments.level_mapping {
-        convention.mapping = named("--level-mapping", name)?;
-        convention.alphas = arguments.alphas.clone();
-    }
-    if let Some(name) = &arguments.table_axes {
-        convention.table_axes = named("--table-axes", name)?;
-    }
-    if let Some(name) = &arguments.table_channels {
-        convention.table_channels = named("--table-channels", name)?;
-    }
+    convention.alphas = arguments.alphas.clone().or(convention.alphas);
+    convention.masking = arguments.masking.copied().unwrap_or(convention.masking);
+    convention.table_axes = arguments.table_axes.unwrap_or(convention.table_axes);
+    convention.table_channels = arguments.table_channels.unwrap_or(convention.table_channels);
     convention.axes = arguments.axes.unwrap_or(convention.axes);
-    for (flag, value, place) in [
-        ("--scale", arguments.scale, &mut convention.scale),
-        ("--irradiance-scale", arguments.irradiance_scale, &mut convention.irradiance_scale),
-    ] {
-        let Some(value) = value else { continue };
-        if !(value.is_finite() && value > 0.0) {
-            return Err(Failure::input(format!("{flag} {value}: expected a finite number above 0")));
-        }
-        *place = value;
-    }
-    if let Some(alpha) = convention.alphas.iter().flatten().find(|alpha| !(0.0..=1.0).contains(*alpha)) {
-        return Err(Failure::input(format!("--alphas: {alpha} is outside [0, 1]")));
-    }
-    Ok(convention)
+    convention.scale = arguments.scale.unwrap_or(convention.scale);
+    convention.irradiance_scale = arguments.irradiance_scale.unwrap_or(convention.irradiance_scale);
+    Ok(Judging {
+        brdf: arguments.brdf,
+        weight: arguments.weight.unwrap_or(stated.weight),
+        convention,
+        is_guessed: arguments.guess,
+        has_image: !arguments.no_image,
+    })
 }
 
 /// Fails if a score is above `--fail-above` or `--fail-table-above`.
@@ -237,4 +213,14 @@ fn judge(arguments: &Arguments, judged: &Judged) -> Result<(), Failure> {
 fn threshold(text: &str) -> Result<f64, String> {
     let number = text.parse::<f64>().ok().filter(|x| x.is_finite() && *x >= 0.0);
     number.ok_or_else(|| "expected a number of at least 0; an error of 1 % rms is a relmse of 1e-4".to_owned())
+}
+
+fn positive(text: &str) -> Result<f64, String> {
+    let number = text.parse::<f64>().ok().filter(|x| x.is_finite() && *x > 0.0);
+    number.ok_or_else(|| "expected a finite number above 0".to_owned())
+}
+
+fn alpha(text: &str) -> Result<f64, String> {
+    let number = text.parse::<f64>().ok().filter(|x| (0.0..=1.0).contains(x));
+    number.ok_or_else(|| "expected a number in [0, 1]".to_owned())
 }

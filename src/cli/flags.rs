@@ -1,6 +1,7 @@
 //! Flags of `render` and `view`: the view, and one for each axis, made from the list of axes.
 
 use super::Failure;
+use super::shared::{DeviceFlag, InputFlags};
 use clap::builder::ValueParser;
 use clap::error::ErrorKind;
 use clap::{Arg, ArgAction, ArgMatches, Args, Command, Error, FromArgMatches};
@@ -30,10 +31,10 @@ pub struct SeenFlags {
     /// Seed the reference's samples.
     #[arg(long, value_name = "N", default_value = "1", value_parser = |text: &str| SEED.parse_text(text))]
     seed: Value,
-    #[arg(long)]
-    pub clamp_invalid: bool,
-    #[arg(long, value_name = "N")]
-    pub device: Option<usize>,
+    #[command(flatten)]
+    pub inputs: InputFlags,
+    #[command(flatten)]
+    pub device: DeviceFlag,
 }
 
 impl SeenFlags {

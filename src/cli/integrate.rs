@@ -1,16 +1,16 @@
 //! `splitsum integrate`: exact answers to a table of queries, without a device.
 
+use super::shared::{InputFlags, folder_of};
 use super::{Failure, print_data, progress, tell};
 use clap::Args;
 use splitsum::brdf::Brdf;
 use splitsum::brdf::MaskingShadowing;
-use splitsum::environment::LoadOptions;
 use splitsum::math::quadrature::Tolerance;
 use splitsum::oracle::{ALPHA_MIN, Kind, Queries};
 use splitsum::precompute::prefilter::Weight;
 use splitsum::shade::reference::TOLERANCE;
 use splitsum::spelling::Listed;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// Answer a table of queries exactly, in f64 on the CPU (no Vulkan).
 #[derive(Args, Debug)]
@@ -27,8 +27,8 @@ pub struct Arguments {
     /// Stop an integration at this relative error (dfg: 5e-7; sh9: 1e-9).
     #[arg(long, value_name = "R", default_value_t = TOLERANCE.relative, value_parser = tolerance)]
     tolerance: f64,
-    #[arg(long)]
-    clamp_invalid: bool,
+    #[command(flatten)]
+    inputs: InputFlags,
 }
 
 /// Lists the columns of each kind and the names in their cells.
@@ -74,13 +74,10 @@ fn either(names: Vec<&str>) -> String {
 
 pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     if let Some(out) = &arguments.out {
-        let folder = out.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-        if !folder.is_dir() {
-            return Err(Failure::input(format!("--out: there is no folder {}", folder.display())));
-        }
+        folder_of("--out", out)?;
     }
-    let options = LoadOptions { clamp_invalid: arguments.clamp_invalid, ..LoadOptions::default() };
-    let queries = Queries::read(&arguments.queries, arguments.kind, &options).map_err(Failure::input)?;
+    let queries =
+        Queries::read(&arguments.queries, arguments.kind, &arguments.inputs.options()).map_err(Failure::input)?;
     queries.warnings().for_each(|(name, warning)| super::warn(name, warning));
     if queries.is_empty() {
         return Err(Failure::nothing_to_do(format!("{}: no query below the header", arguments.queries.display())));

@@ -2,10 +2,10 @@
 
 use super::progress;
 use super::run::{command_line, conclude};
+use super::shared::InputFlags;
 use super::stop::STOP;
 use super::{Failure, tell};
 use clap::Args;
-use splitsum::environment::LoadOptions;
 use splitsum::run::frozen::{self, EXPERIMENT_FILE};
 use splitsum::run::store::StoreError;
 use splitsum::run::{Merged, RunOptions, merge, provenance};
@@ -23,8 +23,8 @@ pub struct Arguments {
     /// Merge the shards of this folder.
     #[arg(value_name = "DIR")]
     dir: PathBuf,
-    #[arg(long)]
-    clamp_invalid: bool,
+    #[command(flatten)]
+    inputs: InputFlags,
 }
 
 /// Missing cells that a message lists.
@@ -37,8 +37,8 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         let why = "contains no run; expected the --out of `splitsum run --shard`".to_owned();
         return Err(Failure::input(StoreError::Refused { dir: dir.clone(), why }));
     }
-    let options = LoadOptions { clamp_invalid: arguments.clamp_invalid, ..LoadOptions::default() };
-    let (plan, _) = frozen::load(&dir.join(EXPERIMENT_FILE), &[], &options).map_err(Failure::input)?;
+    let (plan, _) =
+        frozen::load(&dir.join(EXPERIMENT_FILE), &[], &arguments.inputs.options()).map_err(Failure::input)?;
     let options = RunOptions { command_line: command_line(), ..RunOptions::new(dir, &STOP) };
     let merged = merge(&plan, &options)?;
     merged.notes.iter().for_each(|note| tell(&format!("warning: {note}")));
@@ -62,7 +62,7 @@ fn missing(arguments: &Arguments, merged: &Merged) -> Option<String> {
     let mut lines = vec![format!("{cells} of {all} cells and {} timed configurations are missing:", missing.timings)];
     lines.extend(missing.cells.iter().take(NAMED_CELLS).map(|label| format!("  {label}")));
     lines.extend(cells.checked_sub(NAMED_CELLS).filter(|more| *more > 0).map(|more| format!("  {more} more")));
-    let clamp = if arguments.clamp_invalid { " --clamp-invalid" } else { "" };
+    let clamp = if arguments.inputs.clamp_invalid { " --clamp-invalid" } else { "" };
     let run = format!("splitsum run {dir}/{EXPERIMENT_FILE}{clamp} --out {dir}");
     let shards = missing.shards.iter().map(|(shard, end)| format!("shard {shard}, {end}: {run} --shard {shard}"));
     lines.extend(shards);

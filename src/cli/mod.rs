@@ -18,8 +18,8 @@ mod plan;
 mod progress;
 mod render;
 mod report;
-
 mod run;
+mod shared;
 mod stop;
 mod subject;
 #[cfg(feature = "view")]

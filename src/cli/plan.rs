@@ -1,6 +1,7 @@
 //! `splitsum plan`.
 
 use super::cache::CacheArguments;
+use super::shared::DeviceFlag;
 use super::subject::Subject;
 use super::{Failure, print, print_data, progress, tell};
 use clap::Args;
@@ -8,7 +9,7 @@ use serde_json::json;
 use splitsum::experiment::axis::named::{columns, fields};
 use splitsum::experiment::fault::Lines;
 use splitsum::experiment::{Cell, Plan};
-use splitsum::pipeline::{DeviceChoice, chosen_device, is_kept};
+use splitsum::pipeline::{chosen_device, is_kept};
 use splitsum::run::RunError;
 use splitsum::run::estimate::{Forecast, Host, SpeedsFile, file_bytes};
 use splitsum::run::store::{Store, StoreError};
@@ -33,9 +34,8 @@ pub struct Arguments {
     json: bool,
     #[command(flatten)]
     cache: CacheArguments,
-    /// Predict for this device (an index of `splitsum devices`).
-    #[arg(long, value_name = "N")]
-    device: Option<usize>,
+    #[command(flatten)]
+    device: DeviceFlag,
 }
 
 const DONE: &str = "done";
@@ -90,9 +90,9 @@ fn forecast<'p>(
     jobs: &[TimingJob],
     arguments: &Arguments,
 ) -> Result<(Forecast<'p>, Option<String>), Failure> {
-    let device = match chosen_device(arguments.device.map_or(DeviceChoice::Default, DeviceChoice::Index)) {
+    let device = match chosen_device(arguments.device.choice()) {
         Ok(device) => Some(device),
-        Err(error) if arguments.device.is_some() => return Err(Failure::input(error)),
+        Err(error) if arguments.device.device.is_some() => return Err(Failure::input(error)),
         Err(_) => None,
     };
     let mut cache = arguments.cache.open().map_err(Failure::opening)?;

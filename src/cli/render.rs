@@ -1,11 +1,11 @@
 //! `splitsum render`: one image.
 
 use super::flags::{AxisFlags, Given, SeenFlags};
-use super::run::open_device;
+use super::shared::folder_of;
 use super::{Failure, print, progress, tell};
 use clap::Args;
 use splitsum::bakes::given;
-use splitsum::environment::{Environment, LoadOptions};
+use splitsum::environment::Environment;
 use splitsum::experiment::axis::{AXES, METHOD, Point, Reference, SAMPLES, View};
 use splitsum::experiment::value::{Kind, Range, Value};
 use splitsum::pixels::png;
@@ -56,19 +56,18 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let settings = point.settings();
     settings.shading.precompute.validate().map_err(Failure::input)?;
     let seen = &arguments.seen;
-    let options = LoadOptions { clamp_invalid: seen.clamp_invalid, ..LoadOptions::default() };
     let here = Path::new("");
-    let environment = Environment::load(&settings.environment, here, &options);
-    let clip = settings.environment_clip_log2.map(|power| power.exp2() as f32);
-    let environment = environment.map(|whole| clip.map_or_else(|| whole.clone(), |most| whole.clipped(most)));
+    let whole = Environment::load(&settings.environment, here, &seen.inputs.options());
     let scene = Scene::load(&settings.scene, here);
-    let (environment, scene) = match (environment, scene) {
-        (Ok(environment), Ok(scene)) => (Arc::new(environment), scene),
-        (environment, scene) => {
-            let faults = [environment.err().map(|e| e.to_string()), scene.err().map(|e| e.to_string())];
+    let (whole, scene) = match (whole, scene) {
+        (Ok(whole), Ok(scene)) => (whole, scene),
+        (whole, scene) => {
+            let faults = [whole.err().map(|e| e.to_string()), scene.err().map(|e| e.to_string())];
             return Err(Failure::input(faults.into_iter().flatten().collect::<Vec<_>>().join("\n")));
         }
     };
+    let clip = settings.environment_clip_log2.map(|power| power.exp2() as f32);
+    let environment = Arc::new(clip.map_or_else(|| whole.clone(), |most| whole.clipped(most)));
     seen.check(&scene)?;
     for (name, warnings) in [(&environment.name, &environment.warnings), (&scene.name, &scene.warnings)] {
         super::warn_all(name, warnings);
@@ -83,7 +82,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let given = given::Given::load(&settings.prefiltered, &settings.dfg, here).map_err(Failure::input)?;
     let request = settings.request(&environment, &scene, &view, given);
     progress::doing("rendering");
-    let mut pipeline = open_device(seen.device).map_err(Failure::opening)?;
+    let mut pipeline = seen.device.open().map_err(Failure::opening)?;
     let frame = pipeline.render(&request).map_err(|error| Failure::rendering(RenderFault::from(error)))?;
     for term in &frame.convergences {
         let met = if term.is_met { "" } else { ", which is not what was asked for" };
@@ -150,10 +149,7 @@ fn reference_samples(arguments: &Arguments) -> u32 {
 
 /// Checks the extension and that the folder is writable, before rendering.
 fn output(path: &Path) -> Result<Output, Failure> {
-    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    if !folder.is_dir() {
-        return Err(Failure::input(format!("--out: there is no folder {}", folder.display())));
-    }
+    let folder = folder_of("--out", path)?;
     let output = match path.extension().map(|extension| extension.to_string_lossy().to_lowercase()).as_deref() {
         Some("exr") => Output::LinearExr,
         Some("png") => Output::DisplayPng,

@@ -2,12 +2,12 @@
 
 use super::cache::CacheArguments;
 use super::progress::{self, Terminal};
+use super::shared::DeviceFlag;
 use super::stop::{self, STOP};
 use super::subject::Subject;
 use super::{Failure, print};
 use clap::Args;
 use splitsum::experiment::Plan;
-use splitsum::pipeline::{DeviceChoice, Options, Pipeline};
 use splitsum::report::page::{PageOptions, Told, write};
 use splitsum::report::write::Written;
 use splitsum::run::shard::Shard;
@@ -46,8 +46,8 @@ pub struct Arguments {
     fail_fast: bool,
     #[command(flatten)]
     cache: CacheArguments,
-    #[arg(long, value_name = "N")]
-    device: Option<usize>,
+    #[command(flatten)]
+    device: DeviceFlag,
 }
 
 pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
@@ -138,15 +138,10 @@ fn stopped() -> Failure {
 fn opener(arguments: &Arguments) -> impl FnMut() -> Result<Box<dyn Renderer>, RenderFault> {
     || {
         let cache = arguments.cache.open()?;
-        let mut pipeline = open_device(arguments.device)?;
+        let mut pipeline = arguments.device.open()?;
         if let Some(cache) = cache {
             pipeline.keep_on_disk(cache);
         }
         Ok(Box::new(pipeline))
     }
-}
-
-pub fn open_device(index: Option<usize>) -> Result<Pipeline, RenderFault> {
-    let device = index.map_or(DeviceChoice::Default, DeviceChoice::Index);
-    Ok(Pipeline::new(Options { device, ..Options::default() })?)
 }

@@ -1,8 +1,8 @@
 //! The experiment of `run` and `plan`.
 
+use super::shared::InputFlags;
 use super::{Failure, tell};
 use clap::Args;
-use splitsum::environment::LoadOptions;
 use splitsum::experiment::{ConfigError, Plan};
 use splitsum::run::frozen;
 use splitsum::study::questions::check;
@@ -18,14 +18,13 @@ pub struct Subject {
     /// Replace an axis's values (axis=v1,v2), or keep these rows of zipped axes.
     #[arg(long = "set", value_name = "AXIS=VALUES")]
     pub overrides: Vec<String>,
-    #[arg(long)]
-    pub clamp_invalid: bool,
+    #[command(flatten)]
+    pub inputs: InputFlags,
 }
 
 impl Subject {
     pub fn plan(&self) -> Result<Plan, Failure> {
-        let options = LoadOptions { clamp_invalid: self.clamp_invalid, ..LoadOptions::default() };
-        let loaded = frozen::load(&self.experiment, &self.overrides, &options);
+        let loaded = frozen::load(&self.experiment, &self.overrides, &self.inputs.options());
         let (plan, note) = loaded.map_err(|error| Failure::input(self.with_asks(error)))?;
         check(&plan.config).map_err(Failure::input)?;
         note.iter().for_each(|note| tell(note));

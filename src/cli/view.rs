@@ -3,11 +3,10 @@
 use super::Failure;
 use super::flags::{AxisFlags, SeenFlags};
 use clap::Args;
-use splitsum::environment::{Environment, LoadOptions};
 use splitsum::experiment::axis::{AXES, DFG_TABLE, METHOD, PREFILTERED, Point, REFERENCE, SIZE};
 use splitsum::experiment::value::Value;
 use splitsum::files::{TEXT_BYTES_MAX, read_text};
-use splitsum::pipeline::{DeviceChoice, Options};
+use splitsum::pipeline::Options;
 use splitsum::scene::{Scene, scene_extensions};
 use splitsum::shade::{FILE_PREFIX, METHODS, own};
 use splitsum::spelling::Listed;
@@ -77,18 +76,16 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
             "--{name}: the window shows tables of our own; `splitsum render` takes others"
         )));
     }
-    let load = LoadOptions { clamp_invalid: arguments.seen.clamp_invalid, ..LoadOptions::default() };
     // Bad input is reported before a window opens.
     let (settings, here) = (state.point.settings(), Path::new(""));
-    let environment = Environment::load(&settings.environment, here, &load).map(|environment| environment.warnings);
-    super::warn_all(&settings.environment, &environment.map_err(Failure::input)?);
+    arguments.seen.inputs.environment(&settings.environment)?;
     let scene = Scene::load(&settings.scene, here).map_err(Failure::input)?;
     super::warn_all(&scene.name, &scene.warnings);
     arguments.seen.check(&scene)?;
     if !arguments.out.is_dir() {
         return Err(Failure::input(format!("--out: there is no folder {}", arguments.out.display())));
     }
-    let device = arguments.seen.device.map_or(DeviceChoice::Default, DeviceChoice::Index);
+    let (device, load) = (arguments.seen.device.choice(), arguments.seen.inputs.options());
     let options = Options { device, validation: arguments.validation, ..Options::default() };
     #[cfg(target_os = "linux")]
     splitsum::gpu::x11::when_server_ends(|| {
