@@ -21,6 +21,7 @@
 //! # }
 //! ```
 
+pub use super::check::GOOD;
 use super::check::{Directions, Truth, errors, level, table};
 use super::container::{Encoding, FACE_COUNT, FORMATS, Format, TEXELS, TEXELS_MAX, Texel};
 use super::convention::{Convention, Preset};
@@ -61,7 +62,6 @@ pub struct Making<'a> {
 pub const SIDE: u32 = 256;
 pub const IRRADIANCE_SIDE: u32 = 32;
 pub const TABLE_SIDE: u32 = 64;
-pub const GOOD: f64 = 1e-3;
 /// Bound on the relative error of a table's integrals. True errors are at most 1.2e-5 (GGX and Beckmann, 289 texels of
 /// 64x64).
 const TABLE_WITHIN: f64 = 3e-3;

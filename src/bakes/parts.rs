@@ -25,11 +25,14 @@ pub struct Bake {
 }
 
 /// What the manifest of `splitsum bake` states.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Deserialize)]
 pub struct Told {
     pub preset: Option<String>,
+    #[serde(rename = "prefilter_alphas")]
     pub alphas: Option<Vec<f64>>,
+    #[serde(rename = "prefilter_weight")]
     pub weight: Option<String>,
+    #[serde(rename = "masking_shadowing")]
     pub masking: Option<String>,
 }
 

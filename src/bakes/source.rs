@@ -4,7 +4,7 @@
 //! text is SH. `irradiance=FILE` and so on override this.
 
 use super::container::{FACE_COUNT, Texture, read_texture};
-use super::parts::{Bake, Manifest, Map, Told};
+use super::parts::{Bake, Manifest, Map};
 use super::sh;
 use crate::brdf::MODELS;
 use crate::environment::layout::{LAYOUTS, MapLayout};
@@ -235,17 +235,16 @@ fn read_ours(path: &Path, names: &[String], reading: Reading, bake: &mut Bake) -
     struct File {
         layout: String,
         prefilter_alphas: Vec<f64>,
-        prefilter_weight: String,
-        masking_shadowing: String,
     }
     let manifest = path.join(MANIFEST);
     let refuse = |what: String| Fault::new(what, "the bake.json of splitsum bake").at(&manifest);
+    let not_read = |error: serde_json::Error| refuse(format!("is not read ({error})"));
     let text = read_text(&manifest, RECORD_BYTES_MAX).map_err(|error| refuse(format!("cannot be read ({error})")))?;
-    if serde_json::from_str::<serde_json::Value>(&text).is_ok_and(|file| file.get("preset").is_some()) {
-        let file = serde_json::from_str(&text).map_err(|error| refuse(format!("is not read ({error})")))?;
-        return read_engines(path, file, reading, bake);
+    bake.told = serde_json::from_str(&text).map_err(not_read)?;
+    if bake.told.preset.is_some() {
+        return read_engines(path, serde_json::from_str(&text).map_err(not_read)?, reading, bake);
     }
-    let file: File = serde_json::from_str(&text).map_err(|error| refuse(format!("is not read ({error})")))?;
+    let file: File = serde_json::from_str(&text).map_err(not_read)?;
     let layout =
         MapLayout::by_name(&file.layout).ok_or_else(|| refuse(format!("it names the layout {:?}", file.layout)))?;
     let image = |name: &str| -> Result<RgbImage, PixelsError> {
@@ -272,12 +271,6 @@ fn read_ours(path: &Path, names: &[String], reading: Reading, bake: &mut Bake) -
     if has("irradiance_over_pi.exr") {
         once(&mut bake.irradiance, map(&["irradiance_over_pi.exr".to_owned()])?, "irradiance map", path)?;
     }
-    bake.told = Told {
-        preset: None,
-        alphas: Some(file.prefilter_alphas),
-        weight: Some(file.prefilter_weight),
-        masking: Some(file.masking_shadowing),
-    };
     Ok(())
 }
 
@@ -305,11 +298,5 @@ fn read_engines(path: &Path, file: Manifest, reading: Reading, bake: &mut Bake) 
     if let Some(name) = &file.sh {
         once(&mut bake.sh, sh::read(&path.join(name))?, "SH", path)?;
     }
-    bake.told = Told {
-        preset: Some(file.preset),
-        alphas: Some(file.prefilter_alphas),
-        weight: Some(file.prefilter_weight),
-        masking: Some(file.masking_shadowing),
-    };
     Ok(())
 }

@@ -63,12 +63,12 @@ fn check_ladder(config: &Config, point: &Point, faults: &mut Faults) {
     if !diffuse.is_none() && !diffuse.has_ladder {
         let known: Vec<&str> = DIFFUSE.iter().filter(|other| other.has_ladder).map(|other| other.name).collect();
         let text =
-            format!("diffuse: [ladder] knows no steps of {}; expected none, {}", diffuse.name, known.join(" or "));
+            format!("diffuse: [ladder] has no steps for {}; expected none, {}", diffuse.name, known.join(" or "));
         faults.add(&config.place_of(DIFFUSE_METHOD, point), text);
     }
     if width * height < LADDER_PIXELS_MIN {
         let text = format!(
-            "size: {width}x{height}: the steps of [ladder] are over at least {LADDER_PIXELS_MIN} views, one a pixel; this has {}",
+            "size: {width}x{height} has {} pixels; [ladder] needs at least {LADDER_PIXELS_MIN}",
             width * height
         );
         faults.add(&config.place_of(SIZE, point), text);
@@ -77,18 +77,15 @@ fn check_ladder(config: &Config, point: &Point, faults: &mut Faults) {
     let is_other = |axis: &usize| is_given(axis) || *axis == COMPENSATION && !point.is_own(*axis);
     for axis in [PREFILTERED, DFG_TABLE, COMPENSATION].into_iter().filter(is_other) {
         let (name, value, usual) = (AXES[axis].name, &point[axis], (AXES[axis].default)());
-        let usual = if is_given(&axis) { "tables that the program makes".to_owned() } else { usual.to_string() };
-        let text = format!("{name}: [ladder] has the steps of {usual}, not of {value}");
+        let usual = if is_given(&axis) { "own".to_owned() } else { usual.to_string() };
+        let text = format!("{name}: [ladder] has no steps for {value}; expected {usual}");
         faults.add(&config.place_of(axis, point), text);
     }
     let alpha = f64::from(point.settings().material.alpha.unwrap_or(1.0));
     if std::ptr::eq(of, &SPLIT_SUM) && alpha < harmonic::ALPHA_MIN {
         let place = config.place_of(ALPHA, point);
-        let text = format!(
-            "alpha: {} is too narrow for the steps of [ladder]; expected at least {:.4}",
-            point[ALPHA],
-            harmonic::ALPHA_MIN
-        );
+        let text =
+            format!("alpha: {} is too narrow for [ladder]; expected at least {:.4}", point[ALPHA], harmonic::ALPHA_MIN);
         faults.add(&place, text);
     }
 }
@@ -144,18 +141,18 @@ pub fn idle_sweeps<'p>(config: &Config, points: impl Iterator<Item = &'p Point> 
         };
         points.clone().any(sampled)
     };
-    let told = |sweep: &Sweep| {
+    let describe = |sweep: &Sweep| {
         let why = if would_be_used(sweep.axis) {
             let [of, harmonic, sampled] =
                 [AXES[PREFILTER_BY].name, PrefilterBy::Harmonic.name(), PrefilterBy::Sampled.name()];
-            format!("{of} = \"{harmonic}\" draws no samples; expected {of} = \"{sampled}\"")
+            format!("{of} = \"{harmonic}\" uses no samples; expected {of} = \"{sampled}\"")
         } else {
             "no method of the experiment uses it".to_owned()
         };
-        let text = format!("{}: its {} values are one cell, since {why}", AXES[sweep.axis].name, sweep.values.len());
+        let text = format!("{}: its {} values give one cell: {why}", AXES[sweep.axis].name, sweep.values.len());
         (sweep.values[0].place.clone(), text)
     };
-    config.axes.iter().filter(|sweep| sweep.values.len() > 1 && is_idle(sweep.axis)).map(told).collect()
+    config.axes.iter().filter(|sweep| sweep.values.len() > 1 && is_idle(sweep.axis)).map(describe).collect()
 }
 
 /// Lists cells whose metals are black because their albedo, which a metal reflects, is 0.
@@ -165,19 +162,18 @@ pub fn black_metals<'p>(
     points: impl Iterator<Item = &'p Point>,
 ) -> Vec<(Place, String)> {
     let black = Value::Color([0.0; 3]);
-    let told = |point: &Point| {
+    let describe = |point: &Point| {
         let scene = inputs.scene(point[SCENE].text());
-        let is_told = point[ALBEDO] == black
+        let is_black = point[ALBEDO] == black
             && point[METALLIC] == Value::Unset
             && scene.materials.iter().any(|material| material.metallic > 0.0);
         let name = &scene.name;
-        is_told.then(|| {
-            let text =
-                format!("albedo: the metals of {name} reflect it and are black; metallic = [0] makes them dielectrics");
+        is_black.then(|| {
+            let text = format!("albedo: 0 makes the metals of {name} black; metallic = [0] makes them dielectrics");
             (config.place_of(ALBEDO, point), text)
         })
     };
-    points.filter_map(told).fold(Vec::new(), |mut all, told| {
+    points.filter_map(describe).fold(Vec::new(), |mut all, told| {
         if !all.contains(&told) {
             all.push(told);
         }
@@ -193,10 +189,10 @@ fn idle(config: &Config) -> impl Iterator<Item = (usize, Place, String, bool)> +
         let known = values_of(config, *axis);
         let idle: Vec<&Placed> = values.iter().filter(|placed| !known.contains(&&placed.value)).collect();
         let is_slip = idle.len() == values.len();
-        let told = idle
+        let describe = idle
             .into_iter()
             .map(|placed| (*axis, placed.place.clone(), off_axis(config.named(*axis), &placed.value, &known), is_slip));
-        told.collect::<Vec<_>>()
+        describe.collect::<Vec<_>>()
     })
 }
 

@@ -4,7 +4,7 @@
 
 use super::axis::{AXES, METHOD, Named, Point, Reference, SAMPLES, Terms, index_of};
 use super::fault::{Faults, Place};
-use super::toml_tree::{at, checked, entries, parsed, raw, section, unknown_key};
+use super::toml_tree::{at, checked, entries, parsed, raw, section, text, unknown_key};
 use super::value::{COORDINATE, Kind, Range, Raw, Value};
 use crate::metrics::{HEADLINE, Metric};
 use crate::scene::{CameraKind, Light, Orbit};
@@ -120,27 +120,53 @@ pub(super) const AXIS: Kind = Kind::Name { what: "axis", names: axis_names };
 
 pub(super) const METRIC_KEY: &str = "metric";
 
-pub(super) const KEYS: &[&str] = &[
-    "name",
-    "question",
-    "asks",
-    METRIC_KEY,
-    "seed",
-    "camera",
-    "orbit",
-    "background",
-    "antialias",
-    "reference",
-    "axes",
-    "zip",
-    "exclude",
-    "timing",
-    "bias_variance",
-    "ladder",
-    "precompute",
-    "lights",
-    "sheets",
+type Reader = fn(&mut Config, &Spanned<DeValue>, &mut Faults);
+
+/// Keys of the file, except those of axes, each with its reader.
+pub(super) const KEYS: &[(&str, Reader)] = &[
+    ("name", Config::read_name),
+    ("question", |config, value, faults| config.question = text("question", value, faults)),
+    ("asks", Config::read_asks),
+    (METRIC_KEY, |config, value, faults| {
+        if let Some(found) = checked(Kind::one_of::<Metric>(), METRIC_KEY, value, faults) {
+            (config.metric, config.metric_place) = (Metric::listed(found.text()).name, at(value));
+        }
+    }),
+    ("seed", |config, value, faults| {
+        config.seed = checked(SEED, "seed", value, faults).map_or(config.seed, |v| v.count());
+    }),
+    ("camera", |config, value, faults| {
+        let camera = checked(Kind::one_of::<CameraKind>(), "camera", value, faults);
+        config.camera = camera.map_or(config.camera, |v| *CameraKind::listed(v.text()));
+    }),
+    ("orbit", |config, value, faults| {
+        let orbit = checked(Kind::Color(COORDINATE), "orbit", value, faults).map(|v| Orbit::new(v.color()));
+        match orbit {
+            Some(Ok(orbit)) => config.orbit = orbit,
+            Some(Err(fault)) => faults.add(&at(value), format!("orbit: {fault}; expected [yaw, pitch, distance]")),
+            None => {}
+        }
+    }),
+    ("background", |config, value, faults| read_switch(&mut config.background, "background", value, faults)),
+    ("antialias", |config, value, faults| read_switch(&mut config.antialias, "antialias", value, faults)),
+    ("reference", Config::read_reference),
+    ("axes", Config::read_axes),
+    ("zip", Config::read_zips),
+    ("exclude", Config::read_exclusions),
+    ("timing", Config::read_timing),
+    ("bias_variance", Config::read_bias_variance),
+    ("ladder", Config::read_ladder),
+    ("precompute", Config::read_precompute),
+    ("lights", Config::read_lights),
+    ("sheets", |config, value, faults| read_switch(&mut config.has_sheets, "sheets", value, faults)),
 ];
+
+fn read_switch(place: &mut bool, name: &str, value: &Spanned<DeValue>, faults: &mut Faults) {
+    match raw(value) {
+        Raw::Boolean(is_set) => *place = is_set,
+        other => faults.add(&at(value), format!("{name}: {other} is not true or false")),
+    }
+}
 
 pub const SEED: Kind = Kind::Count { min: 0, max: u32::MAX };
 
@@ -230,66 +256,38 @@ impl Config {
     }
 
     fn read_key(&mut self, key: &str, value: &Spanned<DeValue>, place: &Place, faults: &mut Faults) {
-        let raw = raw(value);
-        let mut check = |kind: Kind| checked(kind, key, value, faults);
-        match key {
-            "name" => match &raw {
-                Raw::String(name) if is_file_name(name) => self.name = name.clone(),
-                _ => faults.add(
-                    &at(value),
-                    format!(
-                        "name: {raw} is not a name of 1 to {NAME_LENGTH_MAX} letters, digits, '-', '_' and '.' that begins with a \
-                         letter, digit or '_'"
-                    ),
+        if let Some((_, read)) = KEYS.iter().find(|(name, _)| *name == key) {
+            return read(self, value, faults);
+        }
+        match index_of(key).filter(|&axis| AXES[axis].is_key) {
+            Some(axis) => {
+                if let Some(checked) = checked(AXES[axis].kind, key, value, faults) {
+                    self.set_base(axis, checked, at(value));
+                }
+            }
+            None => {
+                let axes = AXES.iter().filter(|axis| axis.is_key).map(|axis| axis.name);
+                unknown_key(
+                    place,
+                    "",
+                    key,
+                    &KEYS.iter().map(|(name, _)| *name).chain(axes).collect::<Vec<_>>(),
+                    faults,
+                );
+            }
+        }
+    }
+
+    fn read_name(&mut self, value: &Spanned<DeValue>, faults: &mut Faults) {
+        match raw(value) {
+            Raw::String(name) if is_file_name(&name) => self.name = name,
+            other => faults.add(
+                &at(value),
+                format!(
+                    "name: {other} is not a name of 1 to {NAME_LENGTH_MAX} letters, digits, '-', '_' and '.' that begins \
+                     with a letter, digit or '_'"
                 ),
-            },
-            "question" => match raw {
-                Raw::String(question) => self.question = question,
-                _ => faults.add(&at(value), format!("question: {raw} is not text")),
-            },
-            "asks" => self.read_asks(value, faults),
-            METRIC_KEY => {
-                if let Some(found) = check(Kind::one_of::<Metric>()) {
-                    let found = Metric::listed(found.text());
-                    (self.metric, self.metric_place) = (found.name(), at(value));
-                }
-            }
-            "seed" => self.seed = check(SEED).map_or(self.seed, |v| v.count()),
-            "camera" => {
-                let camera = check(Kind::one_of::<CameraKind>()).map(|v| *CameraKind::listed(v.text()));
-                self.camera = camera.unwrap_or(self.camera);
-            }
-            "orbit" => match check(Kind::Color(COORDINATE)).map(|v| Orbit::new(v.color())) {
-                Some(Ok(orbit)) => self.orbit = orbit,
-                Some(Err(fault)) => faults.add(&at(value), format!("orbit: {fault}; expected [yaw, pitch, distance]")),
-                None => {}
-            },
-            "background" | "antialias" | "sheets" => match (raw, key) {
-                (Raw::Boolean(is_set), "background") => self.background = is_set,
-                (Raw::Boolean(is_set), "antialias") => self.antialias = is_set,
-                (Raw::Boolean(is_set), _) => self.has_sheets = is_set,
-                (raw, _) => faults.add(&at(value), format!("{key}: {raw} is not true or false")),
-            },
-            "reference" => self.read_reference(value, faults),
-            "axes" => self.read_axes(value, faults),
-            "zip" => self.read_zips(value, faults),
-            "exclude" => self.read_exclusions(value, faults),
-            "timing" => self.read_timing(value, faults),
-            "bias_variance" => self.read_bias_variance(value, faults),
-            "ladder" => self.read_ladder(value, faults),
-            "precompute" => self.read_precompute(value, faults),
-            "lights" => self.read_lights(value, faults),
-            _ => match index_of(key).filter(|&axis| AXES[axis].is_key) {
-                Some(axis) => {
-                    if let Some(checked) = check(AXES[axis].kind) {
-                        self.set_base(axis, checked, at(value));
-                    }
-                }
-                None => {
-                    let axes = AXES.iter().filter(|axis| axis.is_key).map(|axis| axis.name);
-                    unknown_key(place, "", key, &KEYS.iter().copied().chain(axes).collect::<Vec<_>>(), faults);
-                }
-            },
+            ),
         }
     }
 
@@ -310,8 +308,8 @@ impl Config {
                     if !is_exact {
                         let exact = METHODS.iter().filter(|method| method.is_integrated()).map(|method| method.name);
                         let text = format!(
-                            "reference.method: {found} is itself off, so that a difference from it is no error; expected one of {}, or \
-                             {NONE} to hold cells against the image without a specular term",
+                            "reference.method: {found} is an approximation and cannot be the reference; expected one of {}, \
+                             or {NONE} to compare with the image without a specular term",
                             exact.collect::<Vec<_>>().join(", ")
                         );
                         faults.add(&at(value), text);

@@ -19,8 +19,8 @@ pub struct Inputs {
     scenes: BTreeMap<String, Arc<Scene>>,
     methods: BTreeMap<String, &'static Method>,
     /// `None` for the program's own.
-    maps: BTreeMap<String, Arc<Option<Arc<GivenMap>>>>,
-    tables: BTreeMap<String, Arc<Option<Arc<GivenTable>>>>,
+    maps: BTreeMap<String, Option<Arc<GivenMap>>>,
+    tables: BTreeMap<String, Option<Arc<GivenTable>>>,
     clipped: Arc<Mutex<Vec<Clipped>>>,
 }
 
@@ -62,11 +62,11 @@ fn each<T, E: Display>(
     axis: usize,
     faults: &mut Faults,
     load: impl Fn(&str, &Path) -> Result<T, E>,
-) -> BTreeMap<String, Arc<T>> {
+) -> BTreeMap<String, T> {
     let mut loaded = BTreeMap::new();
     for (value, place) in config.values(axis) {
         match load(value.text(), config.dir_of(place)) {
-            Ok(input) => drop(loaded.insert(value.text().to_owned(), Arc::new(input))),
+            Ok(input) => drop(loaded.insert(value.text().to_owned(), input)),
             Err(fault) => faults.add(place, fault.to_string()),
         }
     }
@@ -87,8 +87,9 @@ pub fn load_methods(config: &Config, faults: &mut Faults) -> BTreeMap<String, &'
 
 impl Inputs {
     pub fn load(config: &Config, options: &LoadOptions, faults: &mut Faults) -> Self {
-        let environments = each(config, ENVIRONMENT, faults, |name, dir| Environment::load(name, dir, options));
-        let scenes = each(config, SCENE, faults, Scene::load);
+        let environments =
+            each(config, ENVIRONMENT, faults, |name, dir| Environment::load(name, dir, options).map(Arc::new));
+        let scenes = each(config, SCENE, faults, |name, dir| Scene::load(name, dir).map(Arc::new));
         let maps = each(config, PREFILTERED, faults, given::map);
         let tables = each(config, DFG_TABLE, faults, given::table);
         let methods = load_methods(config, faults);
@@ -125,8 +126,10 @@ impl Inputs {
     }
 
     pub fn given(&self, settings: &Settings) -> Given {
-        let prefiltered = self.maps.get(&settings.prefiltered).and_then(|map| (**map).clone());
-        Given { prefiltered, dfg: self.tables.get(&settings.dfg).and_then(|table| (**table).clone()) }
+        Given {
+            prefiltered: self.maps.get(&settings.prefiltered).cloned().flatten(),
+            dfg: self.tables.get(&settings.dfg).cloned().flatten(),
+        }
     }
 
     pub fn scenes(&self) -> impl Iterator<Item = &Scene> {
@@ -138,8 +141,8 @@ impl Inputs {
         let environments = self.environments.values().map(|e| (e.name.clone(), e.hash.clone()));
         let scenes = self.scenes.values().map(|s| (s.name.clone(), s.hash.clone()));
         let methods = self.methods.values().filter_map(|m| Some((m.name.to_owned(), m.shader?.to_owned())));
-        let maps = self.maps.values().filter_map(|m| m.as_ref().as_ref().map(|m| (m.name.clone(), m.hash.clone())));
-        let tables = self.tables.values().filter_map(|t| t.as_ref().as_ref().map(|t| (t.name.clone(), t.hash.clone())));
+        let maps = self.maps.values().flatten().map(|m| (m.name.clone(), m.hash.clone()));
+        let tables = self.tables.values().flatten().map(|t| (t.name.clone(), t.hash.clone()));
         environments.chain(scenes).chain(methods).chain(maps).chain(tables).collect()
     }
 

@@ -3,7 +3,6 @@
 use super::axis::{AXES, Named};
 use super::config::{Config, KEYS, METRIC_KEY, Placed, Sweep, axis_names};
 use super::fault::{Faults, Place};
-
 use super::toml_tree::unknown_key;
 use super::value::{Kind, Value};
 use crate::environment::BUILTIN_PREFIX;
@@ -24,9 +23,9 @@ impl Config {
             let name = name.trim();
             let place = Place::Set(name.to_owned());
             let Some(named) = Named::find(name) else {
-                if KEYS.contains(&name) {
+                if KEYS.iter().any(|(key, _)| *key == name) {
                     let text = format!(
-                        "is a key of the experiment and no axis; write {name} = ... in the file{}",
+                        "is a key of the experiment, not an axis; write {name} = ... in the file{}",
                         by_answers(name)
                     );
                     faults.add(&place, text);
@@ -37,7 +36,7 @@ impl Config {
             };
             let axis = named.axis;
             if seen.contains(&axis) {
-                faults.add(&place, format!("stands twice; give all values at once: --set {name}=v1,v2"));
+                faults.add(&place, format!("is set twice; give all values at once: --set {name}=v1,v2"));
                 continue;
             }
             seen.push(axis);
@@ -125,7 +124,10 @@ impl Config {
             let rows: Vec<String> = own.values.iter().take(ROWS_SHOWN).map(|placed| placed.value.to_string()).collect();
             let more = if own.values.len() > ROWS_SHOWN { " ..." } else { "" };
             let rows = rows.join(", ");
-            faults.add(place, format!("axes.{name}: {strangers} is in no row of its zip; the rows have {rows}{more}"));
+            faults.add(
+                place,
+                format!("axes.{name}: {strangers} is not in any row of its zip; the rows have {rows}{more}"),
+            );
             return;
         }
         let kept: Vec<bool> = own.values.iter().map(|placed| asked.contains(&placed.value)).collect();

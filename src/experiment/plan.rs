@@ -97,7 +97,7 @@ impl Plan {
             faults.add(&Place::File(0), format!("axes: {combinations} combinations; at most {COMBINATIONS_MAX}"));
         } else if combinations.saturating_mul(excluding as u64) > COMPARISONS_MAX {
             let text = format!(
-                "exclude: {combinations} combinations and {excluding} values of exclusions; their product may be {COMPARISONS_MAX} at most"
+                "exclude: {combinations} combinations times {excluding} excluded values; the product may be at most {COMPARISONS_MAX}"
             );
             faults.add(&config.exclusions[0].place, text);
         } else {
@@ -107,7 +107,7 @@ impl Plan {
         checks::check_lights(&config, &inputs, &mut faults);
         checks::check_exclusions(&config, &mut faults);
         faults.into_result()?;
-        Ok(expand(config, inputs))
+        Ok(Self::expanded(config, inputs))
     }
 
     /// Groups cells so that each reference and radiance is rendered once and only one reference is in memory.
@@ -162,8 +162,8 @@ impl Plan {
 
     /// Builds the request of a cell's point.
     pub fn request(&self, point: &Point) -> RenderRequest {
-        let request = self.seeded_request(point, cell_seed(&self.config, point));
-        RenderRequest { reference_error: cell_error(&self.config, point), ..request }
+        let request = self.seeded_request(point, self.cell_seed(point));
+        RenderRequest { reference_error: self.cell_error(point), ..request }
     }
 
     /// Builds the request of a reference's point ([`Plan::reference_point`]).
@@ -200,12 +200,15 @@ impl Plan {
         points.filter(|point| seen.insert(key(point))).collect()
     }
 
+    /// Returns how often an image is rendered again; only methods with point sets vary.
     pub fn repeats_of(&self, point: &Point) -> Option<u32> {
-        repeats_of(&self.config, point)
+        self.config.repeats.filter(|_| point.method().uses_point_set)
     }
 
+    /// Returns the samples for the steps of a point's error; only some terms have steps, and only on the scene `design`.
     pub fn ladder_of(&self, point: &Point) -> Option<u32> {
-        ladder_of(&self.config, &self.inputs, point)
+        let has_steps = ladder::ladder_of(point.method(), point.diffuse()).is_some();
+        self.config.ladder.filter(|_| has_steps && self.inputs.scene(point[SCENE].text()).is_design)
     }
 
     pub fn size_of(&self, cell: &Cell) -> [u32; 2] {
@@ -224,30 +227,22 @@ impl Plan {
         for exclusion in self.idle_exclusions() {
             warnings.add(&exclusion.place, format!("the exclusion {:?} matches no combination", exclusion.why));
         }
-        for (place, text) in checks::idle_sweeps(&self.config, self.cells.iter().map(|cell| &cell.point)) {
-            warnings.add(&place, text);
-        }
-        for (place, text) in checks::idle_values(&self.config) {
-            warnings.add(&place, text);
-        }
-        for (place, text) in checks::black_metals(&self.config, &self.inputs, self.cells.iter().map(|cell| &cell.point))
-        {
+        let points = || self.cells.iter().map(|cell| &cell.point);
+        let idle = checks::idle_sweeps(&self.config, points()).into_iter().chain(checks::idle_values(&self.config));
+        for (place, text) in idle.chain(checks::black_metals(&self.config, &self.inputs, points())) {
             warnings.add(&place, text);
         }
         if !self.config.orbit.is_still() && self.inputs.scenes().any(|scene| scene.is_design) {
-            warnings.add(&Place::File(0), "orbit: the scene design has a camera of its own, which does not turn");
+            warnings.add(&Place::File(0), "orbit: has no effect on the scene design");
         }
         if self.config.background && self.inputs.scenes().all(|scene| scene.is_design) {
-            warnings.add(
-                &Place::File(0),
-                "background: the scene design shows none: each pixel is an experiment of its own",
-            );
+            warnings.add(&Place::File(0), "background: the scene design has none");
         }
         for (place, [width, height]) in checks::sizes(&self.config) {
             let bytes = image_buffer_bytes([width, height]);
             if bytes > BUFFER_BYTES_EVERYWHERE {
                 let text = format!(
-                    "size: {width}x{height} needs a buffer of {} MiB; some devices have no more than {}",
+                    "size: {width}x{height} needs a buffer of {} MiB; some devices allow only {}",
                     bytes >> 20,
                     BUFFER_BYTES_EVERYWHERE >> 20
                 );
@@ -271,99 +266,94 @@ impl Plan {
         }
         idle.into_iter().map(|index| &config.exclusions[index]).collect()
     }
-}
 
-fn expand(config: Config, inputs: Inputs) -> Plan {
-    let mut columns: Vec<usize> = config.axes.iter().map(|sweep| sweep.axis).collect();
-    columns.extend((0..AXES.len()).filter(|axis| !config.axes.iter().any(|sweep| sweep.axis == *axis)));
-    let mut excluded = vec![0; config.exclusions.len()];
-    let mut collapsed = 0;
-    let mut seen = HashSet::new();
-    let mut cells = Vec::new();
-    for point in config.combinations() {
-        if let Some(index) = config.exclusion_of(&point) {
-            excluded[index] += 1;
-            continue;
-        }
-        let has_lights = !config.lights.is_empty();
-        let judge = point.reference(&config.reference, has_lights);
-        let reference = radiance_id(&config, &inputs, &judge, config.seed, config.reference.relative_error);
-        let point = point.collapsed(has_lights);
-        let radiance = radiance_id(&config, &inputs, &point, cell_seed(&config, &point), cell_error(&config, &point));
-        let ladder = ladder_of(&config, &inputs, &point);
-        let id = cell_id(&radiance, &reference, &point, repeats_of(&config, &point), ladder);
-        if seen.insert(id.clone()) {
-            cells.push(Cell { id, point, radiance, reference });
-        } else {
-            collapsed += 1;
-        }
-    }
-    let mut identity = vec![format!("name={}", config.name), format!("timing={:?}", config.timing)];
-    identity.extend(cells.iter().map(|cell| cell.id.clone()));
-    let hash = hash_lines(&identity);
-    let environment_names = config.environment_names();
-    Plan { config, inputs, columns, cells, excluded, collapsed, environment_names, hash }
-}
-
-/// Returns the seed of a cell. A reference under test must not share points with the reference that judges it.
-fn cell_seed(config: &Config, point: &Point) -> u32 {
-    if point.method().is_integrated() { config.seed ^ UNDER_TEST } else { config.seed }
-}
-
-/// Returns the target error of a cell's references. A reference under test draws exactly the samples of its row.
-fn cell_error(config: &Config, point: &Point) -> Option<f64> {
-    config.reference.relative_error.filter(|_| !point.method().is_integrated())
-}
-
-/// Hashes inputs by content, so a renamed file keeps its cells and a changed one does not.
-fn radiance_id(config: &Config, inputs: &Inputs, point: &Point, seed: u32, relative_error: Option<f64>) -> String {
-    let mut lines = vec![
-        format!("schema={SCHEMA_VERSION}"),
-        format!("shaders={}", crate::gpu::build_hash()),
-        format!("seed={seed}"),
-        format!("camera={}", config.camera.name()),
-        format!("background={}", config.background),
-    ];
-    if config.antialias && !inputs.scene(point[SCENE].text()).is_design {
-        lines.push("antialias=true".to_owned());
-    }
-    if !config.orbit.is_still() {
-        lines.push(format!("orbit={:?}", config.orbit));
-    }
-    let [is_specular, is_diffuse] = [point.method().is_integrated(), point.diffuse().is_integrated()];
-    if is_diffuse && !is_specular {
-        lines.push(format!("reference_samples={}", config.reference.samples));
-    }
-    if let (Some(error), true) = (relative_error, is_specular || is_diffuse) {
-        lines.push(format!("reference_error={error}"));
-    }
-    lines.extend(config.lights.iter().map(|light| format!("light={light:?}")));
-    let given = inputs.given(&point.settings());
-    for (index, axis) in AXES.iter().enumerate().filter(|(_, axis)| axis.changes_radiance()) {
-        let (name, value) = (axis.name, &point[index]);
-        lines.push(match index {
-            ENVIRONMENT => format!("{name}={}", inputs.environment(value.text()).hash),
-            SCENE => format!("{name}={}", inputs.scene(value.text()).hash),
-            METHOD => format!("{name}={}", point.method().shader.unwrap_or(point.method().name)),
-            PREFILTERED => {
-                format!("{name}={}", given.prefiltered.as_ref().map_or(value.to_string(), |map| map.hash.clone()))
+    fn expanded(config: Config, inputs: Inputs) -> Self {
+        let mut columns: Vec<usize> = config.axes.iter().map(|sweep| sweep.axis).collect();
+        columns.extend((0..AXES.len()).filter(|axis| config.sweep(*axis).is_none()));
+        let mut plan = Self {
+            columns,
+            cells: Vec::new(),
+            excluded: vec![0; config.exclusions.len()],
+            collapsed: 0,
+            environment_names: config.environment_names(),
+            hash: String::new(),
+            config,
+            inputs,
+        };
+        let mut seen = HashSet::new();
+        let mut cells = Vec::new();
+        for point in plan.config.combinations() {
+            if let Some(index) = plan.config.exclusion_of(&point) {
+                plan.excluded[index] += 1;
+                continue;
             }
-            DFG_TABLE => format!("{name}={}", given.dfg.as_ref().map_or(value.to_string(), |table| table.hash.clone())),
-            _ => format!("{name}={value}"),
-        });
+            let judge = plan.reference_point(&point);
+            let reference = plan.radiance_id(&judge, plan.config.seed, plan.config.reference.relative_error);
+            let point = point.collapsed(!plan.config.lights.is_empty());
+            let radiance = plan.radiance_id(&point, plan.cell_seed(&point), plan.cell_error(&point));
+            let id = cell_id(&radiance, &reference, &point, plan.repeats_of(&point), plan.ladder_of(&point));
+            if seen.insert(id.clone()) {
+                cells.push(Cell { id, point, radiance, reference });
+            } else {
+                plan.collapsed += 1;
+            }
+        }
+        plan.cells = cells;
+        let mut identity = vec![format!("name={}", plan.config.name), format!("timing={:?}", plan.config.timing)];
+        identity.extend(plan.cells.iter().map(|cell| cell.id.clone()));
+        plan.hash = hash_lines(&identity);
+        plan
     }
-    hash_lines(&lines)
-}
 
-/// Only methods with point sets vary.
-fn repeats_of(config: &Config, point: &Point) -> Option<u32> {
-    config.repeats.filter(|_| point.settings().shading.method.uses_point_set)
-}
+    /// Returns the seed of a cell. A reference under test must not share points with the reference that judges it.
+    fn cell_seed(&self, point: &Point) -> u32 {
+        if point.method().is_integrated() { self.config.seed ^ UNDER_TEST } else { self.config.seed }
+    }
 
-/// Only some terms have steps, and only on the scene `design`.
-fn ladder_of(config: &Config, inputs: &Inputs, point: &Point) -> Option<u32> {
-    let has_steps = ladder::ladder_of(point.method(), point.diffuse()).is_some();
-    config.ladder.filter(|_| has_steps && inputs.scene(point[SCENE].text()).is_design)
+    /// Returns the target error of a cell's references. A reference under test draws exactly the samples of its row.
+    fn cell_error(&self, point: &Point) -> Option<f64> {
+        self.config.reference.relative_error.filter(|_| !point.method().is_integrated())
+    }
+
+    /// Hashes inputs by content, so a renamed file keeps its cells and a changed one does not.
+    fn radiance_id(&self, point: &Point, seed: u32, relative_error: Option<f64>) -> String {
+        let Self { config, inputs, .. } = self;
+        let mut lines = vec![
+            format!("schema={SCHEMA_VERSION}"),
+            format!("shaders={}", crate::gpu::build_hash()),
+            format!("seed={seed}"),
+            format!("camera={}", config.camera.name()),
+            format!("background={}", config.background),
+        ];
+        if config.antialias && !inputs.scene(point[SCENE].text()).is_design {
+            lines.push("antialias=true".to_owned());
+        }
+        if !config.orbit.is_still() {
+            lines.push(format!("orbit={:?}", config.orbit));
+        }
+        let [is_specular, is_diffuse] = [point.method().is_integrated(), point.diffuse().is_integrated()];
+        if is_diffuse && !is_specular {
+            lines.push(format!("reference_samples={}", config.reference.samples));
+        }
+        if let (Some(error), true) = (relative_error, is_specular || is_diffuse) {
+            lines.push(format!("reference_error={error}"));
+        }
+        lines.extend(config.lights.iter().map(|light| format!("light={light:?}")));
+        let given = inputs.given(&point.settings());
+        for (index, axis) in AXES.iter().enumerate().filter(|(_, axis)| axis.changes_radiance()) {
+            let value = &point[index];
+            let content = match index {
+                ENVIRONMENT => inputs.environment(value.text()).hash.clone(),
+                SCENE => inputs.scene(value.text()).hash.clone(),
+                METHOD => point.method().shader.unwrap_or(point.method().name).to_owned(),
+                PREFILTERED => given.prefiltered.as_ref().map_or(value.to_string(), |map| map.hash.clone()),
+                DFG_TABLE => given.dfg.as_ref().map_or(value.to_string(), |table| table.hash.clone()),
+                _ => value.to_string(),
+            };
+            lines.push(format!("{}={content}", axis.name));
+        }
+        hash_lines(&lines)
+    }
 }
 
 fn cell_id(radiance: &str, reference: &str, point: &Point, repeats: Option<u32>, ladder: Option<u32>) -> String {

@@ -3,7 +3,7 @@
 use super::axis::{AXES, Named, SAMPLES, is_precompute};
 use super::config::{AXIS, Ask, Config, Exclusion, Placed, Timing, Warmup, axis_names};
 use super::fault::Faults;
-use super::toml_tree::{at, checked, checked_as, list, raw, section, table, unknown_key};
+use super::toml_tree::{at, checked, checked_as, list, raw, section, table, text, unknown_key};
 use super::value::{Kind, Raw};
 use crate::shade::reference_pass::pair_count;
 use toml::Spanned;
@@ -23,30 +23,23 @@ impl Config {
         };
         for item in items {
             let mut ask = Ask { question: String::new(), place: at(item), by: None };
-            match raw(item) {
-                Raw::String(question) => ask.question = question,
-                _ if item.get_ref().is_table() => {
-                    let entries = section(item, "asks", &["question", "by"], faults);
-                    if entries.iter().all(|(key, ..)| *key != "question") {
-                        faults.add(&ask.place, "asks.question is missing");
-                    }
-                    for (key, value, _) in entries {
-                        match (key, raw(value)) {
-                            ("question", Raw::String(question)) => (ask.question, ask.place) = (question, at(value)),
-                            ("question", other) => {
-                                faults.add(&at(value), format!("asks.question: {other} is not text"))
-                            }
-                            _ => {
-                                let named = checked(AXIS, "asks.by", value, faults).and_then(|v| Named::find(v.text()));
-                                ask.by = named.map(|named| (named.axis, at(value)));
-                            }
-                        }
+            if item.get_ref().is_table() {
+                let entries = section(item, "asks", &["question", "by"], faults);
+                if entries.iter().all(|(key, ..)| *key != "question") {
+                    faults.add(&ask.place, "asks.question is missing");
+                }
+                for (key, value, _) in entries {
+                    if key == "question" {
+                        (ask.question, ask.place) = (text("asks.question", value, faults), at(value));
+                    } else if let Some(name) = checked(AXIS, "asks.by", value, faults) {
+                        ask.by = Named::find(name.text()).map(|named| (named.axis, at(value)));
                     }
                 }
-                other => {
-                    faults
-                        .add(&at(item), format!("asks: {other} is neither a name nor {{ question = ..., by = ... }}"));
-                }
+            } else if let Raw::String(question) = raw(item) {
+                ask.question = question;
+            } else {
+                let fault = format!("asks: {} is neither a name nor {{ question = ..., by = ... }}", raw(item));
+                faults.add(&at(item), fault);
             }
             if self.asks.iter().any(|known| known.question == ask.question) {
                 faults.add(&ask.place, format!("asks: {} is listed twice", ask.question));
@@ -63,14 +56,11 @@ impl Config {
             for (key, value, place) in table(item, "exclude", faults) {
                 if key == "why" {
                     has_why = true;
-                    match raw(value) {
-                        Raw::String(why) if !why.is_empty() => exclusion.why = why,
-                        other => {
-                            let text =
-                                format!("exclude.why: {other} is not text that says why these cells are left out");
-                            faults.add(&at(value), text);
-                        }
-                    }
+                    let why = |raw: &Raw| match raw.as_str() {
+                        Some(why) if !why.is_empty() => Ok(why.to_owned()),
+                        _ => Err(format!("{raw} is not text that says why these cells are left out")),
+                    };
+                    exclusion.why = checked_as(why, "exclude.why", value, faults).unwrap_or_default();
                     continue;
                 }
                 let Some(named) = Named::find(key) else {
@@ -113,22 +103,15 @@ impl Config {
     }
 
     pub(super) fn read_bias_variance(&mut self, value: &Spanned<DeValue>, faults: &mut Faults) {
-        let mut repeats = REPEATS_DEFAULT;
-        for (_, value, _) in section(value, "bias_variance", &["repeats"], faults) {
-            let found = checked(Kind::Count { min: 2, max: 4096 }, "bias_variance.repeats", value, faults);
-            repeats = found.map_or(repeats, |v| v.count());
-        }
-        self.repeats = Some(repeats);
+        let kind = Kind::Count { min: 2, max: 4096 };
+        self.repeats = Some(one_count("bias_variance", "repeats", kind, value, faults).unwrap_or(REPEATS_DEFAULT));
     }
 
     pub(super) fn read_ladder(&mut self, value: &Spanned<DeValue>, faults: &mut Faults) {
-        let mut samples = LADDER_SAMPLES_DEFAULT;
-        for (_, value, place) in section(value, "ladder", &["samples"], faults) {
-            let found = checked(AXES[SAMPLES].kind, "ladder.samples", value, faults);
-            samples = found.map_or(samples, |v| v.count());
-            if let Err(error) = pair_count(samples) {
-                faults.add(&place, format!("ladder.samples: {error}"));
-            }
+        let samples = one_count("ladder", "samples", AXES[SAMPLES].kind, value, faults);
+        let samples = samples.unwrap_or(LADDER_SAMPLES_DEFAULT);
+        if let Err(error) = pair_count(samples) {
+            faults.add(&at(value), format!("ladder.samples: {error}"));
         }
         self.ladder = Some(samples);
         self.ladder_place = at(value);
@@ -144,4 +127,10 @@ impl Config {
             }
         }
     }
+}
+
+/// Reads a section whose only key is a count.
+fn one_count(name: &str, key: &str, kind: Kind, value: &Spanned<DeValue>, faults: &mut Faults) -> Option<u32> {
+    let entries = section(value, name, &[key], faults);
+    entries.iter().find_map(|(_, value, _)| Some(checked(kind, &format!("{name}.{key}"), value, faults)?.count()))
 }

@@ -99,7 +99,7 @@ impl Config {
             for &axis in &zip.axes {
                 let name = AXES[axis].name;
                 if seen.contains(&axis) {
-                    faults.add(&zip.place, format!("zip: {name} stands twice"));
+                    faults.add(&zip.place, format!("zip: {name} is listed twice"));
                     continue;
                 }
                 seen.push(axis);
@@ -130,7 +130,7 @@ impl Config {
                         format!("axes.{}: {}", AXES[self.axes[member].axis].name, placed.value)
                     });
                     let said = said.collect::<Vec<_>>().join(", ");
-                    let verb = if row.len() == 1 { "stands twice" } else { "stand together twice" };
+                    let verb = if row.len() == 1 { "is listed twice" } else { "are listed together twice" };
                     faults.add(&row[0].place, format!("{said} {verb}"));
                 }
             }

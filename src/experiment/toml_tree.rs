@@ -68,6 +68,12 @@ pub fn checked_as<T>(
     parse(&raw(value)).map_err(|fault| faults.add(&at(value), format!("{name}: {fault}"))).ok()
 }
 
+/// Reads text; empty after a fault.
+pub fn text(name: &str, value: &Spanned<DeValue>, faults: &mut Faults) -> String {
+    let text = |raw: &Raw| raw.as_str().map(str::to_owned).ok_or_else(|| format!("{raw} is not text"));
+    checked_as(text, name, value, faults).unwrap_or_default()
+}
+
 /// Lists the entries of a table in the order of the file, with the place of each key.
 pub fn entries<'t, 'i>(table: &'t DeTable<'i>) -> Vec<Entry<'t, 'i>> {
     let mut entries: Vec<_> =

@@ -1,7 +1,7 @@
 //! Scenes that need no file.
 
 use super::shader_ball::shader_ball;
-use super::{Material, Mesh, Scene, Sphere};
+use super::{Material, Mesh, Scene, Sphere, toward};
 use glam::DVec3;
 
 #[derive(Clone, Copy, Debug)]
@@ -102,7 +102,6 @@ fn plane() -> Scene {
         material: 0,
     };
     let mut scene = Scene::assemble("plane", Vec::new(), vec![mesh], vec![Material::default()]);
-    let elevation = 20f64.to_radians();
-    scene.toward_viewer = DVec3::new(0.0, elevation.sin(), elevation.cos());
+    scene.toward_viewer = toward(0.0, 20.0);
     scene.hashed()
 }

@@ -102,12 +102,14 @@ pub fn scene_extensions() -> String {
     format!("{} or {last}", others.join(", "))
 }
 
-/// Direction of automatic cameras for files: right of +z and above the horizon.
-const VIEW_AZIMUTH_DEG: f64 = 30.0;
-const VIEW_ELEVATION_DEG: f64 = 20.0;
-
+/// Returns the direction to automatic cameras of files, which see a front, a side and the top.
 fn toward_viewer_of_files() -> DVec3 {
-    let (azimuth, elevation) = (VIEW_AZIMUTH_DEG.to_radians(), VIEW_ELEVATION_DEG.to_radians());
+    toward(30.0, 20.0)
+}
+
+/// Returns the unit vector at an azimuth to the right of +z and an elevation, degrees.
+fn toward(azimuth_deg: f64, elevation_deg: f64) -> DVec3 {
+    let (azimuth, elevation) = (azimuth_deg.to_radians(), elevation_deg.to_radians());
     DVec3::new(azimuth.sin() * elevation.cos(), elevation.sin(), azimuth.cos() * elevation.cos())
 }
 

@@ -110,7 +110,6 @@ pub(super) fn shader_ball() -> Scene {
     let tilt = DQuat::from_rotation_x(TILT_DEG.to_radians());
     let meshes = vec![revolved(&ball(), tilt), revolved(&cup(), DQuat::IDENTITY)];
     let mut scene = Scene::assemble("shader-ball", Vec::new(), meshes, vec![Material::default()]);
-    let elevation = ELEVATION_DEG.to_radians();
-    scene.toward_viewer = DVec3::new(0.0, elevation.sin(), elevation.cos());
+    scene.toward_viewer = super::toward(0.0, ELEVATION_DEG);
     scene.hashed()
 }

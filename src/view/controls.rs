@@ -40,16 +40,8 @@ impl Controls {
             }
             point
         });
-        let mut headings: Vec<&str> = AXES.iter().map(|axis| axis.part.heading()).collect();
-        let mut seen = Vec::new();
-        headings.retain(|heading| {
-            !seen.contains(heading) && {
-                seen.push(heading);
-                true
-            }
-        });
-        for heading in headings {
-            let is_open = heading != Part::Table.heading();
+        for part in [Part::Case, Part::Method, Part::Display, Part::Table] {
+            let (heading, is_open) = (part.heading(), part != Part::Table);
             // The rest concerns flags of `render`.
             let short = heading.split(',').next().unwrap_or(heading);
             let section = egui::CollapsingHeader::new(short).default_open(is_open).show(ui, |ui| {
@@ -86,6 +78,21 @@ impl Controls {
             response.on_hover_text(about);
             add(self, ui);
         });
+    }
+
+    /// Shows a menu and returns the name that was clicked.
+    pub fn menu(&mut self, ui: &mut Ui, name: &str, width: f32, shown: &str, items: &[String]) -> Option<String> {
+        let combo = ComboBox::from_id_salt(name).width(width).height(520.0).selected_text(shown);
+        let response = combo.show_ui(ui, |ui| {
+            let is_clicked = |item: &&String| {
+                let response = ui.selectable_label(*item == shown, *item);
+                self.place(format!("choice {item}"), &response);
+                response.clicked()
+            };
+            items.iter().filter(is_clicked).last().cloned()
+        });
+        self.place(name, &response.response);
+        response.inner.flatten()
     }
 
     fn axis(&mut self, ui: &mut Ui, axis: usize, is_used: bool, point: &mut Point) {
@@ -158,29 +165,15 @@ impl Controls {
                     self.place(format!("{name}{label}"), &response);
                 }
                 if axis == SIZE {
-                    let response = ComboBox::from_id_salt(name).width(50.0).selected_text("…").show_ui(ui, |ui| {
-                        SIZES.into_iter().filter(|side| ui.selectable_label(false, side.to_string()).clicked()).last()
-                    });
-                    self.place(format!("{name} list"), &response.response);
-                    sides = response.inner.flatten().map_or(sides, |side| [side; 2]);
+                    let items = SIZES.map(|side| side.to_string());
+                    let chosen = self.menu(ui, &format!("{name} list"), 50.0, "…", &items);
+                    sides = chosen.and_then(|side| side.parse().ok()).map_or(sides, |side| [side; 2]);
                 }
                 found = (sides != *pair).then(|| format!("{}x{}", sides[0], sides[1]));
             }
             (Kind::Name { names, .. } | Kind::NameOrFile { names, .. }, Value::Text(text)) => {
-                let combo = ComboBox::from_id_salt(name).width(SLIDER_WIDTH + 58.0).selected_text(text.as_str());
-                let response = combo.height(520.0).show_ui(ui, |ui| {
-                    let mut chosen = None;
-                    for name in names() {
-                        let response = ui.selectable_label(name == text.as_str(), name);
-                        self.place(format!("choice {name}"), &response);
-                        if response.clicked() {
-                            chosen = Some(name.to_owned());
-                        }
-                    }
-                    chosen
-                });
-                self.place(name, &response.response);
-                found = response.inner.flatten();
+                let items: Vec<String> = names().into_iter().map(str::to_owned).collect();
+                found = self.menu(ui, name, SLIDER_WIDTH + 58.0, text, &items);
             }
             (Kind::Input, Value::Text(text)) => found = self.input(ui, name, axis, text),
             _ => {}
@@ -196,7 +189,7 @@ impl Controls {
         let typed = self.typed.entry(axis).or_insert_with(|| text.to_owned());
         let field = TextEdit::singleline(typed).desired_width(SLIDER_WIDTH + 14.0).hint_text("path of a file");
         let field = ui.add(field).on_hover_text(text);
-        let mut found = (field.lost_focus() && *typed != text).then(|| typed.clone());
+        let found = (field.lost_focus() && *typed != text).then(|| typed.clone());
         // Shows the folder only while editing.
         if field.gained_focus() {
             text.clone_into(typed);
@@ -207,19 +200,8 @@ impl Controls {
             ENVIRONMENT => BUILTINS.iter().map(|builtin| format!("{BUILTIN_PREFIX}{}", builtin.name)).collect(),
             _ => SCENES.iter().map(|scene| scene.name.to_owned()).collect(),
         };
-        let combo = ComboBox::from_id_salt(name).width(24.0).selected_text("…").show_ui(ui, |ui| {
-            list.into_iter()
-                .filter(|name| {
-                    let response = ui.selectable_label(name == text, name);
-                    self.places.insert(format!("choice {name}"), response.rect);
-                    response.clicked()
-                })
-                .last()
-        });
         self.place(name, &field);
-        self.place(format!("{name} list"), &combo.response);
-        found = combo.inner.flatten().or(found);
-        found
+        self.menu(ui, &format!("{name} list"), 24.0, "…", &list).or(found)
     }
 }
 

@@ -10,9 +10,7 @@ use crate::experiment::value::{Value, decimal};
 use crate::pipeline::Frame;
 use crate::scene::{CameraKind, Light, LightKind, Orbit, scene_extensions, scene_format};
 use crate::spelling::Listed;
-use egui::{
-    Align2, Color32, ColorImage, ComboBox, CursorIcon, DragValue, FontId, Key, Pos2, Rect, Sense, Stroke, TextureHandle,
-};
+use egui::{Align2, Color32, ColorImage, CursorIcon, DragValue, FontId, Key, Pos2, Rect, Sense, Stroke, TextureHandle};
 use egui::{TextureOptions, Ui, UiBuilder, pos2, vec2};
 use glam::DVec3;
 use std::collections::VecDeque;
@@ -158,14 +156,9 @@ impl Panel {
             "picture",
             "what is painted (e: error, s: signed error against the reference; difference: left minus right)",
             |controls, ui| {
-                let response = ComboBox::from_id_salt("picture").width(180.0).selected_text(state.picture.name());
-                let response = response.height(520.0).show_ui(ui, |ui| {
-                    for picture in Picture::all() {
-                        let response = ui.selectable_value(&mut state.picture, *picture, picture.name());
-                        controls.place(format!("choice {}", picture.name()), &response);
-                    }
-                });
-                controls.place("picture", &response.response);
+                let items: Vec<String> = Picture::names().into_iter().map(str::to_owned).collect();
+                let chosen = controls.menu(ui, "picture", 180.0, state.picture.name(), &items);
+                state.picture = chosen.map_or(state.picture, |name| *Picture::listed(&name));
             },
         );
         if state.picture == Picture::Prefiltered {
@@ -186,15 +179,10 @@ impl Panel {
             }
         });
         self.controls.row(ui, "reference samples", "where the reference stops refining", |controls, ui| {
-            let count = state.view.reference_samples;
-            let response = ComboBox::from_id_salt("reference").width(80.0).selected_text(count.to_string());
-            let response = response.show_ui(ui, |ui| {
-                for count in REFERENCE_COUNTS {
-                    let response = ui.selectable_value(&mut state.view.reference_samples, count, count.to_string());
-                    controls.place(format!("choice {count}"), &response);
-                }
-            });
-            controls.place("reference samples", &response.response);
+            let count = &mut state.view.reference_samples;
+            let items = REFERENCE_COUNTS.map(|count| count.to_string());
+            let chosen = controls.menu(ui, "reference samples", 80.0, &count.to_string(), &items);
+            *count = chosen.and_then(|text| text.parse().ok()).unwrap_or(*count);
             let save = ui.button("save").on_hover_text("ctrl+S: picture, linear images, state, commands, experiment");
             self.wants_save |= save.clicked();
             controls.place("save", &save);

@@ -170,7 +170,7 @@ fn verdict(errors: Errors, fit: Option<Fit>, alpha: f64, level_of: impl Fn(f64) 
     if (fit.gain - 1.0).abs() >= 0.01 {
         parts.push(gain_in_words(fit.gain));
     }
-    in_words(parts)
+    if parts.is_empty() { "slightly off".to_owned() } else { parts.join("; ") }
 }
 
 /// Smallest shift in levels that a verdict mentions.
@@ -194,10 +194,6 @@ fn good(errors: Errors) -> String {
 
 pub(super) fn unexplained(errors: Errors, why: &str) -> String {
     format!("{:.1} % rms: {why}", 100.0 * errors.relmse.sqrt())
-}
-
-fn in_words(parts: Vec<String>) -> String {
-    if parts.is_empty() { "slightly off".to_owned() } else { parts.join("; ") }
 }
 
 /// Describes a gain, as a forgotten factor if it is near one.

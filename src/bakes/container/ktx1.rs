@@ -3,7 +3,7 @@
 //! A header of 64 bytes, keys and values, then the levels, largest first [KTX 1 file format, section 2].
 
 use super::texel::{TEXELS, Texel};
-use super::{Claim, Encoding, Texture, truncated};
+use super::{Claim, Encoding, Texture, pairs, truncated};
 use crate::pixels::Fault;
 use crate::spelling::Listed;
 
@@ -46,10 +46,7 @@ pub fn read(bytes: &[u8]) -> Result<Texture, Fault> {
         }
         let needed = face_bytes * faces;
         let data = data.get(..needed).ok_or_else(|| truncated(level, needed, data.len()))?;
-        let [width, height] = claim.size(level);
-        read.push(
-            data.chunks_exact(face_bytes).map(|face| texel.image(width, height, face)).collect::<Result<_, _>>()?,
-        );
+        read.push(claim.faces_of(level, texel, data)?);
         // Levels are padded to 4 bytes.
         at += 4 + needed.next_multiple_of(4);
     }
@@ -58,13 +55,7 @@ pub fn read(bytes: &[u8]) -> Result<Texture, Fault> {
 
 pub fn write(encoding: &Encoding) -> Vec<u8> {
     let Encoding { texel, levels, keys, .. } = encoding;
-    let mut pairs = Vec::new();
-    for (key, value) in *keys {
-        let pair = [key.as_bytes(), b"\0", value.as_bytes(), b"\0"].concat();
-        pairs.extend((pair.len() as u32).to_le_bytes());
-        pairs.extend(pair);
-        pairs.resize(pairs.len().next_multiple_of(4), 0);
-    }
+    let pairs = pairs(*keys);
     let (first, faces) = (&levels[0][0], levels[0].len() as u32);
     let ((kind, size), format) = (texel.gl_type, texel.gl_format());
     let (counts, bytes) = ([0, 0, faces, levels.len() as u32], pairs.len() as u32);

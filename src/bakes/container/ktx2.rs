@@ -1,7 +1,7 @@
 //! KTX 2: levels anywhere in the file, plain or compressed by zstd.
 
 use super::texel::{TEXELS, Texel};
-use super::{Claim, Encoding, Texture, truncated};
+use super::{Claim, Encoding, Texture, pairs, truncated};
 use crate::pixels::{Fault, reserved};
 use crate::spelling::Listed;
 use ktx2::dfd::{Basic, Block};
@@ -53,10 +53,7 @@ pub fn read(bytes: &[u8]) -> Result<Texture, Fault> {
         if data.len() != needed {
             return Err(truncated(level, needed, data.len()));
         }
-        let [width, height] = claim.size(level);
-        read.push(
-            data.chunks_exact(face_bytes).map(|face| texel.image(width, height, face)).collect::<Result<_, _>>()?,
-        );
+        read.push(claim.faces_of(level, texel, &data)?);
     }
     Ok(Texture { levels: read, texel: texel.name })
 }
@@ -67,15 +64,9 @@ pub fn write(encoding: &Encoding) -> Vec<u8> {
     let (basic, type_size) = Basic::from_format(texel.vulkan).expect("a format of the list");
     let block = Block::Basic(basic).to_vec();
     let dfd = [&(block.len() as u32 + 4).to_le_bytes()[..], &block].concat();
-    let mut kvd = Vec::new();
     let mut keys: Vec<_> = keys.iter().collect();
     keys.sort();
-    for (key, value) in keys {
-        let pair = [key.as_bytes(), b"\0", value.as_bytes(), b"\0"].concat();
-        kvd.extend((pair.len() as u32).to_le_bytes());
-        kvd.extend(pair);
-        kvd.resize(kvd.len().next_multiple_of(4), 0);
-    }
+    let kvd = pairs(keys);
     let dfd_start = Header::LENGTH + LevelIndex::LENGTH * levels.len();
     let kvd_start = dfd_start + dfd.len();
     let first = &levels[0][0];

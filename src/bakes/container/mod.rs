@@ -206,6 +206,24 @@ impl Claim {
         let [width, height] = self.size(level);
         width as usize * height as usize * texel.bytes
     }
+
+    /// Decodes the faces of a level.
+    fn faces_of(&self, level: u32, texel: &Texel, data: &[u8]) -> Result<Vec<RgbImage>, Fault> {
+        let [width, height] = self.size(level);
+        data.chunks_exact(self.face_bytes(level, texel)).map(|face| texel.image(width, height, face)).collect()
+    }
+}
+
+/// Joins metadata of a KTX file: the length of each pair, key and value, padded to 4 bytes.
+fn pairs<'k>(keys: impl IntoIterator<Item = &'k (String, String)>) -> Vec<u8> {
+    let mut pairs = Vec::new();
+    for (key, value) in keys {
+        let pair = [key.as_bytes(), b"\0", value.as_bytes(), b"\0"].concat();
+        pairs.extend((pair.len() as u32).to_le_bytes());
+        pairs.extend(pair);
+        pairs.resize(pairs.len().next_multiple_of(4), 0);
+    }
+    pairs
 }
 
 fn truncated(level: u32, needed: usize, found: usize) -> Fault {

@@ -1,36 +1,18 @@
 //! The list of all axes but those of tables, which are in [`super::tables`].
 
-use super::{Axis, Part, Sheet, Spelling, Symbol, Used};
-use crate::bakes::given::{CENTRES, OWN};
+use super::tables::{DFG, IRRADIANCE, MIPS, PREFILTER, SH9, TABLE_AXES};
+use super::{Axis, Part, Sheet, Spelling, Symbol};
 use crate::brdf::{self, Compensation, MaskingShadowing};
 use crate::environment::Placement;
-use crate::environment::layout::MapLayout;
 use crate::experiment::value::{IMAGE_SIZE, Kind, PERCEPTUAL_ROUGHNESS_MIN, Range, Value, decimal};
 use crate::math::sequence::{PixelPoints, Sequence};
-use crate::precompute::prefilter::level_bias::LEVEL_BIASES;
-use crate::precompute::prefilter::{LevelMapping, Weight};
-use crate::precompute::{PrecomputeSettings, PrefilterBy, StorageFormat};
-use crate::shade::Diffuse;
-use crate::shade::Method;
-use crate::shade::REFERENCE;
+use crate::shade::{Diffuse, Method, REFERENCE};
 use crate::spelling::Listed;
 
-/// Largest sample count of a precompute pass.
-const PRECOMPUTE_SAMPLES_MAX: u32 = 1 << 20;
-/// Largest side of a precomputed table: every Vulkan device supports it.
-const SIDE_MAX: u32 = 4096;
-
-const LEVELS: Range = Range::closed(-16.0, 16.0);
-
-/// Names of tables, as in [`crate::precompute::table_of`].
-pub const MIPS: &str = "mips";
-pub const SH9: &str = "sh9";
-pub const PREFILTER: &str = "prefilter";
-pub const DFG: &str = "dfg";
-pub const IRRADIANCE: &str = "irradiance";
+pub(super) const LEVELS: Range = Range::closed(-16.0, 16.0);
 
 /// Defaults that the entries override.
-const PLAIN: Axis = Axis {
+pub(super) const PLAIN: Axis = Axis {
     name: "",
     about: "",
     plural: "",
@@ -53,18 +35,22 @@ const PLAIN: Axis = Axis {
     apply: |_, _| {},
 };
 
-fn first<T: Listed + ?Sized>() -> Value {
+pub(super) fn first<T: Listed + ?Sized>() -> Value {
     Value::from(T::names()[0])
 }
-
-const TABLE_FILE: Kind = Kind::NameOrFile { what: "table", names: || vec![OWN] };
-
-const TABLE: Axis = Axis { part: Part::Table, tables_cost: true, ..PLAIN };
 
 /// Every axis. Their order is the order of columns that an experiment does not name.
 pub static AXES: &[Axis] = LIST;
 
-const LIST: &[Axis] = &[
+const LIST: &[Axis] = &{
+    let mut list = [PLAIN; IMAGE_AXES.len() + TABLE_AXES.len()];
+    let (image, tables) = list.split_at_mut(IMAGE_AXES.len());
+    image.copy_from_slice(IMAGE_AXES);
+    tables.copy_from_slice(TABLE_AXES);
+    list
+};
+
+const IMAGE_AXES: &[Axis] = &[
     Axis {
         name: "size",
         about: "width and height of the image",
@@ -79,7 +65,7 @@ const LIST: &[Axis] = &[
     },
     Axis {
         name: "environment",
-        about: "the light: builtin:NAME (`splitsum list environments`), or an .hdr or .exr file; FILE.exr#NAME for a layer or part of it",
+        about: "the light: builtin:NAME (`splitsum list environments`), or an .hdr or .exr file (FILE.exr#NAME for a layer)",
         plural: "environments",
         sheet: Sheet::Page,
         needs_memory: true,
@@ -90,7 +76,7 @@ const LIST: &[Axis] = &[
     },
     Axis {
         name: "scene",
-        about: "what is seen: a name of `splitsum list scenes`, or an .obj, .glb or .gltf file",
+        about: "the scene: a name of `splitsum list scenes`, or an .obj, .glb or .gltf file",
         plural: "scenes",
         sheet: Sheet::Page,
         frames_cost: true,
@@ -115,7 +101,7 @@ const LIST: &[Axis] = &[
     Axis {
         name: "method",
         part: Part::Method,
-        about: "how the specular term is computed: `splitsum list methods`, or GLSL of yours",
+        about: "specular method: `splitsum list methods`, or your GLSL",
         plural: "methods",
         sheet: Sheet::Column,
         frames_cost: true,
@@ -131,7 +117,7 @@ const LIST: &[Axis] = &[
     Axis {
         name: "diffuse",
         part: Part::Method,
-        about: "how the diffuse term is computed; `splitsum list diffuse`",
+        about: "diffuse method; `splitsum list diffuse`",
         plural: "diffuse methods",
         sheet: Sheet::Column,
         frames_cost: true,
@@ -147,7 +133,7 @@ const LIST: &[Axis] = &[
     Axis {
         name: "samples",
         part: Part::Count,
-        about: "samples a pixel, for methods that draw some",
+        about: "samples per pixel of sampled methods",
         plural: "sample counts",
         symbol: Symbol::After("samples", "samples"),
         sheet: Sheet::Column,
@@ -163,7 +149,7 @@ const LIST: &[Axis] = &[
     Axis {
         name: "sequence",
         part: Part::Parameter,
-        about: "where a sampled method takes its points from; `splitsum list sequences`",
+        about: "point sequence of sampled methods; `splitsum list sequences`",
         plural: "sequences",
         kind: Kind::one_of::<Sequence>(),
         default: first::<Sequence>,
@@ -174,7 +160,7 @@ const LIST: &[Axis] = &[
     Axis {
         name: "point_set",
         part: Part::Luck,
-        about: "set of the sequence: 0 the plain one, k > 0 randomised copies",
+        about: "set of points: 0 is the plain sequence, k > 0 a randomised copy",
         plural: "point sets",
         symbol: Symbol::Before("set"),
         kind: Kind::Count { min: 0, max: 1 << 20 },
@@ -186,8 +172,8 @@ const LIST: &[Axis] = &[
     Axis {
         name: "pixel_points",
         part: Part::Parameter,
-        about: "how a pixel comes by the points of a set: shared has the same for all pixels, owen scrambles them for each by hash",
-        plural: "ways to points of pixels",
+        about: "points of each pixel: shared by all pixels, or scrambled for each (owen)",
+        plural: "point assignments",
         symbol: Symbol::After("points", "points"),
         frames_cost: true,
         is_compared: true,
@@ -205,7 +191,7 @@ const LIST: &[Axis] = &[
         kind: Kind::Alpha,
         spelling: Some(Spelling {
             name: "perceptual_roughness",
-            about: "roughness of every material as files store it; alpha is its square",
+            about: "roughness of every material, as in files; alpha is its square",
             plural: "roughnesses",
             symbol: Symbol::Before("roughness"),
             kind: Kind::Number(Range::closed(PERCEPTUAL_ROUGHNESS_MIN, 1.0)),
@@ -224,7 +210,7 @@ const LIST: &[Axis] = &[
         kind: Kind::Color(Range::closed(0.0, 1.0)),
         spelling: Some(Spelling {
             name: "ior",
-            about: "index of refraction of every dielectric; it gives f0",
+            about: "index of refraction of every dielectric; determines f0",
             plural: "indices of refraction",
             symbol: Symbol::Before("ior"),
             kind: Kind::Number(Range::closed(1.0, 10.0)),
@@ -276,8 +262,7 @@ const LIST: &[Axis] = &[
     },
     Axis {
         name: "environment_orientation",
-        about: "turns the map before environment_rotation_deg does: 0 leaves it as the file has it, k > 0 is the k-th of a fixed set of \
-                rotations that fills SO(3) evenly",
+        about: "rotates the map by the k-th of a fixed even set of 3D rotations; 0 keeps it",
         plural: "orientations",
         symbol: Symbol::Before("orientation"),
         flag: Some("orientation"),
@@ -288,7 +273,7 @@ const LIST: &[Axis] = &[
     },
     Axis {
         name: "environment_rotation_deg",
-        about: "turns the environment about +y in the world, after environment_orientation",
+        about: "rotates the map around +y, after environment_orientation",
         plural: "rotations",
         symbol: Symbol::After("deg", "degrees"),
         flag: Some("rotate"),
@@ -310,7 +295,7 @@ const LIST: &[Axis] = &[
     },
     Axis {
         name: "environment_clip_log2",
-        about: "cuts the environment's radiance off at 2 to this power, for the reference too: less dynamic range",
+        about: "clips radiance at 2 to this power, for the reference too",
         plural: "clips",
         symbol: Symbol::Before("clip 2^"),
         feeds: &[MIPS, SH9, PREFILTER, IRRADIANCE],
@@ -320,7 +305,7 @@ const LIST: &[Axis] = &[
     },
     Axis {
         name: "masking",
-        about: "masking-shadowing, of the image and of its reference",
+        about: "masking-shadowing of the image and its reference",
         plural: "masking-shadowing functions",
         frames_cost: true,
         tables_cost: true,
@@ -332,8 +317,7 @@ const LIST: &[Axis] = &[
     },
     Axis {
         name: "compensation",
-        about: "what gives back the light that facets reflect to each other, in the image and in its reference; the part of fdez-aguera and \
-                kulla-conty comes with the diffuse term",
+        about: "multiple-scattering compensation, for the image and its reference; that of fdez-aguera and kulla-conty joins the diffuse term",
         plural: "compensations",
         frames_cost: true,
         used: |u| !u.method.is_none(),
@@ -353,207 +337,6 @@ const LIST: &[Axis] = &[
         default: || Value::Number(0.0),
         apply: |s, v| s.shading.lod_bias = v.number() as f32,
         ..PLAIN
-    },
-    Axis {
-        name: "layout",
-        about: "how the maps that are looked up filtered lie in texels; `splitsum list layouts`",
-        plural: "layouts",
-        frames_cost: true,
-        is_compared: true,
-        needs_memory: true,
-        feeds: &[MIPS, PREFILTER, IRRADIANCE],
-        used: |u| u.method.uses_lod_bias || u.method.uses_prefiltered() || u.uses_irradiance_map(),
-        kind: Kind::one_of::<MapLayout>(),
-        default: first::<MapLayout>,
-        apply: |s, v| s.shading.precompute.layout = MapLayout::listed(v.text()),
-        ..TABLE
-    },
-    Axis {
-        name: "prefiltered",
-        about: "the prefiltered map: own, or that of another tool as file:PATH#PRESET, a cube (docs/bakes.md)",
-        plural: "prefiltered maps",
-        symbol: Symbol::Before("map"),
-        needs_memory: true,
-        feeds: &[PREFILTER],
-        kind: TABLE_FILE,
-        used: |u| u.method.uses_prefiltered(),
-        default: || Value::from(OWN),
-        apply: |s, v| s.prefiltered = v.text().to_owned(),
-        ..TABLE
-    },
-    Axis {
-        name: "dfg",
-        about: "the DFG table: own; centres, ours laid out as engines do; or that of another tool as file:PATH#PRESET, square (docs/bakes.md)",
-        plural: "DFG tables",
-        symbol: Symbol::Before("table"),
-        needs_memory: true,
-        feeds: &[DFG],
-        kind: Kind::NameOrFile { what: "table", names: || vec![OWN, CENTRES] },
-        used: Used::needs_dfg,
-        default: || Value::from(OWN),
-        apply: |s, v| s.dfg = v.text().to_owned(),
-        ..TABLE
-    },
-    Axis {
-        name: "prefilter_size",
-        about: "width and height of a face of the prefiltered map's first level; left out, it has about 100,000 texels in all: \
-                128x128 by layout cube, 320x320 by octahedral, 448x224 by equirect",
-        plural: "prefilter sizes",
-        needs_memory: true,
-        feeds: &[PREFILTER],
-        used: Used::makes_prefiltered,
-        kind: Kind::Pair { min: 8, max: SIDE_MAX },
-        unset: Some(|layout| Value::Pair(layout.prefilter_size)),
-        apply: |s, v| s.shading.precompute.prefilter_size = v.pair(),
-        ..TABLE
-    },
-    Axis {
-        name: "prefilter_level_count",
-        about: "levels of the prefiltered map",
-        plural: "level counts",
-        symbol: Symbol::After("lv", "levels"),
-        feeds: &[PREFILTER],
-        used: |u| u.makes_prefiltered() || u.method.uses_levels,
-        kind: Kind::Count { min: 2, max: 11 },
-        default: || Value::Count(PrecomputeSettings::default().prefilter_level_count),
-        apply: |s, v| s.shading.precompute.prefilter_level_count = v.count(),
-        ..TABLE
-    },
-    Axis {
-        name: "prefilter",
-        about: "how the prefiltered map and the irradiance map are made: by convolution in spherical harmonics, without noise, or by \
-                samples on the device",
-        plural: "ways to prefilter",
-        symbol: Symbol::After("prefilter", "prefilter"),
-        feeds: &[PREFILTER, IRRADIANCE],
-        used: |u| u.method.prefilter.is_none() && (u.makes_prefiltered() || u.uses_irradiance_map()),
-        kind: Kind::one_of::<PrefilterBy>(),
-        default: first::<PrefilterBy>,
-        apply: |s, v| s.shading.precompute.prefilter = *PrefilterBy::listed(v.text()),
-        ..TABLE
-    },
-    Axis {
-        name: "prefilter_sample_count",
-        about: "samples a texel of the prefiltered map, where prefilter is sampled",
-        plural: "prefilter sample counts",
-        symbol: Symbol::After("spp", "samples"),
-        feeds: &[PREFILTER],
-        used: |u| u.makes_prefiltered() && u.has_sampled_tables,
-        kind: Kind::Count { min: 1, max: PRECOMPUTE_SAMPLES_MAX },
-        default: || Value::Count(PrecomputeSettings::default().prefilter_sample_count),
-        apply: |s, v| s.shading.precompute.prefilter_sample_count = v.count(),
-        ..TABLE
-    },
-    Axis {
-        name: "level_mapping",
-        about: "which perceptual roughness each level of the prefiltered map holds; `splitsum list level-mappings`",
-        plural: "level mappings",
-        symbol: Symbol::After("mapping", "mapping"),
-        feeds: &[PREFILTER],
-        used: |u| u.makes_prefiltered() || u.method.uses_levels,
-        kind: Kind::one_of::<LevelMapping>(),
-        default: first::<LevelMapping>,
-        apply: |s, v| {
-            s.shading.precompute.level_mapping = LevelMapping::listed(v.text());
-        },
-        ..TABLE
-    },
-    Axis {
-        name: "prefilter_weight",
-        part: Part::Parameter,
-        about: "what a direction counts in the mean that a prefiltered texel is; `splitsum list prefilter-weights`",
-        plural: "prefilter weights",
-        symbol: Symbol::Before("weight"),
-        feeds: &[PREFILTER],
-        used: |u| u.makes_prefiltered() || u.method.uses_weight,
-        kind: Kind::one_of::<Weight>(),
-        default: first::<Weight>,
-        apply: |s, v| {
-            s.shading.precompute.prefilter_weight = Weight::listed(v.text());
-        },
-        ..TABLE
-    },
-    Axis {
-        name: "prefilter_lod_bias",
-        about: "added to the mip level of each lookup that makes a sampled prefiltered map; names are those of `splitsum list level-biases`",
-        plural: "prefilter level biases",
-        symbol: Symbol::Before("prefilter bias"),
-        feeds: &[PREFILTER],
-        used: |u| u.makes_prefiltered() && u.has_sampled_tables,
-        kind: Kind::NumberOrName {
-            range: LEVELS,
-            what: "level bias",
-            named: || LEVEL_BIASES.iter().map(|bias| (bias.name, bias.levels)).collect(),
-        },
-        default: || Value::Number(0.0),
-        apply: |s, v| s.shading.precompute.prefilter_lod_bias = v.number() as f32,
-        ..TABLE
-    },
-    Axis {
-        name: "dfg_size",
-        about: "side of the DFG table",
-        plural: "DFG sizes",
-        symbol: Symbol::Before("DFG"),
-        needs_memory: true,
-        feeds: &[DFG],
-        used: Used::makes_dfg,
-        kind: Kind::Count { min: 2, max: SIDE_MAX },
-        default: || Value::Count(PrecomputeSettings::default().dfg_size),
-        apply: |s, v| s.shading.precompute.dfg_size = v.count(),
-        ..TABLE
-    },
-    Axis {
-        name: "dfg_sample_count",
-        about: "samples a texel of the DFG table",
-        plural: "DFG sample counts",
-        symbol: Symbol::After("DFG spp", "DFG samples"),
-        feeds: &[DFG],
-        used: Used::makes_dfg,
-        kind: Kind::Count { min: 1, max: PRECOMPUTE_SAMPLES_MAX },
-        default: || Value::Count(PrecomputeSettings::default().dfg_sample_count),
-        apply: |s, v| s.shading.precompute.dfg_sample_count = v.count(),
-        ..TABLE
-    },
-    Axis {
-        name: "irradiance_size",
-        about: "width and height of a face of the irradiance map; left out, it has about 2,000 texels in all: 18x18 by layout \
-                cube, 45x45 by octahedral, 64x32 by equirect",
-        plural: "irradiance map sizes",
-        symbol: Symbol::Before("irradiance"),
-        needs_memory: true,
-        feeds: &[IRRADIANCE],
-        used: Used::uses_irradiance_map,
-        kind: Kind::Pair { min: 2, max: SIDE_MAX },
-        unset: Some(|layout| Value::Pair(layout.irradiance_size)),
-        apply: |s, v| s.shading.precompute.irradiance_size = v.pair(),
-        ..TABLE
-    },
-    Axis {
-        name: "irradiance_sample_count",
-        about: "azimuth and polar samples a texel of the irradiance map, where prefilter is sampled",
-        plural: "irradiance sample counts",
-        symbol: Symbol::After("irradiance spp", "irradiance samples"),
-        feeds: &[IRRADIANCE],
-        used: |u| u.uses_irradiance_map() && u.has_sampled_tables,
-        kind: Kind::Pair { min: 1, max: SIDE_MAX },
-        default: || Value::Pair(PrecomputeSettings::default().irradiance_sample_count),
-        apply: |s, v| s.shading.precompute.irradiance_sample_count = v.pair(),
-        ..TABLE
-    },
-    Axis {
-        name: "storage_format",
-        about: "numbers of the prefiltered map, the DFG table and the irradiance map on the device; f16 ends at 65504",
-        plural: "storage formats",
-        frames_cost: true,
-        is_compared: true,
-        feeds: &[PREFILTER, DFG, IRRADIANCE],
-        used: |u| {
-            u.method.storage.is_none() && (u.method.uses_prefiltered() || u.needs_dfg() || u.uses_irradiance_map())
-        },
-        kind: Kind::one_of::<StorageFormat>(),
-        default: first::<StorageFormat>,
-        apply: |s, v| s.shading.precompute.storage = *StorageFormat::listed(v.text()),
-        ..TABLE
     },
 ];
 

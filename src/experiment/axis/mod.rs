@@ -3,11 +3,13 @@
 
 mod list;
 pub mod named;
+mod tables;
 
 pub use crate::shade::REFERENCE;
 use crate::spelling::Listed;
 pub use list::*;
 pub use named::{Named, Spelling};
+pub use tables::*;
 
 use super::value::{Kind, Value};
 use crate::bakes::given::{Given, OWN};
@@ -206,6 +208,7 @@ impl Symbol {
 }
 
 /// A sweepable parameter.
+#[derive(Clone, Copy)]
 pub struct Axis {
     /// Name in files, on the command line and in tables.
     pub name: &'static str,
@@ -301,14 +304,6 @@ pub fn by_name(name: &str) -> &'static Axis {
     &AXES[index_of(name).unwrap_or_else(|| panic!("{name} is not an axis"))]
 }
 
-fn method(name: &str) -> &'static Method {
-    Method::listed(name)
-}
-
-fn diffuse(name: &str) -> &'static Diffuse {
-    Diffuse::listed(name)
-}
-
 /// One value for every axis, in the order of [`AXES`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct Point(pub Vec<Value>);
@@ -339,11 +334,11 @@ impl Point {
     }
 
     pub fn method(&self) -> &'static Method {
-        method(self[METHOD].text())
+        Method::listed(self[METHOD].text())
     }
 
     pub fn diffuse(&self) -> &'static Diffuse {
-        diffuse(self[DIFFUSE_METHOD].text())
+        Diffuse::listed(self[DIFFUSE_METHOD].text())
     }
 
     fn layout(&self) -> &'static MapLayout {

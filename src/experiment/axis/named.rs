@@ -5,7 +5,7 @@ use crate::experiment::value::{Kind, Raw, Value};
 use crate::spelling::suggestion;
 
 /// A second name of an axis, with values of its own.
-#[derive(Debug)]
+#[derive(Clone, Copy, Debug)]
 pub struct Spelling {
     pub name: &'static str,
     pub about: &'static str,

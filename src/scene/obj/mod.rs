@@ -160,7 +160,9 @@ fn assemble(
             let polygon: Vec<DVec3> = face.iter().map(|&index| position(&mesh.positions, index)).collect();
             let split = triangulate::triangulate(&polygon).ok_or_else(|| {
                 let most = triangulate::MAX_CONCAVE_CORNERS;
-                file_error(format!("a concave face of {arity} corners, expected at most {most}; triangulate the mesh"))
+                file_error(format!(
+                    "a concave face of {arity} corners, expected at most {most} corners; triangulate the mesh"
+                ))
             })?;
             crossing_count += usize::from(!split.is_simple);
             for triangle in split.triangles {

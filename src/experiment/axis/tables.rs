@@ -1,0 +1,228 @@
+//! The axes of precomputed tables, the last ones of [`super::AXES`].
+
+use super::list::{LEVELS, PLAIN, first};
+use super::{Axis, Part, Symbol, Used};
+use crate::bakes::given::{CENTRES, OWN};
+use crate::environment::layout::MapLayout;
+use crate::experiment::value::{Kind, Value};
+use crate::precompute::prefilter::level_bias::LEVEL_BIASES;
+use crate::precompute::prefilter::{LevelMapping, Weight};
+use crate::precompute::{PrecomputeSettings, PrefilterBy, StorageFormat};
+use crate::spelling::Listed;
+
+/// Largest sample count of a precompute pass.
+const PRECOMPUTE_SAMPLES_MAX: u32 = 1 << 20;
+/// Largest side of a precomputed table: every Vulkan device supports it.
+const SIDE_MAX: u32 = 4096;
+
+/// Names of tables, as in [`crate::precompute::table_of`].
+pub const MIPS: &str = "mips";
+pub const SH9: &str = "sh9";
+pub const PREFILTER: &str = "prefilter";
+pub const DFG: &str = "dfg";
+pub const IRRADIANCE: &str = "irradiance";
+
+const TABLE_FILE: Kind = Kind::NameOrFile { what: "table", names: || vec![OWN] };
+
+const TABLE: Axis = Axis { part: Part::Table, tables_cost: true, ..PLAIN };
+
+pub(super) const TABLE_AXES: &[Axis] = &[
+    Axis {
+        name: "layout",
+        about: "texel layout of the filtered maps; `splitsum list layouts`",
+        plural: "layouts",
+        frames_cost: true,
+        is_compared: true,
+        needs_memory: true,
+        feeds: &[MIPS, PREFILTER, IRRADIANCE],
+        used: |u| u.method.uses_lod_bias || u.method.uses_prefiltered() || u.uses_irradiance_map(),
+        kind: Kind::one_of::<MapLayout>(),
+        default: first::<MapLayout>,
+        apply: |s, v| s.shading.precompute.layout = MapLayout::listed(v.text()),
+        ..TABLE
+    },
+    Axis {
+        name: "prefiltered",
+        about: "the prefiltered map: own, or another tool's cube as file:PATH#PRESET (docs/bakes.md)",
+        plural: "prefiltered maps",
+        symbol: Symbol::Before("map"),
+        needs_memory: true,
+        feeds: &[PREFILTER],
+        kind: TABLE_FILE,
+        used: |u| u.method.uses_prefiltered(),
+        default: || Value::from(OWN),
+        apply: |s, v| s.prefiltered = v.text().to_owned(),
+        ..TABLE
+    },
+    Axis {
+        name: "dfg",
+        about: "the DFG table: own, centres (at texel centres, as engines do), or another tool's as file:PATH#PRESET (docs/bakes.md)",
+        plural: "DFG tables",
+        symbol: Symbol::Before("table"),
+        needs_memory: true,
+        feeds: &[DFG],
+        kind: Kind::NameOrFile { what: "table", names: || vec![OWN, CENTRES] },
+        used: Used::needs_dfg,
+        default: || Value::from(OWN),
+        apply: |s, v| s.dfg = v.text().to_owned(),
+        ..TABLE
+    },
+    Axis {
+        name: "prefilter_size",
+        about: "face size of the first prefiltered level [default: 128x128 by layout cube, 320x320 octahedral, 448x224 equirect]",
+        plural: "prefilter sizes",
+        needs_memory: true,
+        feeds: &[PREFILTER],
+        used: Used::makes_prefiltered,
+        kind: Kind::Pair { min: 8, max: SIDE_MAX },
+        unset: Some(|layout| Value::Pair(layout.prefilter_size)),
+        apply: |s, v| s.shading.precompute.prefilter_size = v.pair(),
+        ..TABLE
+    },
+    Axis {
+        name: "prefilter_level_count",
+        about: "levels of the prefiltered map",
+        plural: "level counts",
+        symbol: Symbol::After("lv", "levels"),
+        feeds: &[PREFILTER],
+        used: |u| u.makes_prefiltered() || u.method.uses_levels,
+        kind: Kind::Count { min: 2, max: 11 },
+        default: || Value::Count(PrecomputeSettings::default().prefilter_level_count),
+        apply: |s, v| s.shading.precompute.prefilter_level_count = v.count(),
+        ..TABLE
+    },
+    Axis {
+        name: "prefilter",
+        about: "how to filter maps: exactly in spherical harmonics, or by samples on the device",
+        plural: "ways to prefilter",
+        symbol: Symbol::After("prefilter", "prefilter"),
+        feeds: &[PREFILTER, IRRADIANCE],
+        used: |u| u.method.prefilter.is_none() && (u.makes_prefiltered() || u.uses_irradiance_map()),
+        kind: Kind::one_of::<PrefilterBy>(),
+        default: first::<PrefilterBy>,
+        apply: |s, v| s.shading.precompute.prefilter = *PrefilterBy::listed(v.text()),
+        ..TABLE
+    },
+    Axis {
+        name: "prefilter_sample_count",
+        about: "samples per texel of a sampled prefiltered map",
+        plural: "prefilter sample counts",
+        symbol: Symbol::After("spp", "samples"),
+        feeds: &[PREFILTER],
+        used: |u| u.makes_prefiltered() && u.has_sampled_tables,
+        kind: Kind::Count { min: 1, max: PRECOMPUTE_SAMPLES_MAX },
+        default: || Value::Count(PrecomputeSettings::default().prefilter_sample_count),
+        apply: |s, v| s.shading.precompute.prefilter_sample_count = v.count(),
+        ..TABLE
+    },
+    Axis {
+        name: "level_mapping",
+        about: "perceptual roughness of each level; `splitsum list level-mappings`",
+        plural: "level mappings",
+        symbol: Symbol::After("mapping", "mapping"),
+        feeds: &[PREFILTER],
+        used: |u| u.makes_prefiltered() || u.method.uses_levels,
+        kind: Kind::one_of::<LevelMapping>(),
+        default: first::<LevelMapping>,
+        apply: |s, v| {
+            s.shading.precompute.level_mapping = LevelMapping::listed(v.text());
+        },
+        ..TABLE
+    },
+    Axis {
+        name: "prefilter_weight",
+        part: Part::Parameter,
+        about: "weight of a direction in a prefiltered texel; `splitsum list prefilter-weights`",
+        plural: "prefilter weights",
+        symbol: Symbol::Before("weight"),
+        feeds: &[PREFILTER],
+        used: |u| u.makes_prefiltered() || u.method.uses_weight,
+        kind: Kind::one_of::<Weight>(),
+        default: first::<Weight>,
+        apply: |s, v| {
+            s.shading.precompute.prefilter_weight = Weight::listed(v.text());
+        },
+        ..TABLE
+    },
+    Axis {
+        name: "prefilter_lod_bias",
+        about: "added to the mip level of lookups in a sampled prefilter; `splitsum list level-biases`",
+        plural: "prefilter level biases",
+        symbol: Symbol::Before("prefilter bias"),
+        feeds: &[PREFILTER],
+        used: |u| u.makes_prefiltered() && u.has_sampled_tables,
+        kind: Kind::NumberOrName {
+            range: LEVELS,
+            what: "level bias",
+            named: || LEVEL_BIASES.iter().map(|bias| (bias.name, bias.levels)).collect(),
+        },
+        default: || Value::Number(0.0),
+        apply: |s, v| s.shading.precompute.prefilter_lod_bias = v.number() as f32,
+        ..TABLE
+    },
+    Axis {
+        name: "dfg_size",
+        about: "side of the DFG table",
+        plural: "DFG sizes",
+        symbol: Symbol::Before("DFG"),
+        needs_memory: true,
+        feeds: &[DFG],
+        used: Used::makes_dfg,
+        kind: Kind::Count { min: 2, max: SIDE_MAX },
+        default: || Value::Count(PrecomputeSettings::default().dfg_size),
+        apply: |s, v| s.shading.precompute.dfg_size = v.count(),
+        ..TABLE
+    },
+    Axis {
+        name: "dfg_sample_count",
+        about: "samples per texel of the DFG table",
+        plural: "DFG sample counts",
+        symbol: Symbol::After("DFG spp", "DFG samples"),
+        feeds: &[DFG],
+        used: Used::makes_dfg,
+        kind: Kind::Count { min: 1, max: PRECOMPUTE_SAMPLES_MAX },
+        default: || Value::Count(PrecomputeSettings::default().dfg_sample_count),
+        apply: |s, v| s.shading.precompute.dfg_sample_count = v.count(),
+        ..TABLE
+    },
+    Axis {
+        name: "irradiance_size",
+        about: "face size of the irradiance map [default: 18x18 by layout cube, 45x45 octahedral, 64x32 equirect]",
+        plural: "irradiance map sizes",
+        symbol: Symbol::Before("irradiance"),
+        needs_memory: true,
+        feeds: &[IRRADIANCE],
+        used: Used::uses_irradiance_map,
+        kind: Kind::Pair { min: 2, max: SIDE_MAX },
+        unset: Some(|layout| Value::Pair(layout.irradiance_size)),
+        apply: |s, v| s.shading.precompute.irradiance_size = v.pair(),
+        ..TABLE
+    },
+    Axis {
+        name: "irradiance_sample_count",
+        about: "azimuth and polar samples per texel of a sampled irradiance map",
+        plural: "irradiance sample counts",
+        symbol: Symbol::After("irradiance spp", "irradiance samples"),
+        feeds: &[IRRADIANCE],
+        used: |u| u.uses_irradiance_map() && u.has_sampled_tables,
+        kind: Kind::Pair { min: 1, max: SIDE_MAX },
+        default: || Value::Pair(PrecomputeSettings::default().irradiance_sample_count),
+        apply: |s, v| s.shading.precompute.irradiance_sample_count = v.pair(),
+        ..TABLE
+    },
+    Axis {
+        name: "storage_format",
+        about: "number format of the prefiltered map, DFG table and irradiance map; f16 ends at 65504",
+        plural: "storage formats",
+        frames_cost: true,
+        is_compared: true,
+        feeds: &[PREFILTER, DFG, IRRADIANCE],
+        used: |u| {
+            u.method.storage.is_none() && (u.method.uses_prefiltered() || u.needs_dfg() || u.uses_irradiance_map())
+        },
+        kind: Kind::one_of::<StorageFormat>(),
+        default: first::<StorageFormat>,
+        apply: |s, v| s.shading.precompute.storage = *StorageFormat::listed(v.text()),
+        ..TABLE
+    },
+];
