@@ -96,7 +96,20 @@ pub fn with_article(what: &str) -> String {
 }
 
 pub fn not_one_of(what: &str, text: &str, names: &[&str], or: &str) -> String {
-    format!("{text:?} is not {}{}; expected {or}{}", with_article(what), suggestion(text, names), names.join(", "))
+    let expected = expected(what, names);
+    format!("{text:?} is not {}{}; expected {or}{expected}", with_article(what), suggestion(text, names))
+}
+
+/// Longest list of names in a message.
+const NAMES_SHOWN: usize = 12;
+
+/// Lists names, or says which `splitsum list` has them.
+pub fn expected(what: &str, names: &[&str]) -> String {
+    match what {
+        "axis" if names.len() > NAMES_SHOWN => "a name of `splitsum list axes`".to_owned(),
+        "method" if names.len() > NAMES_SHOWN => "a name of `splitsum list methods`".to_owned(),
+        _ => format!("one of {}", names.join(", ")),
+    }
 }
 
 /// Writes `; did you mean "x"?` for the [`nearest`] of `names`, or nothing.

@@ -23,7 +23,7 @@ impl Axes {
     pub fn parse(text: &str) -> Result<Self, String> {
         Self::all().find(|axes| axes.to_string() == text).ok_or_else(|| {
             format!(
-                "{text:?} names no axes; expected the file's axis of the world's x, y and z, such as +x+y+z or -z+y+x"
+                "{text:?} is not a list of axes; expected the file's axis for the world's x, y and z, such as +x+y+z or -z+y+x"
             )
         })
     }
@@ -288,7 +288,7 @@ impl Convention {
     pub fn alphas(&self, count: usize) -> Result<Vec<f64>, String> {
         match &self.alphas {
             Some(alphas) if alphas.len() == count => Ok(alphas.clone()),
-            Some(alphas) => Err(format!("{} widths are named for {count} levels", alphas.len())),
+            Some(alphas) => Err(format!("{} widths for {count} levels", alphas.len())),
             None if count == 1 => Ok(vec![0.0]),
             None => {
                 let last = self.mapping_levels(count);

@@ -61,10 +61,10 @@ impl Given {
 pub fn map(value: &str, dir: &Path) -> Result<Option<Arc<GivenMap>>, String> {
     let Some((bake, convention)) = opened(value, dir)? else { return Ok(None) };
     let refuse = |what: String| Err(format!("{value}: {what}"));
-    let Some(mut map) = bake.specular else { return refuse("it holds no prefiltered map".to_owned()) };
+    let Some(mut map) = bake.specular else { return refuse("it has no prefiltered map".to_owned()) };
     let layout = &LAYOUTS[0];
     if map.layout != layout {
-        return refuse(format!("it is a map of layout {}; expected a cube", map.layout.name));
+        return refuse(format!("its layout is {}; expected a cube", map.layout.name));
     }
     // The engine reads no further levels.
     map.levels.truncate(convention.mapping.engine_levels.unwrap_or(u32::MAX) as usize);
@@ -87,7 +87,7 @@ pub fn map(value: &str, dir: &Path) -> Result<Option<Arc<GivenMap>>, String> {
     };
     // Tries the convention's own mapping first: short chains fit several.
     let Some(mapping) = [convention.mapping].into_iter().chain(LEVEL_MAPPINGS).find(holds) else {
-        return refuse(format!("its levels hold the widths {alphas:?}, which no level mapping has"));
+        return refuse(format!("no level mapping has its widths {alphas:?}"));
     };
     let level = |faces: &Vec<RgbImage>| -> Vec<[f32; 4]> {
         let side = faces[0].width;
@@ -113,7 +113,7 @@ pub fn table(value: &str, dir: &Path) -> Result<Option<Arc<GivenTable>>, String>
         return Ok(None);
     }
     let Some((bake, convention)) = opened(value, dir)? else { return Ok(None) };
-    let Some(image) = bake.dfg else { return Err(format!("{value}: it holds no DFG table")) };
+    let Some(image) = bake.dfg else { return Err(format!("{value}: it has no DFG table")) };
     if image.width != image.height || image.width < 2 {
         return Err(format!("{value}: it is {}x{}; expected a square table", image.width, image.height));
     }

@@ -110,7 +110,7 @@ pub fn make(making: &Making, out: &Path) -> Result<Baked, PixelsError> {
         }
     }
     std::fs::create_dir_all(out)
-        .map_err(|error| Fault::new(format!("cannot be made ({error})"), "a folder").at(out))?;
+        .map_err(|error| Fault::new(format!("cannot be created ({error})"), "a folder").at(out))?;
     let alphas = convention.alphas(making.level_count as usize).expect("a preset names no widths");
     let truth = Truth::new(making.environment, Kernel::new(making.brdf, making.weight, making.masking), &alphas);
     let sides = (0..making.level_count).map(|k| (making.side >> k).max(1));
@@ -189,7 +189,7 @@ impl<'a> Making<'a> {
         let engine = product.engine;
         let is_exr = |name: &&str| name.ends_with(".exr") || container(name).is_none() && !name.ends_with(".png");
         if !exr::IS_BUILT && [product.specular].iter().chain(product.tables).any(is_exr) {
-            return Err(format!("--for {engine} writes OpenEXR, which this build leaves out; add the feature exr"));
+            return Err(format!("--for {engine} writes OpenEXR; build with the feature exr"));
         }
         let most = self.side.max(1).ilog2() + 1;
         if !self.side.is_power_of_two() || self.side < 8 || 8 * u64::from(self.side).pow(2) > TEXELS_MAX {
@@ -258,7 +258,7 @@ fn write_map(
         return Ok(());
     }
     std::fs::create_dir_all(path)
-        .map_err(|error| Fault::new(format!("cannot be made ({error})"), "a folder of faces").at(path))?;
+        .map_err(|error| Fault::new(format!("cannot be created ({error})"), "a folder of faces").at(path))?;
     for (k, faces) in map.levels.iter().enumerate() {
         for (face, name) in faces.iter().zip(FACES) {
             let path = path.join(format!("m{k}_{name}.exr"));
@@ -356,12 +356,9 @@ fn between(making: &Making, truth: &Truth, convention: &Convention, alpha: f64, 
     let why = (relmse > GOOD && faces[0].width < LAST_SIDE).then(|| match making.preset.product.chain {
         Chain::Exactly(count) => {
             let engine = making.preset.product.engine;
-            format!(
-                "{engine} counts on {count} levels; faces of {} would give it {LAST_SIDE} texels",
-                LAST_SIDE << (count - 1)
-            )
+            format!("{engine} needs {count} levels; use faces of {} for {LAST_SIDE} texels", LAST_SIDE << (count - 1))
         }
-        Chain::DownTo(_) => "fewer levels or larger faces would give it more texels".to_owned(),
+        Chain::DownTo(_) => "use fewer levels or larger faces".to_owned(),
     });
     (relmse, why)
 }
@@ -378,8 +375,8 @@ fn compared(making: &Making, truth: &Truth, map: &Planned, found: &Map) -> Vec<W
         let own = map.levels[k].iter().flat_map(|face| &face.data);
         let cut = own.filter(|texel| texel.iter().any(|value| *value > largest)).count();
         let why = (relmse > GOOD).then(|| match cut {
-            0 => format!("{} rounds dark channels beside bright ones; --format names others", making.texel.name),
-            _ => format!("{cut} texels are cut at {largest}, the largest number of {}", making.texel.name),
+            0 => format!("{} rounds dark channels beside bright ones; try another --format", making.texel.name),
+            _ => format!("{cut} texels are clipped at {largest}, the maximum of {}", making.texel.name),
         });
         let name = if is_only { "irradiance".to_owned() } else { k.to_string() };
         Written { name, side: found.levels[k][0].width, alpha: map.alphas[k], relmse, why }

@@ -38,7 +38,7 @@ fn from_json(text: &str) -> Result<Coefficients, Fault> {
         radiance: Vec<[f64; 3]>,
     }
     let file: File =
-        serde_json::from_str(text).map_err(|error| Fault::new(format!("is not read ({error})"), EXPECTED))?;
+        serde_json::from_str(text).map_err(|error| Fault::new(format!("cannot be read ({error})"), EXPECTED))?;
     let count = file.radiance.len();
     let radiance = <[[f64; 3]; COUNT]>::try_from(file.radiance)
         .map_err(|_| Fault::new(format!("\"radiance\" has {count} triples"), EXPECTED))?;
@@ -59,7 +59,7 @@ fn from_cmgen(text: &str) -> Result<Coefficients, Fault> {
         // Other bases need other factors, so they are refused.
         match triple.filter(|_| line.contains("irradiance") && line.contains("pre-scaled")) {
             Some(triple) => found.push(DVec3::from_array(triple)),
-            None => return Err(Fault::new(format!("line {number} is no coefficient of irradiance"), EXPECTED)),
+            None => return Err(Fault::new(format!("line {number} is not a coefficient of irradiance"), EXPECTED)),
         }
     }
     let count = found.len();

@@ -70,7 +70,7 @@ fn part_and_path(file: &str) -> (Option<Part>, PathBuf) {
 fn once<T>(place: &mut Option<T>, value: T, what: &str, path: &Path) -> Result<(), PixelsError> {
     match place.replace(value) {
         None => Ok(()),
-        Some(_) => Err(Fault::new(format!("is the second {what} of this bake"), "one; check them one by one").at(path)),
+        Some(_) => Err(Fault::new(format!("is the second {what} of this bake"), "one; check them separately").at(path)),
     }
 }
 
@@ -102,7 +102,7 @@ fn add_texture(
         _ => {
             return Err(Fault::new(
                 format!("it is one image of {width}x{height}"),
-                "a lat-long map (2:1), a cube as six faces below each other (1:6) or a square DFG table; --layout names another",
+                "a lat-long map (2:1), a cube as six faces below each other (1:6) or a square DFG table; --layout selects another",
             )
             .at(path));
         }
@@ -195,7 +195,7 @@ fn read_faces(path: &Path, names: &[String]) -> Result<Map, PixelsError> {
     faces.sort();
     for ((level, face), name) in faces {
         if level > found.len() || (level == found.len() && face > 0) {
-            return Err(refuse(format!("there is {name}, but not every face before it")));
+            return Err(refuse(format!("it has {name}, but not every face before it")));
         }
         if level == found.len() {
             found.push(vec![None; FACE_COUNT]);
@@ -217,7 +217,7 @@ fn read_faces(path: &Path, names: &[String]) -> Result<Map, PixelsError> {
         found[level][face] = image;
     }
     if found.is_empty() {
-        return Err(refuse("it holds no faces and no bake.json".to_owned()));
+        return Err(refuse("it has neither faces nor a bake.json".to_owned()));
     }
     let whole = |(level, faces): (usize, Vec<Option<RgbImage>>)| {
         let missing: Vec<&str> = FACES.iter().zip(&faces).filter(|(_, face)| face.is_none()).map(|(n, _)| *n).collect();
@@ -238,15 +238,14 @@ fn read_ours(path: &Path, names: &[String], reading: Reading, bake: &mut Bake) -
     }
     let manifest = path.join(MANIFEST);
     let refuse = |what: String| Fault::new(what, "the bake.json of splitsum bake").at(&manifest);
-    let not_read = |error: serde_json::Error| refuse(format!("is not read ({error})"));
+    let not_read = |error: serde_json::Error| refuse(format!("cannot be read ({error})"));
     let text = read_text(&manifest, RECORD_BYTES_MAX).map_err(|error| refuse(format!("cannot be read ({error})")))?;
     bake.told = serde_json::from_str(&text).map_err(not_read)?;
     if bake.told.preset.is_some() {
         return read_engines(path, serde_json::from_str(&text).map_err(not_read)?, reading, bake);
     }
     let file: File = serde_json::from_str(&text).map_err(not_read)?;
-    let layout =
-        MapLayout::by_name(&file.layout).ok_or_else(|| refuse(format!("it names the layout {:?}", file.layout)))?;
+    let layout = MapLayout::by_name(&file.layout).ok_or_else(|| refuse(format!("its layout is {:?}", file.layout)))?;
     let image = |name: &str| -> Result<RgbImage, PixelsError> {
         Ok(read_texture(&path.join(name))?.levels.swap_remove(0).swap_remove(0))
     };
@@ -257,7 +256,7 @@ fn read_ours(path: &Path, names: &[String], reading: Reading, bake: &mut Bake) -
     let levels: Vec<String> =
         (0..file.prefilter_alphas.len()).map(|k| format!("prefiltered_{}_{k}.exr", reading.brdf)).collect();
     if levels.is_empty() {
-        return Err(refuse("it names no level".to_owned()));
+        return Err(refuse("it lists no level".to_owned()));
     }
     once(&mut bake.specular, map(&levels)?, "prefiltered map", path)?;
     let has = |name: &str| names.iter().any(|found| found == name);
@@ -277,8 +276,8 @@ fn read_ours(path: &Path, names: &[String], reading: Reading, bake: &mut Bake) -
 /// Reads a folder of `splitsum bake --for`.
 fn read_engines(path: &Path, file: Manifest, reading: Reading, bake: &mut Bake) -> Result<(), PixelsError> {
     if file.brdf != reading.brdf {
-        let what = format!("it is of the model {}", file.brdf);
-        return Err(Fault::new(what, format!("{}; --brdf names another", reading.brdf)).at(&path.join(MANIFEST)));
+        let what = format!("its model is {}", file.brdf);
+        return Err(Fault::new(what, format!("{}; --brdf selects another", reading.brdf)).at(&path.join(MANIFEST)));
     }
     let maps = [(Some(&file.specular), Part::Specular), (file.irradiance.as_ref(), Part::Irradiance)];
     let maps = maps.into_iter().filter_map(|(name, part)| Some((name?, part)));

@@ -15,13 +15,12 @@ use std::path::{Path, PathBuf};
 /// Answer the questions of finished runs again, from their tables.
 #[derive(Args, Debug)]
 #[command(
-    after_help = "Needs neither a device nor the inputs of the run. While a run is under way its cells so far are answered, and nothing \
-    is written.\n\n\
+    after_help = "Needs neither a device nor the run's inputs. A run in progress is answered from its finished cells; nothing is written.\n\n\
     Examples:\n  splitsum answers runs/break-even\n  splitsum answers runs/break-even --metric flip\n  \
     splitsum answers runs/* --publish results"
 )]
 pub struct Arguments {
-    /// Folders of runs.
+    /// Answer these runs.
     #[arg(required = true, value_name = "DIR")]
     dirs: Vec<PathBuf>,
     /// Answer by this metric (`splitsum list metrics`) [default: the experiment's].
@@ -64,7 +63,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
             if arguments.publish.is_some() {
                 return Err(Failure::input(format!("{note}; expected a finished run to publish")));
             }
-            print(&format!("{}\n{note}; nothing is written before the run's end\n", written.summary))?;
+            print(&format!("{}\n{note}; nothing is written until the run ends\n", written.summary))?;
             continue;
         }
         let is_new = written.write().map_err(Failure::failed)?;
@@ -94,7 +93,7 @@ fn publish_one<'a>(
     if let Some(other) = published.insert(name.to_owned(), dir) {
         let (dir, other) = (dir.display(), other.display());
         return Err(Failure::input(format!(
-            "{dir}: {name} was just published from {other}; expected runs of different names, since the folder there is the name"
+            "{dir}: {name} is already published from {other}; expected runs of different names"
         )));
     }
     publish(dir, into, replace)?.iter().try_for_each(|note| print(&format!("{note}\n")))

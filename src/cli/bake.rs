@@ -23,7 +23,7 @@ use std::sync::Arc;
 #[derive(Args, Debug)]
 #[command(
     allow_negative_numbers = true,
-    after_help = "bake.json names the mapping, the axes and the units of every file.\n\n\
+    after_help = "bake.json states the mapping, axes and units of every file.\n\n\
     Examples:\n  splitsum bake builtin:sky --out baked\n  \
     splitsum bake studio.hdr --out baked --set prefilter_size=256x256 --set prefilter_level_count=6 --set brdf=ggx\n  \
     splitsum bake studio.hdr --for bevy --out assets/studio"
@@ -52,7 +52,7 @@ pub struct Arguments {
 fn engines_help() -> String {
     let line = |preset: &Preset| format!("  {}: {}", preset.product.engine, preset.product.about);
     let lines: Vec<String> = PRESETS.iter().map(line).collect();
-    format!("Writes what an engine takes instead, exact and without a device:\n{}", lines.join("\n"))
+    format!("Write an engine's files instead, exact and without a device:\n{}", lines.join("\n"))
 }
 
 pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
@@ -60,7 +60,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let mut point = Point::default();
     for (index, (axis, value)) in arguments.settings.iter().enumerate() {
         if arguments.settings[..index].iter().any(|(earlier, _)| earlier == axis) {
-            return Err(Failure::input(format!("--set {}: stands twice; expected one value", AXES[*axis].name)));
+            return Err(Failure::input(format!("--set {}: is set twice; expected one value", AXES[*axis].name)));
         }
         point[*axis] = value.clone();
     }
@@ -101,7 +101,10 @@ fn execute_for(
     if let Some((axis, _)) = arguments.settings.iter().find(|(axis, _)| !known.contains(axis)) {
         let names: Vec<&str> = known.iter().map(|axis| AXES[*axis].name).collect();
         let name = AXES[*axis].name;
-        return Err(Failure::input(format!("--set {name}: --for {engine} settles it; it takes {}", names.join(", "))));
+        return Err(Failure::input(format!(
+            "--set {name}: --for {engine} determines it; expected {}",
+            names.join(", ")
+        )));
     }
     let value = |axis: usize| arguments.settings.iter().find(|(set, _)| *set == axis).map(|(_, value)| value);
     let square = |axis: usize, default: u32| match value(axis).map(Value::pair) {
@@ -140,13 +143,11 @@ fn execute_for(
     let worst = baked.levels.iter().map(|level| level.relmse).fold(0.0, f64::max);
     let table = match baked.table_error {
         None => String::new(),
-        Some(0.0) => ", the table is as computed".to_owned(),
+        Some(0.0) => ", the table is exact".to_owned(),
         Some(error) => format!(", the table within {error:.0e}"),
     };
-    let last = format!("between its texels the last one is within {between:.1e}");
-    print(&format!(
-        "Read back, the texels of every level are within relmse {worst:.1e} of their integral; {last}{table}.\n"
-    ))
+    let last = format!("the last one between its texels within {between:.1e}");
+    print(&format!("Every level as written is within relmse {worst:.1e} of its integral; {last}{table}.\n"))
 }
 
 /// Parses `name=value` of an axis that changes the tables.
@@ -155,7 +156,7 @@ fn setting(text: &str) -> Result<(usize, Value), String> {
     let axes = || AXES.iter().enumerate().filter(|(_, axis)| axis.tables_cost && axis.part != Part::Method);
     let found = axes().find(|(_, axis)| axis.name == name).ok_or_else(|| {
         let known: Vec<&str> = axes().map(|(_, axis)| axis.name).collect();
-        format!("{name:?} is no setting of the tables{}; they are {}", suggestion(name, &known), known.join(", "))
+        format!("{name:?} is not a setting of the tables{}; see `splitsum list axes`", suggestion(name, &known))
     })?;
     Ok((found.0, found.1.kind.parse_text(value)?))
 }

@@ -64,7 +64,7 @@ pub fn as_text(judged: &Judged, is_guessed: bool) -> String {
             let cells = own.map(|relmse| relmse.map_or_else(String::new, |relmse| format!("{relmse:.2e}")));
             table.row(&[&[score.alpha.to_string(), score.f0.to_string()], &cells[..]].concat());
         }
-        text += &format!("relmse of an image, rung by rung, exact up to each:\n{table}{words}.\n");
+        text += &format!("relmse of an image, with one more given table per column:\n{table}{words}.\n");
     }
     text
 }

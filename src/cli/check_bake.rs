@@ -21,12 +21,12 @@ use std::path::{Path, PathBuf};
 #[derive(Args, Debug)]
 #[command(
     allow_negative_numbers = true,
-    after_help = "FILES are of one bake: .ktx2, .ktx or .dds cubes, a folder of faces (m0_px.exr, m0_nx.exr, ...), lat-long .exr or .hdr \
-    levels in order, a folder of `splitsum bake`, a square .png, .exr or .dds DFG table, and SH as .txt or .json. What is not told by its form \
-    is named: irradiance=FILE, specular=FILE, dfg=FILE, sh=FILE.\n\n\
-    relmse is 0.001 at an error of about 3 % rms. A level above that is fitted by width and gain, and the verdict names them where they \
-    explain the error. Level 0 is the mirror: it is held against the environment itself, averaged over each texel.\n\n\
-    Unsure of a convention? --guess tries them.\n\n\
+    after_help = "FILES belong to one bake: .ktx2, .ktx or .dds cubes, a folder of faces (m0_px.exr, m0_nx.exr, ...), lat-long .exr or .hdr \
+    levels in order, a folder of `splitsum bake`, a square .png, .exr or .dds DFG table, and SH as .txt or .json. Name ambiguous files: \
+    irradiance=FILE, specular=FILE, dfg=FILE, sh=FILE.\n\n\
+    A relmse of 0.001 is an error of about 3 % rms. For a larger error the verdict states a width and a gain that explain it. Level 0, the \
+    mirror, is compared with the environment averaged over each texel.\n\n\
+    Unsure of a convention? --guess tries them all.\n\n\
     Examples:\n  splitsum check-bake studio_ibl.ktx studio_sh.txt --environment studio.hdr --preset cmgen\n  \
     splitsum check-bake specular.ktx2 lut_ggx.png --environment studio.hdr --preset khronos --guess\n  \
     splitsum check-bake baked --environment studio.hdr --json --fail-above 0.01"
@@ -99,7 +99,7 @@ pub struct Arguments {
 fn presets_help() -> String {
     let lines: Vec<String> = PRESETS.iter().map(|preset| format!("  {}: {}", preset.name, preset.about)).collect();
     format!(
-        "The conventions of a tool, {} where the files name none; the flags below override them one by one:\n{}",
+        "Use the conventions of a tool [default: {} unless the files state one]:\n{}",
         PRESETS[0].name,
         lines.join("\n")
     )
@@ -160,7 +160,7 @@ fn thresholds(arguments: &Arguments, bake: &Bake) -> Result<(), Failure> {
     let mut judges = given.into_iter().filter_map(judge).peekable();
     if judges.peek().is_some() && !judges.any(|is_there| is_there) {
         return Err(Failure::input(
-            "nothing is judged: --fail-above is for maps and SH, --fail-table-above for a DFG table",
+            "nothing to judge: --fail-above is for maps and SH, --fail-table-above for a DFG table",
         ));
     }
     Ok(())
@@ -217,10 +217,10 @@ fn threshold(text: &str) -> Result<f64, String> {
 
 fn positive(text: &str) -> Result<f64, String> {
     let number = text.parse::<f64>().ok().filter(|x| x.is_finite() && *x > 0.0);
-    number.ok_or_else(|| "expected a finite number above 0".to_owned())
+    number.ok_or_else(|| format!("{text} is not a finite number above 0"))
 }
 
 fn alpha(text: &str) -> Result<f64, String> {
     let number = text.parse::<f64>().ok().filter(|x| (0.0..=1.0).contains(x));
-    number.ok_or_else(|| "expected a number in [0, 1]".to_owned())
+    number.ok_or_else(|| format!("{text} is outside [0, 1]"))
 }

@@ -56,7 +56,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let [width, height] = [test.rgb.width, test.rgb.height];
     if u64::from(width) * u64::from(height) > COMPARED_PIXELS_MAX {
         return Err(Failure::input(format!(
-            "{}: {width}x{height} pixels, whose metrics take {} MiB of memory; expected at most {COMPARED_PIXELS_MAX} pixels, such as 3840x2160",
+            "{}: {width}x{height} pixels need {} MiB of memory; expected at most {COMPARED_PIXELS_MAX} pixels, such as 3840x2160",
             arguments.test.display(),
             (u64::from(width) * u64::from(height) * 180) >> 20
         )));
@@ -73,11 +73,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         let (test, reference) = (arguments.test.display(), arguments.reference.display());
         Failure::input(format!("{test} against {reference}, masked by {mask_source}: {error}"))
     })?;
-    tell(&format!(
-        "relative metrics: light of mean luminance {}, {:e} beside r^2",
-        epsilon.mean(),
-        epsilon.beside_square()
-    ));
+    tell(&format!("relative metrics: mean luminance {}, epsilon {:e}", epsilon.mean(), epsilon.beside_square()));
     let scores = comparison.evaluate_all();
     if arguments.json {
         let text = serde_json::to_string_pretty(&InOrder(&scores)).map_err(Failure::failed)?;
@@ -87,7 +83,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         ("metric", Align::Left),
         ("value", Align::Right),
         ("better", Align::Left),
-        ("of", Align::Left),
+        ("values", Align::Left),
     ]);
     for ((name, value), metric) in scores.iter().zip(METRICS) {
         let d = metric;

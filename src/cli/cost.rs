@@ -40,9 +40,9 @@ struct CompiledFlags(SweptFlags);
 impl Args for CompiledFlags {
     fn augment_args(command: Command) -> Command {
         let methods = leading();
-        let is_told = |axis| axis == METHOD || changes_code(axis, &[], &methods);
+        let is_shown = |axis| axis == METHOD || changes_code(axis, &[], &methods);
         let methods = methods.iter().map(Value::to_string).collect::<Vec<_>>().join(",");
-        SweptFlags::augment(command, is_told).mut_arg(AXES[METHOD].name, |arg| {
+        SweptFlags::augment(command, is_shown).mut_arg(AXES[METHOD].name, |arg| {
             arg.help(format!("Methods, or all [`splitsum list methods`; default {methods}]"))
         })
     }
@@ -101,7 +101,7 @@ fn job(point: &Point, axis: usize, value: &Value) -> Job {
 }
 
 /// Whether another value of an axis, listed or given, changes the code.
-fn hangs_on(point: &Point, axis: usize, given: &[Value]) -> bool {
+fn depends_on(point: &Point, axis: usize, given: &[Value]) -> bool {
     let names = match AXES[axis].kind {
         Kind::Name { names, .. } | Kind::NameOrFile { names, .. } => names().into_iter().map(Value::from).collect(),
         _ => vec![(AXES[axis].default)()],
@@ -115,7 +115,7 @@ fn changes_code(axis: usize, given: &[Value], methods: &[Value]) -> bool {
     methods.iter().any(|method| {
         let mut point = Point::default();
         point[METHOD] = method.clone();
-        hangs_on(&point, axis, given)
+        depends_on(&point, axis, given)
     })
 }
 
@@ -154,19 +154,17 @@ fn asked(flags: &SweptFlags) -> Result<Vec<(Point, Job)>, Failure> {
     if shaded.is_empty() {
         let known = METHODS.iter().filter(|method| method.has_pass()).map(|method| method.name).collect::<Vec<_>>();
         let (names, known) = (names(&left_out), known.join(", "));
-        return Err(Failure::input(format!(
-            "--method {names}: no method with a shading pass of its own; expected {known}"
-        )));
+        return Err(Failure::input(format!("--method {names}: no shading pass to compile; expected {known}")));
     }
     if !left_out.is_empty() {
-        tell(&format!("left out: {}: no shading pass of their own", names(&left_out)));
+        tell(&format!("skipped {}: no shading pass to compile", names(&left_out)));
     }
     points = shaded;
     for (axis, values) in flags.0.iter().filter(|(axis, _)| *axis != METHOD) {
         let methods: Vec<Value> = points.iter().map(|point| point[METHOD].clone()).collect();
         if !changes_code(*axis, values, &methods) {
             let (name, methods) = (AXES[*axis].name.replace('_', "-"), names(&points));
-            return Err(Failure::input(format!("--{name}: changes no code of {methods}; leave it out")));
+            return Err(Failure::input(format!("--{name}: has no effect on {methods}; leave it out")));
         }
     }
     for (axis, values) in flags.0.iter().filter(|(axis, _)| *axis != METHOD) {
@@ -200,7 +198,7 @@ fn compiled(arguments: &Arguments) -> Result<Vec<Shaded>, Failure> {
             let method = point.method();
             let fault = |text: String| Failure::failed(format!("{}: '{}': {text}", family.name, job.shader));
             if method.uses_samples && pass.counts.inside == Counts::default() {
-                return Err(fault("no loop over samples is found in its assembly".to_owned()));
+                return Err(fault("no loop over samples found in its assembly".to_owned()));
             }
             if pass.counts.other_loops > 0 {
                 tell(&format!(
@@ -208,8 +206,9 @@ fn compiled(arguments: &Arguments) -> Result<Vec<Shaded>, Failure> {
                     family.name, job.shader, pass.counts.other_loops
                 ));
             }
-            let told = |axis: usize, values: &[Value]| hangs_on(point, axis, values);
-            let options = flags.0.iter().filter(|(axis, values)| ![METHOD, BRDF].contains(axis) && told(*axis, values));
+            let is_shown = |axis: usize, values: &[Value]| depends_on(point, axis, values);
+            let options =
+                flags.0.iter().filter(|(axis, values)| ![METHOD, BRDF].contains(axis) && is_shown(*axis, values));
             let options: Vec<String> =
                 options.map(|(axis, _)| format!("{}={}", AXES[*axis].name, point[*axis])).collect();
             let settings = point.settings();
@@ -217,7 +216,7 @@ fn compiled(arguments: &Arguments) -> Result<Vec<Shaded>, Failure> {
                 family,
                 driver: compiler.driver.clone(),
                 method: method.name,
-                brdf: if told(BRDF, &[]) { settings.shading.brdf.name() } else { "" },
+                brdf: if is_shown(BRDF, &[]) { settings.shading.brdf.name() } else { "" },
                 layout: settings.shading.precompute.layout.name,
                 options: options.join(" "),
                 uses_samples: method.uses_samples,
@@ -242,7 +241,7 @@ fn families(
     }
     if asked.iter().any(|asked| asked.0.is_none()) {
         for family in FAMILIES.iter().filter(missing) {
-            tell(&format!("left out: {}: {driver} does not compile for it", family.name));
+            tell(&format!("skipped {}: {driver} does not compile for it", family.name));
         }
         return Ok(found);
     }

@@ -55,15 +55,11 @@ impl SeenFlags {
     /// Refuses what the scene cannot show.
     pub fn check(&self, scene: &Scene) -> Result<(), Failure> {
         let lights = self.lights.iter().filter_map(|light| Some(format!("--light: {}", light.fault_in(scene)?)));
-        let of_design = [
-            (
-                self.background,
-                "--background: the scene design shows none: each of its pixels is an experiment of its own",
-            ),
-            (self.orbit.is_some(), "--orbit: the scene design has a camera of its own"),
-        ];
+        let of_design = [(self.background, "background"), (self.orbit.is_some(), "orbit")];
         let of_design = of_design.iter().filter(|(is_set, _)| *is_set && scene.is_design);
-        let faults: Vec<String> = lights.chain(of_design.map(|(_, why)| format!("{why}; leave it out"))).collect();
+        let faults: Vec<String> = lights
+            .chain(of_design.map(|(_, flag)| format!("--{flag}: has no effect on the scene design; leave it out")))
+            .collect();
         if faults.is_empty() { Ok(()) } else { Err(Failure::input(faults.join("\n"))) }
     }
 }
@@ -166,7 +162,7 @@ impl SweptFlags {
     }
 
     /// Adds the flags to a command and hides those that are not shown.
-    pub fn augment(command: Command, is_told: impl Fn(usize) -> bool) -> Command {
+    pub fn augment(command: Command, is_shown: impl Fn(usize) -> bool) -> Command {
         let values = |named: Named| {
             move |text: &str| match named.kind() {
                 Kind::Name { names, .. } | Kind::NameOrFile { names, .. } if text == "all" => {
@@ -176,7 +172,7 @@ impl SweptFlags {
             }
         };
         let flag = |named: Named| flag(named, ValueParser::new(values(named))).action(ArgAction::Append);
-        command.args(Named::all().map(|named| flag(named).hide(!is_told(named.axis))))
+        command.args(Named::all().map(|named| flag(named).hide(!is_shown(named.axis))))
     }
 
     pub fn read(matches: &ArgMatches) -> Result<Self, Error> {

@@ -35,8 +35,8 @@ pub struct Arguments {
 fn after_help() -> String {
     let [models, maskings, weights] = [<dyn Brdf>::names(), MaskingShadowing::names(), Weight::names()].map(either);
     format!("\
-QUERIES.csv has a header and one query a line. The answer is the same table with columns added: each number with a bound of its
-absolute error. All rows are checked first; a fault is told as file:line:column and nothing is written.
+QUERIES.csv has a header and one query per line. The answer adds columns: each number and a bound of its absolute error. Faults are
+reported as file:line:column before anything is computed.
 
 Kinds, their columns (any order; [optional]) and what is added (_r _g _b, then _error_r _error_g _error_b):
   shading     environment,brdf,alpha,f0,nx,ny,nz,vx,vy,vz [masking,id]
@@ -55,7 +55,7 @@ Kinds, their columns (any order; [optional]) and what is added (_r _g _b, then _
 Cells: environment is builtin:NAME or an .hdr or .exr file (relative to QUERIES.csv; FILE.exr#NAME for a layer); brdf {models};
 alpha in [{ALPHA_MIN}, 1]; f0 one number or R:G:B in [0, 1]; n, v and r unit vectors within 1e-5, y up, v above the horizon of n;
 masking {maskings} (the first by default); weight {weights} (the first by default);
-id anything, passed on. Radiance is in the units of the map, looked up bilinearly.
+id any text, copied. Radiance is in the units of the map, looked up bilinearly.
 
 Examples:
   printf 'environment,brdf,alpha,f0,nx,ny,nz,vx,vy,vz\\nbuiltin:sky,ggx,0.25,0.04,0,0.6,0.8,0,0,1\\n' > queries.csv
@@ -98,9 +98,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     }
     if answers.unmet > 0 {
         let (unmet, all) = (answers.unmet, queries.len());
-        tell(&format!(
-            "warning: {unmet} of {all} answers did not reach the tolerance; their error columns say what they have"
-        ));
+        tell(&format!("warning: {unmet} of {all} answers did not reach the tolerance; see their error columns"));
     }
     Ok(())
 }

@@ -11,6 +11,6 @@ pub struct Arguments {
 
 pub fn execute(name: &str) -> Result<(), Failure> {
     Err(Failure::input(format!(
-        "splitsum {name}: this build has no window; `cargo build --release --features {name}` makes one that has"
+        "splitsum {name}: built without the `{name}` feature; build with `cargo build --release --features {name}`"
     )))
 }

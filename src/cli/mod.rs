@@ -25,10 +25,12 @@ mod subject;
 #[cfg(feature = "view")]
 mod view;
 
-use clap::{Parser, Subcommand};
+use clap::error::{ContextKind, ErrorKind};
+use clap::{CommandFactory, Parser, Subcommand};
 use splitsum::cost::child::COMMAND;
 use splitsum::run::{RenderFault, RunError};
 use splitsum::spelling::printable;
+use std::error::Error;
 use std::process::ExitCode;
 
 /// Measure how wrong the split-sum approximation of image-based lighting is.
@@ -36,9 +38,9 @@ use std::process::ExitCode;
 #[command(
     version,
     about,
-    after_help = "Exit codes: 0 done, now or before; 1 failed or stopped; 2 bad usage or bad input; 3 nothing to do: the experiment has \
-    no cell, or the table no query; 4 finished but some cells failed; 75 a passing fault, worth the same command again: a lost device, or \
-    a folder in which another run is at work.\n\n\
+    after_help = "Exit codes: 0 done, now or before; 1 failed or stopped; 2 bad usage or bad input; 3 nothing to do: the experiment has no \
+    cell, or the table no query; 4 finished but some cells failed; 75 temporary failure, run the command again: the device was lost, or \
+    another run uses the folder.\n\n\
     Examples:\n  splitsum run experiments/quick.toml\n  splitsum render --method split-sum --alpha 0.25 --out ball.png\n  \
     splitsum list methods"
 )]
@@ -71,6 +73,12 @@ enum Command {
     /// Open a window (needs a build with `--features view`).
     #[cfg(not(feature = "view"))]
     View(later::Arguments),
+}
+
+impl Cli {
+    fn has_command(word: &str) -> bool {
+        Self::command().get_subcommands().any(|command| command.get_name() == word)
+    }
 }
 
 /// Why a command failed, with its exit code.
@@ -136,7 +144,16 @@ impl From<RunError> for Failure {
 }
 
 pub fn main() -> ExitCode {
-    let result = match Cli::parse().command {
+    let command = match Cli::try_parse() {
+        Ok(Cli { command }) => command,
+        Err(error) if error.use_stderr() && error.kind() != ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand => {
+            tell(&usage_fault(&error));
+            return ExitCode::from(2);
+        }
+        // Help and version.
+        Err(error) => error.exit(),
+    };
+    let result = match command {
         Command::Run(arguments) => run::execute(&arguments),
         Command::Plan(arguments) => plan::execute(&arguments),
         Command::Merge(arguments) => merge::execute(&arguments),
@@ -166,6 +183,27 @@ pub fn main() -> ExitCode {
     }
 }
 
+/// Describes wrong arguments as other bad input: `--alpha: 3 is outside (0, 1]`.
+fn usage_fault(error: &clap::Error) -> String {
+    if let (ErrorKind::ValueValidation, Some(source)) = (error.kind(), error.source()) {
+        let flag = error.get(ContextKind::InvalidArg).map(ToString::to_string).unwrap_or_default();
+        return format!("{}: {source}", flag.split(' ').next().unwrap_or_default());
+    }
+    let text = error.to_string();
+    let lines = text.lines().map(str::trim).filter(|line| !line.is_empty());
+    let mut fault = String::new();
+    for line in lines.take_while(|line| !line.starts_with("Usage:") && !line.starts_with("For more")) {
+        fault += &match (line.strip_prefix("tip: "), line.strip_prefix("[possible values: ")) {
+            (Some(tip), _) => format!("; {tip}"),
+            (_, Some(values)) => format!("; expected one of {}", values.trim_end_matches(']')),
+            _ => format!(" {line}"),
+        };
+    }
+    let command = std::env::args().nth(1).filter(|word| Cli::has_command(word));
+    let command = command.map_or_else(String::new, |name| format!(" {name}"));
+    format!("{}; see `splitsum{command} --help`", fault.trim_start_matches(" error: "))
+}
+
 /// Writes to standard output for people, with control characters escaped.
 fn print(text: &str) -> Result<(), Failure> {
     let safe: String = text
@@ -189,10 +227,17 @@ fn print_data(text: &str) -> Result<(), Failure> {
     }
 }
 
+/// Removes numbers of system errors, which stand beside their words.
+fn without_numbers(text: &str) -> String {
+    let mut parts = text.split(" (os error ");
+    let first = parts.next().unwrap_or_default().to_owned();
+    parts.fold(first, |kept, part| kept + part.split_once(')').map_or(part, |(_, rest)| rest))
+}
+
 /// Writes lines to standard error, with control characters escaped. Ignores errors, where `eprintln!` would panic.
 fn tell(text: &str) {
     use std::io::Write;
-    let lines: Vec<String> = text.lines().map(printable).collect();
+    let lines: Vec<String> = text.lines().map(|line| printable(&without_numbers(line))).collect();
     let _ = progress::beside(|| writeln!(std::io::stderr(), "{}", lines.join("\n")));
 }
 

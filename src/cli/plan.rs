@@ -22,8 +22,8 @@ use std::path::Path;
 #[derive(Args, Debug)]
 #[command(
     allow_negative_numbers = true,
-    after_help = "The time is that of the stated work of each step, scaled by what earlier runs took on the device; speeds.json in the cache \
-    folder keeps that. Without an earlier run it is a guess: the speed of a software driver on two cores.\n\n\
+    after_help = "The predicted time is each step's work at the speed of earlier runs on the device (speeds.json in the cache folder). \
+    Without an earlier run it assumes a software driver on two cores.\n\n\
     Examples:\n  splitsum plan experiments/quick.toml\n  splitsum plan experiments/quick.toml --json | jq '.cells | length'"
 )]
 pub struct Arguments {
@@ -144,11 +144,7 @@ impl Shown<'_> {
         ];
         lines.extend(self.excluded().map(|(count, why, place)| format!("excluded {count} by {place}: {why}")));
         let collapsed = plan.collapsed;
-        lines.extend(
-            (collapsed > 0).then(|| {
-                format!("collapsed {collapsed}: they differ only in parameters that their method does not use")
-            }),
-        );
+        lines.extend((collapsed > 0).then(|| format!("collapsed {collapsed}: they differ only in unused parameters")));
         let [timed, done] = self.timings;
         lines.extend((timed > 0).then(|| format!("{timed} configurations are timed; {done} done")));
         lines.extend(self.cost_lines());
@@ -160,7 +156,7 @@ impl Shown<'_> {
     fn cost_lines(&self) -> Vec<String> {
         let source = match &self.source {
             Some(device) => format!("by earlier runs on {device}"),
-            None => "a guess, by the speed of a software driver on 2 cores".to_owned(),
+            None => "assuming a software driver on 2 cores".to_owned(),
         };
         let mut lines = vec![format!(
             "about {} and {} of disk, {source}",

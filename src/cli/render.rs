@@ -20,7 +20,7 @@ use std::sync::Arc;
 #[derive(Args, Debug)]
 #[command(
     allow_negative_numbers = true,
-    after_help = "A reference draws 4096 samples a pixel where --samples is left out.\n\n\
+    after_help = "A reference draws 4096 samples per pixel by default.\n\n\
     Examples:\n  splitsum render --method split-sum --alpha 0.25 --f0 1,1,1 --albedo 0,0,0 --out split-sum.exr\n  \
     splitsum render --method reference --samples 4096 --alpha 0.25 --f0 1,1,1 --albedo 0,0,0 --out reference.exr\n  \
     splitsum render --environment studio.hdr --scene teapot.obj --camera perspective --background --size 800x600 --out teapot.png"
@@ -85,9 +85,9 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let mut pipeline = seen.device.open().map_err(Failure::opening)?;
     let frame = pipeline.render(&request).map_err(|error| Failure::rendering(RenderFault::from(error)))?;
     for term in &frame.convergences {
-        let met = if term.is_met { "" } else { ", which is not what was asked for" };
+        let met = if term.is_met { "" } else { ", above --relative-error" };
         tell(&format!(
-            "{}: {} samples a pixel, relative standard error {:.3e}{met}",
+            "{}: {} samples per pixel, relative standard error {:.3e}{met}",
             term.term, term.sample_count, term.relative_error
         ));
     }
@@ -126,14 +126,14 @@ fn check_used(arguments: &Arguments, point: &Point, output: &Output) -> Result<(
     for Given { flag, axis, .. } in arguments.axes.iter() {
         let is_reference_count = *axis == SAMPLES && has_reference_term;
         if collapsed[*axis] == Value::Unset && !is_reference_count {
-            faults.push(format!("--{flag}: changes nothing with method {method} and diffuse {diffuse}; leave it out"));
+            faults.push(format!("--{flag}: has no effect with method {method} and diffuse {diffuse}; leave it out"));
         } else if !AXES[*axis].changes_radiance() && matches!(output, Output::LinearExr) {
-            faults.push(format!("--{flag}: changes nothing in an .exr, which is linear; expected --out FILE.png"));
+            faults.push(format!("--{flag}: has no effect on an .exr, which is linear; expected --out FILE.png"));
         }
     }
     if arguments.relative_error.is_some() && !has_reference_term {
         faults.push(format!(
-            "--relative-error: stops the reference, and method {method} with diffuse {diffuse} has none"
+            "--relative-error: has no effect: method {method} with diffuse {diffuse} has no reference term"
         ));
     }
     if has_reference_term && let Err(error) = pair_count(reference_samples(arguments)) {
@@ -159,8 +159,7 @@ fn output(path: &Path) -> Result<Output, Failure> {
         return Err(Failure::input(format!("--out: {} is a folder; expected a file", path.display())));
     }
     // Permission bits do not reveal read-only file systems.
-    tempfile::tempfile_in(folder).map_err(|error| {
-        Failure::input(format!("--out: no file can be made in the folder {}: {error}", folder.display()))
-    })?;
+    tempfile::tempfile_in(folder)
+        .map_err(|error| Failure::input(format!("--out: cannot write to the folder {}: {error}", folder.display())))?;
     Ok(output)
 }

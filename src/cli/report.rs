@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 /// Write the report of one or more finished runs.
 #[derive(Args, Debug)]
 #[command(
-    after_help = "Of a run that is under way it shows the cells that are done. Several runs (two devices, two commits) are joined in one report, with what tells them apart.\n\n\
+    after_help = "For a run in progress, shows the finished cells. Several runs (two devices, two commits) share one report.\n\n\
     Examples:\n  splitsum report runs/quick\n  splitsum report runs/laptop runs/desktop --out comparison.html"
 )]
 pub struct Arguments {
@@ -62,7 +62,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let runs: Vec<(Finished, Vec<Answer>)> = arguments
         .dirs
         .iter()
-        .map(|dir| told(dir, arguments.metric.as_deref()))
+        .map(|dir| answered(dir, arguments.metric.as_deref()))
         .collect::<Result<_, _>>()
         .map_err(Failure::input)?;
     let options = PageOptions { out, images, budget: BUDGET_BYTES, metric: arguments.metric.clone() };
@@ -76,7 +76,10 @@ impl From<PageError> for Failure {
     }
 }
 
-fn told(dir: &Path, metric: Option<&str>) -> Result<(Finished, Vec<Answer>), splitsum::study::finished::FinishedError> {
+fn answered(
+    dir: &Path,
+    metric: Option<&str>,
+) -> Result<(Finished, Vec<Answer>), splitsum::study::finished::FinishedError> {
     let run = Finished::read(dir)?;
     let answers = answers(&run, metric);
     Ok((run, answers))

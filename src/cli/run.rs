@@ -22,17 +22,16 @@ use std::time::Instant;
 #[derive(Args, Debug)]
 #[command(
     allow_negative_numbers = true,
-    after_help = "A run that was stopped (Ctrl-C, SIGTERM, a crash, a full disk) goes on where it stopped: give the same command again. One \
-    that is finished ends with 0 at once. Cells whose images are gone, or not those that their records name, are done again.\n\n\
-    A larger sweep goes on in the folder of a smaller one: give the experiment more values or axes. An experiment that lacks a finished \
-    cell of the folder is refused. Configurations that are compared by time are timed again when one joins them.\n\n\
-    The experiment.toml that a run keeps runs again as it stands: provenance.json beside it says where its files are and which --set \
-    belong to it.\n\n\
+    after_help = "A stopped run (Ctrl-C, SIGTERM, a crash, a full disk) continues with the same command. A finished run exits 0 immediately \
+    and reprints its summary. Cells with missing or changed images are rendered again.\n\n\
+    A larger sweep continues in the folder of a smaller one: add values or axes. An experiment that lacks a finished cell of the folder is \
+    refused. Configurations that are compared by time are timed again if one joins them.\n\n\
+    The experiment.toml in a run's folder can be run again; provenance.json beside it has its paths and --set.\n\n\
     Examples:\n  splitsum run experiments/quick.toml\n  \
     splitsum run experiments/quick.toml --set alpha=0.1,0.5 --set brdf=ggx --out runs/short\n  \
     splitsum run experiments/quick.toml --set alpha=0.1,0.25,0.5 --set brdf=ggx --out runs/short\n  \
     splitsum run experiments/real.toml --set environment=sky.hdr --set scene=teapot.obj --out runs/teapot\n  \
-    splitsum run experiments/ladder.toml --set environment=my.hdr --set brdf=ggx   (where the split sum's error comes from)\n  \
+    splitsum run experiments/ladder.toml --set environment=my.hdr --set brdf=ggx   (what causes the split sum's error)\n  \
     splitsum run sweep.toml --shard 2/4 --out /shared/sweep   (one of four processes; then splitsum merge /shared/sweep)"
 )]
 pub struct Arguments {

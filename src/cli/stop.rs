@@ -25,7 +25,7 @@ pub fn listen() -> Result<(), Failure> {
 }
 
 fn failure(error: impl std::fmt::Display) -> Failure {
-    Failure::failed(format!("Ctrl-C cannot be handled: {error}"))
+    Failure::failed(format!("cannot handle Ctrl-C: {error}"))
 }
 
 fn requested(signal: i32) {

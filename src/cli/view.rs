@@ -43,19 +43,16 @@ fn after_help() -> String {
     let ([width, height], method) = (point[SIZE].pair(), &point[METHOD]);
     let pictures = Picture::names();
     format!(
-        "Here --method is {method}, --right {REFERENCE} and --size {width}x{height} by default. The tables are our own: `render` takes file:PATH \
-        for --prefiltered and --dfg, too.\n\n\
-        Pictures, in the list at the top left: {}. \"image\", \"error\" and \"signed error\" have a half for each method, with a handle \
-        between them; errors are against the reference. \"difference\" is left minus right. The parts of the g-buffer and the tables are those \
-        of the left half.\n\n\
-        Drag turns the camera, shift+drag the light, the wheel zooms. Keys: space the other half, while it is down; d the left method alone; \
-        e error; s signed error; t tone; [ ] exposure; + - 0 and arrows the camera; shift and arrows the light; 1 to 9 methods of the left \
-        half; ctrl+S saves.\n\n\
-        Below the picture are the linear values under the pointer, of the left half, the right one and the reference, with its standard error, \
-        the times of the last frames, and of the passes of the last one.\n\n\
-        A file that is dropped on the window is its environment (.hdr, .exr) or its scene ({}); on Wayland type its path instead. One that \
-        cannot be read leaves what was there, and says why. Saving makes a folder view-N with the picture, the linear images, the state, \
-        `render` commands and an experiment.\n\n\
+        "Defaults here: --method {method}, --right {REFERENCE}, --size {width}x{height}. The window uses the program's own tables.\n\n\
+        Pictures (list at the top left): {}. \"image\", \"error\" and \"signed error\" show a half for each method; errors are \
+        against the reference. \"difference\" is left minus right. Other pictures show the left half's g-buffer and tables.\n\n\
+        Mouse: drag to turn the camera, shift+drag to turn the light, wheel to zoom. Keys: space shows the other half; d the left half \
+        alone; e error; s signed error; t tone; [ ] exposure; + - 0 and arrows the camera; shift+arrows the light; 1 to 9 the left \
+        method; ctrl+S saves.\n\n\
+        Below the picture: linear values under the pointer (left, right, reference and its standard error) and times of frames and \
+        passes.\n\n\
+        Drop an environment (.hdr, .exr) or a scene ({}) on the window; on Wayland type its path instead. Saving makes a folder view-N \
+        with the picture, linear images, the state, `render` commands and an experiment.\n\n\
         Exit codes: 2 no display or bad input; 75 the device, the window or the display was lost.\n\n\
         Examples:\n  splitsum view --environment studio.hdr --scene teapot.obj\n  splitsum view --state view-1/state.json",
         pictures.join(", "),
@@ -72,9 +69,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         [PREFILTERED, DFG_TABLE].into_iter().find(|axis| state.point[*axis].to_string().starts_with(FILE_PREFIX))
     {
         let name = AXES[axis].name;
-        return Err(Failure::input(format!(
-            "--{name}: the window shows tables of our own; `splitsum render` takes others"
-        )));
+        return Err(Failure::input(format!("--{name}: the window uses its own tables; `splitsum render` takes files")));
     }
     // Bad input is reported before a window opens.
     let (settings, here) = (state.point.settings(), Path::new(""));
@@ -111,7 +106,7 @@ fn server_ended() -> Failure {
 fn state(arguments: &Arguments) -> Result<State, Failure> {
     if let Some(path) = &arguments.state {
         if let Some(given) = arguments.axes.iter().next() {
-            return Err(Failure::input(format!("--{}: the file of --state has it; leave one out", given.flag)));
+            return Err(Failure::input(format!("--{}: is in the file of --state, too; leave one out", given.flag)));
         }
         let fault = |why: &dyn std::fmt::Display| Failure::input(format!("{}: {why}", path.display()));
         let text = read_text(path, TEXT_BYTES_MAX).map_err(|error| fault(&error))?;

@@ -3,6 +3,7 @@
 use super::axis::named::hint;
 use super::fault::{Faults, Place};
 use super::value::{Kind, Raw, Value};
+use crate::spelling::expected;
 use serde::Deserialize;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue, ValueDeserializer};
@@ -48,8 +49,9 @@ pub fn at(value: &Spanned<DeValue>) -> Place {
 
 /// Reports an unknown key with the nearest known one.
 pub fn unknown_key(place: &Place, prefix: &str, key: &str, known: &[&str], faults: &mut Faults) {
+    let what = if prefix.is_empty() { "key" } else { "axis" };
     faults.add_with(place, || {
-        format!("{prefix}{key} is unknown{}; expected one of {}", hint(key, known), known.join(", "))
+        format!("{prefix}{key} is unknown{}; expected {}", hint(key, known), expected(what, known))
     });
 }
 

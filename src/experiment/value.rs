@@ -271,7 +271,7 @@ impl Kind {
                     let is_file = takes_files && text.strip_prefix(FILE_PREFIX).is_some_and(|path| !path.is_empty());
                     match is_file || names.contains(&text.as_str()) {
                         true => Ok(Value::from(text.as_str())),
-                        false => Err(not_one_of(what, text, &names, if takes_files { "file:PATH, " } else { "" })),
+                        false => Err(not_one_of(what, text, &names, if takes_files { "file:PATH or " } else { "" })),
                     }
                 }
                 _ => expected(&format!("the name of {} in quotes", with_article(what))),

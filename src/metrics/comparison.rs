@@ -142,7 +142,7 @@ impl<'a> Comparison<'a> {
     pub fn signed_error_map(&self) -> GrayImage {
         self.map(|pixel| {
             let [t, r] = self.radiance(pixel);
-            rgb_mean(|c| (t[c] - r[c]) / (r[c] * r[c] + self.epsilon.beside_square()).sqrt()) as f32
+            rgb_mean(|c| self.epsilon.signed(t[c] - r[c], r[c])) as f32
         })
     }
 
@@ -251,8 +251,6 @@ pub(super) fn column_and_row(pixel: usize, width: u32) -> [u32; 2] {
 pub fn signed_step([own, before, reference]: [&RgbImage; 3], epsilon: Epsilon) -> GrayImage {
     GrayImage::from_fn(own.width, own.height, |x, y| {
         let [own, before, r] = [own, before, reference].map(|image| image.get(x, y).map(f64::from));
-        let mean: f64 =
-            (0..3).map(|c| (own[c] - before[c]) / (r[c] * r[c] + epsilon.beside_square()).sqrt() / 3.0).sum();
-        mean as f32
+        rgb_mean(|c| epsilon.signed(own[c] - before[c], r[c])) as f32
     })
 }

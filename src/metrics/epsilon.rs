@@ -34,6 +34,11 @@ impl Epsilon {
         square / (r * r + self.beside_square())
     }
 
+    /// Returns `difference / sqrt(r² + ε)` of one channel.
+    pub fn signed(self, difference: f64, r: f64) -> f64 {
+        difference / (r * r + self.beside_square()).sqrt()
+    }
+
     /// Returns [`Self::relative`] of 1 for each channel.
     pub fn weight(self, r: DVec3) -> DVec3 {
         DVec3::from_array(r.to_array().map(|r| self.relative(1.0, r)))

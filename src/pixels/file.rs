@@ -90,7 +90,7 @@ pub(crate) fn reserved<T>(count: usize) -> Result<Vec<T>, Fault> {
     let mut data = Vec::new();
     data.try_reserve_exact(count).map_err(|_| {
         let mebibytes = count.saturating_mul(size_of::<T>()) >> 20;
-        Fault::new(format!("{mebibytes} MiB of memory for its {count} pixels are not to be had"), "a machine with more")
+        Fault::new(format!("not enough memory for its {count} pixels ({mebibytes} MiB)"), "a machine with more")
     })?;
     Ok(data)
 }
@@ -181,7 +181,7 @@ fn target_of(path: &Path) -> Result<PathBuf, PixelsError> {
     };
     match std::fs::metadata(&target) {
         Ok(metadata) if !metadata.is_file() && !metadata.is_dir() => {
-            Err(Fault::new("is a device or a pipe", "a file, or the name of one to make").at(path))
+            Err(Fault::new("is a device or a pipe", "a regular file or a new name").at(path))
         }
         _ => Ok(target),
     }

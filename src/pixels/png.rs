@@ -38,7 +38,7 @@ pub fn read_rgb8(path: &Path) -> Result<Rgb8Image, PixelsError> {
     let read = || {
         let samples = decode(&bytes)?;
         // 255 becomes 65535 exactly, by the factor 257.
-        Ok(samples.colours()?.map(|texel| texel.map(|value| ((u32::from(value) + 128) / 257) as u8)))
+        Ok(samples.texels(false)?.map(|texel| texel.map(|value| ((u32::from(value) + 128) / 257) as u8)))
     };
     read().map_err(|fault: Fault| fault.at(path))
 }
@@ -47,9 +47,7 @@ pub fn read_rgb8(path: &Path) -> Result<Rgb8Image, PixelsError> {
 /// alpha beside colour.
 pub fn read_linear(path: &Path, bytes: &[u8]) -> Result<Decoded, PixelsError> {
     let read = || {
-        let samples = decode(bytes)?;
-        let words = if samples.channels == 2 { samples.pairs()? } else { samples.colours()? };
-        let rgb = words.map(|texel| texel.map(|value| f32::from(value) / 65535.0));
+        let rgb = decode(bytes)?.texels(true)?.map(|texel| texel.map(|value| f32::from(value) / 65535.0));
         Ok(Decoded { rgb, alpha: None, warnings: Vec::new() })
     };
     read().map_err(|fault: Fault| fault.at(path))
@@ -64,20 +62,14 @@ struct Samples {
 }
 
 impl Samples {
-    /// Returns colours without alpha; grey becomes three equal channels.
-    fn colours(&self) -> Result<Pixels<[u16; 3]>, Fault> {
-        self.texels(|texel| match texel {
+    /// Returns three channels of each texel without alpha; grey becomes three equal channels, unless `keeps_pairs` keeps grey
+    /// and alpha as the first two.
+    fn texels(&self, keeps_pairs: bool) -> Result<Pixels<[u16; 3]>, Fault> {
+        let texel = |texel: &[u16]| match texel {
+            [grey, alpha] if keeps_pairs => [*grey, *alpha, 0],
             [grey] | [grey, _] => [*grey; 3],
             texel => [texel[0], texel[1], texel[2]],
-        })
-    }
-
-    /// Returns grey and alpha as the first two channels.
-    fn pairs(&self) -> Result<Pixels<[u16; 3]>, Fault> {
-        self.texels(|texel| [texel[0], texel[1], 0])
-    }
-
-    fn texels(&self, texel: impl Fn(&[u16]) -> [u16; 3]) -> Result<Pixels<[u16; 3]>, Fault> {
+        };
         let mut data = reserved(self.width as usize * self.height as usize)?;
         data.extend(self.words.chunks_exact(self.channels).map(texel));
         Ok(Pixels::new(self.width, self.height, data))

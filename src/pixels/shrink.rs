@@ -7,7 +7,7 @@ impl Rgb8Image {
     pub fn shrunk(&self, width: u32, height: u32) -> Self {
         assert!(
             (1..=self.width).contains(&width) && (1..=self.height).contains(&height),
-            "{width}x{height} is no shrinking"
+            "{width}x{height} is not smaller"
         );
         let means = self.area_means(width, height, |pixel| pixel.map(f64::from));
         means.map(|mean| mean.map(|value| value.round() as u8))

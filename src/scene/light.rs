@@ -33,8 +33,7 @@ impl Light {
         let [place, center] = [p, sphere.center].map(|v| format!("({}, {}, {})", v.x, v.y, v.z));
         let (radius, scene) = (sphere.radius, &scene.name);
         Some(format!(
-            "the point light at {place} is in the sphere of scene {scene} with centre {center} and radius {radius}, which it cannot light; \
-             expected a place outside"
+            "the point light at {place} is inside a sphere of scene {scene} (centre {center}, radius {radius}); move it outside"
         ))
     }
 }

@@ -92,7 +92,7 @@ impl Maps {
     pub fn finish(self) -> (Vec<Texture>, Option<String>) {
         let side = self.longest_side;
         let warning =
-            || format!("maps of more than {MAX_TEXELS} texels together are halved to {side} x {side} at most");
+            || format!("textures with more than {MAX_TEXELS} texels together were halved to at most {side} x {side}");
         let warning = self.is_any_cut.then(warning);
         (self.textures, warning)
     }
@@ -101,7 +101,7 @@ impl Maps {
 fn decode(bytes: &[u8], is_srgb: bool) -> Result<RgbImage, String> {
     let reader = || ImageReader::new(Cursor::new(bytes)).with_guessed_format().map_err(|error| error.to_string());
     if reader()?.format().is_none() {
-        return Err("it is neither PNG nor JPEG".to_owned());
+        return Err("not a PNG or JPEG file".to_owned());
     }
     let (width, height) = reader()?.into_dimensions().map_err(|error| error.to_string())?;
     if u64::from(width) * u64::from(height) > MAX_FILE_TEXELS {

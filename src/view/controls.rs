@@ -1,11 +1,12 @@
 //! A control for each axis, made from the list of axes.
 
+use super::overlay::text;
 use super::state::{Side, State};
 use crate::environment::{BUILTIN_PREFIX, BUILTINS};
 use crate::experiment::axis::{AXES, ENVIRONMENT, METHOD, Named, Part, Point, SAMPLES, SIZE};
 use crate::experiment::value::{Kind, Range, Value};
 use crate::scene::SCENES;
-use egui::{ComboBox, DragValue, Rect, Response, Slider, SliderClamping, TextEdit, Ui};
+use egui::{Align2, ComboBox, DragValue, Rect, Response, Slider, SliderClamping, TextEdit, Ui};
 use std::collections::BTreeMap;
 use std::path::Path;
 
@@ -67,14 +68,7 @@ impl Controls {
             let label = name.replace('_', " ").replace("sample count", "samples");
             let label = label.replace("environment ", "").replace("perceptual ", "");
             let (place, response) = ui.allocate_exact_size(LABEL, egui::Sense::hover());
-            let color = ui.visuals().text_color();
-            ui.painter().text(
-                place.left_center(),
-                egui::Align2::LEFT_CENTER,
-                label,
-                egui::FontId::proportional(13.0),
-                color,
-            );
+            text(ui, place.left_center(), Align2::LEFT_CENTER, &label, 13.0, ui.visuals().text_color());
             response.on_hover_text(about);
             add(self, ui);
         });
@@ -102,7 +96,7 @@ impl Controls {
             ui.add_enabled_ui(is_used, |ui| {
                 if may_be_unset {
                     let mut is_set = point[axis] != Value::Unset;
-                    let about = "no tick: as the scene, the map or the layout has it; the slider sets it";
+                    let about = "without a tick the scene or layout decides; the slider sets it";
                     let response = ui.checkbox(&mut is_set, "").on_hover_text(about);
                     controls.place(format!("{} set", named.name()), &response);
                     if response.changed() {
@@ -134,7 +128,7 @@ impl Controls {
                 let (range, is_log) = reach(named.kind());
                 let mut number = *x;
                 let slider = Slider::new(&mut number, range).logarithmic(is_log).clamping(SliderClamping::Never);
-                let response = ui.add(told(slider.max_decimals(3), is_set));
+                let response = ui.add(numbered(slider.max_decimals(3), is_set));
                 found = response.changed().then(|| short(number));
                 self.place(name, &response);
             }
@@ -149,7 +143,7 @@ impl Controls {
             (Kind::Color(_), Value::Color([r, g, b])) => {
                 let mut grey = (r + g + b) / 3.0;
                 let mut color = [*r, *g, *b];
-                let response = ui.add(told(Slider::new(&mut grey, 0.0..=1.0).max_decimals(3), is_set));
+                let response = ui.add(numbered(Slider::new(&mut grey, 0.0..=1.0).max_decimals(3), is_set));
                 self.place(name, &response);
                 if response.changed() {
                     found = Some(short(grey.into()));
@@ -206,8 +200,8 @@ impl Controls {
 }
 
 /// Shows the slider's number if the axis is set.
-fn told(slider: Slider<'_>, is_set: bool) -> Slider<'_> {
-    if is_set { slider } else { slider.custom_formatter(|_, _| "as it is".to_owned()) }
+fn numbered(slider: Slider<'_>, is_set: bool) -> Slider<'_> {
+    if is_set { slider } else { slider.custom_formatter(|_, _| "default".to_owned()) }
 }
 
 /// Returns the first value of an axis that the user sets.

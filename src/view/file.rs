@@ -97,8 +97,8 @@ impl State {
             let axis = named.axis;
             let (value, is_display) = (&image.point[axis], !AXES[axis].changes_radiance());
             let value = if is_display { &self.point[axis] } else { value };
-            let is_told = *value != defaults[axis] || [METHOD, SAMPLES].contains(&axis);
-            if *value != Value::Unset && is_told && (is_picture || !is_display) {
+            let is_shown = *value != defaults[axis] || [METHOD, SAMPLES].contains(&axis);
+            if *value != Value::Unset && is_shown && (is_picture || !is_display) {
                 add(&named.flag(), value.to_string());
             }
         }

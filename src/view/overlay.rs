@@ -44,13 +44,17 @@ pub fn outlined(ui: &Ui, place: Pos2, align: Align2, text: &str, width: f32) {
     ui.painter().galley(rect.min, galley, Color32::WHITE);
 }
 
+/// Writes plain text.
+pub fn text(ui: &Ui, place: Pos2, align: Align2, text: &str, size: f32, color: Color32) {
+    ui.painter().text(place, align, text, FontId::proportional(size), color);
+}
+
 /// Draws the colours of an error with their values.
 pub fn legend(ui: &Ui, rect: Rect, colors: &ColorScale, about: &str) {
     let bar = Rect::from_min_size(rect.left_bottom() + vec2(24.0, -36.0), vec2(180.0, 10.0));
     let back = bar.expand2(vec2(18.0, 20.0));
     ui.painter().rect_filled(back, 3.0, Color32::from_black_alpha(170));
-    let font = FontId::proportional(11.0);
-    ui.painter().text(back.center_top() + vec2(0.0, 3.0), Align2::CENTER_TOP, about, font, Color32::WHITE);
+    text(ui, back.center_top() + vec2(0.0, 3.0), Align2::CENTER_TOP, about, 11.0, Color32::WHITE);
     for step in 0..90 {
         let [r, g, b] = colors.palette.color(f64::from(step) / 89.0);
         let x = bar.left() + step as f32 * 2.0;
@@ -62,13 +66,7 @@ pub fn legend(ui: &Ui, rect: Rect, colors: &ColorScale, about: &str) {
     }
     for tick in colors.ticks() {
         let x = bar.left() + colors.place(tick) as f32 * bar.width();
-        ui.painter().text(
-            pos2(x, bar.bottom() + 3.0),
-            Align2::CENTER_TOP,
-            tick.to_string(),
-            FontId::proportional(10.0),
-            Color32::WHITE,
-        );
+        text(ui, pos2(x, bar.bottom() + 3.0), Align2::CENTER_TOP, &tick.to_string(), 10.0, Color32::WHITE);
     }
 }
 

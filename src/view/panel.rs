@@ -1,7 +1,9 @@
+//! Long because each part of the window is listed once, in visual order.
+//!
 //! The window's content: controls on the left, the picture, numbers below it. Keys are those of the report.
 
 use super::controls::Controls;
-use super::overlay::{composed, label, legend, outlined, wipe_line};
+use super::overlay::{composed, label, legend, outlined, text, wipe_line};
 use super::picture::{Picture, Tone, at};
 use super::state::{Side, State};
 use super::worker::{Shown, Standing};
@@ -10,7 +12,7 @@ use crate::experiment::value::{Value, decimal};
 use crate::pipeline::Frame;
 use crate::scene::{CameraKind, Light, LightKind, Orbit, scene_extensions, scene_format};
 use crate::spelling::Listed;
-use egui::{Align2, Color32, ColorImage, CursorIcon, DragValue, FontId, Key, Pos2, Rect, Sense, Stroke, TextureHandle};
+use egui::{Align2, Color32, ColorImage, CursorIcon, DragValue, Key, Pos2, Rect, Sense, Stroke, TextureHandle};
 use egui::{TextureOptions, Ui, UiBuilder, pos2, vec2};
 use glam::DVec3;
 use std::collections::VecDeque;
@@ -154,7 +156,7 @@ impl Panel {
         self.controls.row(
             ui,
             "picture",
-            "what is painted (e: error, s: signed error against the reference; difference: left minus right)",
+            "image, error (e), signed error (s), difference of the halves, g-buffer or tables",
             |controls, ui| {
                 let items: Vec<String> = Picture::names().into_iter().map(str::to_owned).collect();
                 let chosen = controls.menu(ui, "picture", 180.0, state.picture.name(), &items);
@@ -167,18 +169,18 @@ impl Panel {
                 controls.place("level", &ui.add(egui::Slider::new(&mut state.level, 0..=last)));
             });
         }
-        self.controls.row(ui, "camera", "drag turns, the wheel zooms, 0 resets", |controls, ui| {
+        self.controls.row(ui, "camera", "drag to turn, wheel to zoom, 0 to reset", |controls, ui| {
             for kind in CameraKind::all() {
                 controls.place(kind.name(), &ui.radio_value(&mut state.view.camera, *kind, kind.name()));
             }
             controls.place("background", &ui.checkbox(&mut state.view.background, "background"));
         });
-        self.controls.row(ui, "tone", "t changes it", |controls, ui| {
+        self.controls.row(ui, "tone", "tone curve or sRGB (t)", |controls, ui| {
             for tone in Tone::all() {
                 controls.place(tone.name(), &ui.radio_value(&mut state.tone, *tone, tone.name()));
             }
         });
-        self.controls.row(ui, "reference samples", "where the reference stops refining", |controls, ui| {
+        self.controls.row(ui, "reference samples", "samples per pixel at which the reference stops", |controls, ui| {
             let count = &mut state.view.reference_samples;
             let items = REFERENCE_COUNTS.map(|count| count.to_string());
             let chosen = controls.menu(ui, "reference samples", 80.0, &count.to_string(), &items);
@@ -250,13 +252,7 @@ impl Panel {
         let wipe = if state.picture.has_sides() { wipe } else { 1.0 };
         self.paint(ui.ctx(), state, shown, wipe);
         let Some(painted) = &self.painted else {
-            ui.painter().text(
-                area.center(),
-                Align2::CENTER_CENTER,
-                "making the first picture",
-                FontId::proportional(16.0),
-                Color32::GRAY,
-            );
+            text(ui, area.center(), Align2::CENTER_CENTER, "rendering the first picture", 16.0, Color32::GRAY);
             return;
         };
         // Enlarges by whole factors.
@@ -434,14 +430,8 @@ impl Panel {
         };
         let line: Vec<Pos2> = self.times.iter().enumerate().map(place).collect();
         ui.painter().line(line, Stroke::new(1.5, Color32::LIGHT_BLUE));
-        let font = FontId::proportional(10.0);
-        ui.painter().text(
-            rect.left_top() + vec2(3.0, 2.0),
-            Align2::LEFT_TOP,
-            format!("{most:.0} ms"),
-            font,
-            Color32::GRAY,
-        );
+        let place = rect.left_top() + vec2(3.0, 2.0);
+        text(ui, place, Align2::LEFT_TOP, &format!("{most:.0} ms"), 10.0, Color32::GRAY);
         let Some(shot) = &shown.left else { return };
         egui::Grid::new("passes").num_columns(2).spacing(vec2(8.0, 0.0)).show(ui, |ui| {
             for time in &shot.frame.timings.frame {

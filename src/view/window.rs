@@ -1,4 +1,6 @@
 //! The window: events in, painted pixels out, files saved.
+//!
+//! Long because the events of a window and their handling are read together.
 
 use super::overlay::composed;
 use super::panel::Panel;
@@ -53,19 +55,16 @@ struct Arrived;
 
 /// Opens the window and runs until it is closed.
 pub fn open(opened: Opened) -> Windowed {
-    let no_display = |error: &dyn std::fmt::Display| {
-        Windowed::NoDisplay(format!(
-            "there is no display to open a window on: set DISPLAY or WAYLAND_DISPLAY ({error})"
-        ))
-    };
-    let events = match EventLoop::<Arrived>::with_user_event().build() {
-        Ok(events) => events,
-        Err(error) => return no_display(&error),
+    if let Some(why) = missing_library() {
+        return Windowed::NoDisplay(why);
+    }
+    let Ok(events) = EventLoop::<Arrived>::with_user_event().build() else {
+        let why = "there is no display to open a window on: set DISPLAY or WAYLAND_DISPLAY";
+        return Windowed::NoDisplay(why.to_owned());
     };
     let mut app = App::new(opened, events.create_proxy());
-    if let Err(error) = events.run_app(&mut app) {
-        let why = format!("the display was lost: {error}");
-        return if app.screen.is_some() { Windowed::Lost(why) } else { Windowed::Failed(error.to_string()) };
+    if events.run_app(&mut app).is_err() {
+        return Windowed::Lost("the display was lost".to_owned());
     }
     let shown = app.worker.as_mut().map(Worker::close);
     let messages = shown.map(|shown| shown.messages).unwrap_or_default();
@@ -73,6 +72,35 @@ pub fn open(opened: Opened) -> Windowed {
         Windowed::Closed if !messages.is_empty() => Windowed::Failed(messages.join("\n")),
         ended => ended,
     }
+}
+
+/// Returns winit's error without the place in its source.
+fn words(error: &winit::error::OsError) -> String {
+    let text = error.to_string();
+    let place = text.strip_prefix("os error at ").and_then(|rest| rest.split_once(": "));
+    place.map_or(text.clone(), |(_, words)| words.to_owned())
+}
+
+/// Names a library that winit loads and panics without.
+#[cfg(target_os = "linux")]
+fn missing_library() -> Option<String> {
+    let is_set = |name: &str| std::env::var_os(name).is_some_and(|value| !value.is_empty());
+    let is_x11 = is_set("DISPLAY") && !is_set("WAYLAND_DISPLAY") && !is_set("WAYLAND_SOCKET");
+    let (library, package) = if xkbcommon_dl::xkbcommon_option().is_none() {
+        ("libxkbcommon", "libxkbcommon0")
+    } else if is_x11 && xkbcommon_dl::x11::xkbcommon_x11_option().is_none() {
+        ("libxkbcommon-x11", "libxkbcommon-x11-0")
+    } else {
+        return None;
+    };
+    Some(format!(
+        "the window needs the library {library}: install the package {package} (its name on Debian and Ubuntu)"
+    ))
+}
+
+#[cfg(not(target_os = "linux"))]
+fn missing_library() -> Option<String> {
+    None
 }
 
 type Surface = softbuffer::Surface<Rc<Window>, Rc<Window>>;
@@ -183,7 +211,7 @@ impl App {
             .with_title("splitsum view")
             .with_inner_size(size(SIZE))
             .with_min_inner_size(size(SMALLEST));
-        let window = Rc::new(events.create_window(attributes).map_err(|error| error.to_string())?);
+        let window = Rc::new(events.create_window(attributes).map_err(|error| words(&error))?);
         let surface = surface_of(&window).map_err(|error| error.to_string())?;
         let input = egui_winit::State::new(
             self.context.clone(),
@@ -318,7 +346,7 @@ impl App {
     fn saved(&self) -> Result<PathBuf, String> {
         let is_whole = |side| self.shown.side(side).is_some_and(|shot| shot.scale == 1);
         if self.shown.generation != self.generation || !(is_whole(Side::Left) && is_whole(Side::Right)) {
-            return Err("the picture is still coarse; save again in a moment".to_owned());
+            return Err("the picture is still coarse; try again in a moment".to_owned());
         }
         let free = |number: &u32| !self.out.join(format!("view-{number}")).exists();
         let number = (1..).find(free).expect("a free number");
@@ -399,7 +427,7 @@ impl ApplicationHandler<Arrived> for App {
         }
         match self.open_screen(events) {
             Ok(screen) => self.screen = Some(screen),
-            Err(why) => return self.end(events, Windowed::NoDisplay(format!("no window can be opened: {why}"))),
+            Err(why) => return self.end(events, Windowed::NoDisplay(format!("cannot open a window: {why}"))),
         }
         if let Some((options, load)) = self.opened.take() {
             let proxy = self.proxy.clone();

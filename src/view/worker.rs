@@ -115,7 +115,7 @@ impl Worker {
                 Ok(Ok(())) => return,
                 Ok(Err(error)) if error.is_transient() => Standing::Lost(error.to_string()),
                 Ok(Err(error)) => Standing::Failed(error.to_string()),
-                Err(_) => Standing::Failed("the renderer's thread ended by a fault of the program".to_owned()),
+                Err(_) => Standing::Failed("the renderer failed because of a bug in splitsum".to_owned()),
             };
             lock(&theirs.shown).standing = standing;
             wake();

@@ -96,6 +96,6 @@ fn a_bake_into_an_old_folder_leaves_no_stale_level() {
             &["bake", "builtin:constant", "--out", "b", "--set", "dfg_size=8", "--set", "dfg_size=9"],
         ),
         2,
-        &["--set dfg_size: stands twice"],
+        &["--set dfg_size: is set twice"],
     );
 }

@@ -82,7 +82,7 @@ fn bakes_for_every_engine_score_as_exact() {
         splitsum(dir.path(), &arguments)
     };
     let before = std::fs::read(dir.path().join("bevy/specular.ktx2")).unwrap();
-    assert_ends(&page("bevy/specular.ktx2"), 2, &["is no page of check-bake"]);
+    assert_ends(&page("bevy/specular.ktx2"), 2, &["is not a page of check-bake"]);
     assert_eq!(std::fs::read(dir.path().join("bevy/specular.ktx2")).unwrap(), before);
     assert_ends(&page("none/x.html"), 2, &["its folder does not exist"]);
     for _ in 0..2 {
@@ -90,7 +90,7 @@ fn bakes_for_every_engine_score_as_exact() {
     }
     // A threshold that judges nothing passes nothing.
     let arguments = ["check-bake", "khronos/lut_ggx.png", "--environment", "builtin:sky", "--fail-above", "0.1"];
-    assert_ends(&splitsum(dir.path(), &arguments), 2, &["nothing is judged: --fail-above is for maps"]);
+    assert_ends(&splitsum(dir.path(), &arguments), 2, &["nothing to judge: --fail-above is for maps"]);
     // Of other widths than assumed it is still of this light.
     let arguments = ["check-bake", "filament/ibl.ktx", "--environment", "builtin:sky", "--no-image"];
     let told = splitsum(dir.path(), &arguments);
@@ -100,7 +100,7 @@ fn bakes_for_every_engine_score_as_exact() {
     assert_ends(&splitsum(dir.path(), &arguments), 1, &["seems to be a bake of another map"]);
     let arguments =
         ["check-bake", "bevy", "--environment", "builtin:sky", "--fail-above", "1e-3", "--axes=-x+y+z", "--no-image"];
-    assert_ends(&splitsum(dir.path(), &arguments), 1, &["fit it far better than -x+y+z"]);
+    assert_ends(&splitsum(dir.path(), &arguments), 1, &["fit far better than -x+y+z"]);
     let refused = |arguments: &[&str], parts: &[&str]| {
         let all = [&["bake", "builtin:sky"], arguments].concat();
         assert_ends(&splitsum(dir.path(), &all), 2, parts);
@@ -110,7 +110,7 @@ fn bakes_for_every_engine_score_as_exact() {
     refused(&["--out", "x", "--for", "bevy", "--format", "rg16f"], &["rg16f in ktx2: --for bevy writes rgba16f"]);
     refused(&["--out", "x", "--for", "unity", "--set", "prefilter_size=32x32"], &["7 levels of faces of 32"]);
     refused(&["--out", "x", "--for", "bevy", "--set", "prefilter_size=100x100"], &["powers of 2 from 8 to 1024"]);
-    refused(&["--out", "x", "--for", "bevy", "--set", "layout=equirect"], &["--set layout: --for bevy settles it"]);
+    refused(&["--out", "x", "--for", "bevy", "--set", "layout=equirect"], &["--set layout: --for bevy determines it"]);
     assert!(!dir.path().join("x").exists());
 }
 
@@ -180,13 +180,13 @@ fn what_is_no_bake_is_told_in_a_line() {
     let map = RgbImage::filled(16, 8, [1.0; 3]);
     exr::write_rgba(&dir.path().join("x.exr"), &map, &GrayImage::filled(16, 8, 1.0), &[]).unwrap();
     for (arguments, part) in [
-        (&["x.ktx2"][..], "x.ktx2: is no whole KTX 2 file"),
-        (&["empty"], "empty: it holds no faces and no bake.json"),
+        (&["x.ktx2"][..], "x.ktx2: is not a complete KTX 2 file"),
+        (&["empty"], "empty: it has neither faces nor a bake.json"),
         (&["no.dds"], "no.dds: cannot be read"),
         (&["x.exr", "--preset", "cmgne"], "did you mean \"cmgen\"?"),
-        (&["x.exr", "--alphas", "0,1"], "--alphas: 2 widths are named for 1 levels"),
+        (&["x.exr", "--alphas", "0,1"], "--alphas: 2 widths for 1 levels"),
         (&["x.exr", "--alphas", "2"], "--alphas: 2 is outside [0, 1]"),
-        (&["x.exr", "--axes", "+x+x+z"], "names no axes"),
+        (&["x.exr", "--axes", "+x+x+z"], "is not a list of axes"),
         (&["x.exr", "--scale", "0"], "--scale 0: expected a finite number above 0"),
     ] {
         let arguments = [&["check-bake"], arguments, &["--environment", "builtin:constant"]].concat();

@@ -125,7 +125,7 @@ fn hostile_files_are_refused_with_the_fact() {
     refused("x.ktx2", &with(&with(&good, 20, 2), 24, 2), "3 levels of 2x2");
     let first = u32::from_le_bytes(good[80..84].try_into().unwrap());
     refused("x.ktx2", &with(&good, 104, first), "share bytes");
-    refused("x.ktx2", &good[..good.len() - 1], "no whole KTX 2 file");
+    refused("x.ktx2", &good[..good.len() - 1], "not a complete KTX 2 file");
     refused("x.ktx2", &with(&good, 12, 37), "R8G8B8A8_UNORM");
 
     // Of 64 MiB of zeros a few kilobytes; the header says 4 x 4 texels.
@@ -140,7 +140,7 @@ fn hostile_files_are_refused_with_the_fact() {
     refused("x.ktx", &with(&good, 36, 5), "its faces are 5x4");
     refused("x.ktx", &with(&good, 60, u32::MAX), "level 0 needs 4 bytes");
     refused("x.ktx", &with(&good, 76, 1 << 31), "level 0 claims 2147483648 bytes a face");
-    refused("x.ktx", &good[..good.len() - 1], "level 2 needs 48 bytes, and 47 are there");
+    refused("x.ktx", &good[..good.len() - 1], "level 2 needs 48 bytes but has 47");
 
     let good = files::dds(texel, 4, &levels);
     refused("x.dds", &good[..good.len() - 1], "truncated");
@@ -194,7 +194,7 @@ fn folders_and_images_are_found_by_their_form() {
     std::fs::remove_file(dir.path().join("faces/m2_ny.exr")).unwrap();
     refuse(&[path("faces")], "level 2 lacks the faces ny");
     std::fs::remove_file(dir.path().join("faces/m1_px.exr")).unwrap();
-    refuse(&[path("faces")], "there is m1_nx.exr, but not every face before it");
+    refuse(&[path("faces")], "it has m1_nx.exr, but not every face before it");
     write("faces/m0_ny.exr", &lat_long(2));
     refuse(&[path("faces")], "one square face of 4x4");
     write("odd.exr", &RgbImage::filled(5, 3, [0.0; 3]));

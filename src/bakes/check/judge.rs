@@ -142,20 +142,20 @@ impl Judged {
     pub fn doubt(&self, what: &str, fits: &[AxesFit]) -> Option<String> {
         let used: Axes = self.convention.axes;
         let hint =
-            if what == IRRADIANCE { "; if it is the map itself as a cube of one level: specular=FILE" } else { "" };
+            if what == IRRADIANCE { "; a cube of one level that holds the map itself is specular=FILE" } else { "" };
         // A good level proves the light. With a constant light nothing correlates.
         let is_wrong = self.levels.iter().chain(&self.irradiance).all(|score| score.errors.relmse > GOOD);
         if is_wrong && fits[0].correlation < guess::SAME_LIGHT {
             let (axes, correlation) = (fits[0].axes, fits[0].correlation);
             return Some(format!(
-                "it seems to be a bake of another map: no axes fit this one (the best, {axes}, with correlation {correlation:.2}){hint}"
+                "seems to be a bake of another map: the best axes, {axes}, only have correlation {correlation:.2}{hint}"
             ));
         }
         let own = *fits.iter().find(|fit| fit.axes == used)?;
         let is_doubtful = fits[0].axes != used && guess::is_clear(fits[0], own);
         is_doubtful.then(|| {
             format!(
-                "axes {} fit it far better than {used} (correlation {:.4}, not {:.4}): --axes={} or --guess{hint}",
+                "axes {} fit far better than {used} (correlation {:.4}, not {:.4}): --axes={} or --guess{hint}",
                 fits[0].axes, fits[0].correlation, own.correlation, fits[0].axes
             )
         })

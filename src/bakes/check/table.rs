@@ -96,7 +96,7 @@ fn explained(table: &RgbImage, brdf: &'static dyn Brdf, convention: &Convention,
             far => (far.abs(), if far > 0.0 { "low" } else { "high" }),
         };
         let share = 100.0 * (all[best] / own);
-        return format!("its values lie {far} texel too {side}: moved back, {share:.0} % of the rms is left");
+        return format!("its values are {far} texel too {side}; moving them back leaves {share:.0} % of the rms");
     }
     format!("its convention fits best; the largest error is {:.0} steps of 8 bits", 255.0 * max_error)
 }

@@ -39,7 +39,7 @@ const CUBE_DX10: u32 = 0x4;
 const OPAQUE: u32 = 3;
 
 pub fn read(bytes: &[u8]) -> Result<Texture, Fault> {
-    let whole = || Fault::new("has no whole DDS header", "a DDS file");
+    let whole = || Fault::new("has no complete DDS header", "a DDS file");
     let words_of = |count: usize| -> Option<(Vec<u32>, &[u8])> {
         let (header, rest) = bytes.split_at_checked(4 * count)?;
         Some((header.as_chunks().0.iter().map(|word| u32::from_le_bytes(*word)).collect(), rest))

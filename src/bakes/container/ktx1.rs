@@ -15,7 +15,7 @@ const WORDS: usize = 13;
 const HEADER: usize = IDENTIFIER.len() + 4 * WORDS;
 
 pub fn read(bytes: &[u8]) -> Result<Texture, Fault> {
-    let whole = || Fault::new("has no whole KTX 1 header", "a KTX 1 file");
+    let whole = || Fault::new("has no complete KTX 1 header", "a KTX 1 file");
     let header = bytes.get(..HEADER).filter(|header| header.starts_with(&IDENTIFIER)).ok_or_else(whole)?;
     let words: Vec<u32> =
         header[IDENTIFIER.len()..].as_chunks().0.iter().map(|word| u32::from_le_bytes(*word)).collect();

@@ -228,7 +228,7 @@ fn pairs<'k>(keys: impl IntoIterator<Item = &'k (String, String)>) -> Vec<u8> {
 
 fn truncated(level: u32, needed: usize, found: usize) -> Fault {
     Fault::new(
-        format!("level {level} needs {needed} bytes, and {found} are there"),
-        "a whole file; it is probably truncated",
+        format!("level {level} needs {needed} bytes but has {found}"),
+        "a complete file; it is probably truncated",
     )
 }

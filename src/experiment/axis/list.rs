@@ -1,5 +1,6 @@
 //! The list of all axes but those of tables, which are in [`super::tables`].
 
+use super::plain::{LEVELS, PLAIN, first};
 use super::tables::{DFG, IRRADIANCE, MIPS, PREFILTER, SH9, TABLE_AXES};
 use super::{Axis, Part, Sheet, Spelling, Symbol};
 use crate::brdf::{self, Compensation, MaskingShadowing};
@@ -8,36 +9,6 @@ use crate::experiment::value::{IMAGE_SIZE, Kind, PERCEPTUAL_ROUGHNESS_MIN, Range
 use crate::math::sequence::{PixelPoints, Sequence};
 use crate::shade::{Diffuse, Method, REFERENCE};
 use crate::spelling::Listed;
-
-pub(super) const LEVELS: Range = Range::closed(-16.0, 16.0);
-
-/// Defaults that the entries override.
-pub(super) const PLAIN: Axis = Axis {
-    name: "",
-    about: "",
-    plural: "",
-    symbol: Symbol::None,
-    part: Part::Case,
-    sheet: Sheet::Row,
-    frames_cost: false,
-    tables_cost: false,
-    is_compared: false,
-    needs_memory: false,
-    feeds: &[],
-    is_key: false,
-    flag: None,
-    spelling: None,
-    kind: Kind::Input,
-    default: || Value::Unset,
-    unset: None,
-    used: |_| true,
-    reference: |_, value| value.clone(),
-    apply: |_, _| {},
-};
-
-pub(super) fn first<T: Listed + ?Sized>() -> Value {
-    Value::from(T::names()[0])
-}
 
 /// Every axis. Their order is the order of columns that an experiment does not name.
 pub static AXES: &[Axis] = LIST;

@@ -1,6 +1,6 @@
 //! The axes of precomputed tables, the last ones of [`super::AXES`].
 
-use super::list::{LEVELS, PLAIN, first};
+use super::plain::{LEVELS, PLAIN, first};
 use super::{Axis, Part, Symbol, Used};
 use crate::bakes::given::{CENTRES, OWN};
 use crate::environment::layout::MapLayout;

@@ -58,7 +58,7 @@ pub fn check_whole(path: &Path) -> Result<(), PixelsError> {
 fn guarded<T>(path: &Path, bytes: &[u8], read: impl Fn(&[u8]) -> Result<T, Fault>) -> Result<T, PixelsError> {
     // The bytes are only borrowed.
     std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| read(bytes)))
-        .unwrap_or_else(|_| Err(Fault::new("is damaged in a way that its decoder cannot name", "a valid OpenEXR file")))
+        .unwrap_or_else(|_| Err(Fault::new("is damaged", "a valid OpenEXR file")))
         .map_err(|fault| fault.at(path))
 }
 

@@ -54,7 +54,7 @@ pub(super) fn load(spec: &str, path: &Path, files: &dyn SceneFiles) -> Result<Sc
         reader.materials.read(&reader.buffers, path, files, &mut maps, &mut reader.unread).map_err(fault)?;
     reader.meshes.retain(|mesh| !mesh.indices.is_empty());
     if reader.meshes.is_empty() {
-        return Err(fault("no triangle with an area in its scene, expected at least one".to_owned()));
+        return Err(fault("its scene has no triangle with an area, expected at least one".to_owned()));
     }
     for name in document.extensions_used().filter(|name| !EXTENSIONS.contains(name)) {
         reader.unread.insert(printable(name));
@@ -72,7 +72,7 @@ pub(super) fn load(spec: &str, path: &Path, files: &dyn SceneFiles) -> Result<Sc
         scene.warnings.push(format!("not read: {}", unread.join(", ")));
     }
     if reader.degenerate_count > 0 {
-        scene.warnings.push(format!("triangles without area that are left out: {}", reader.degenerate_count));
+        scene.warnings.push(format!("skipped {} triangles without area", reader.degenerate_count));
     }
     Ok(scene.hashed())
 }
@@ -109,7 +109,7 @@ fn parse(bytes: &[u8]) -> Result<(Document, Option<&[u8]>), String> {
     if text.iter().map(weight).sum::<usize>() > MAX_TEXT_WEIGHT {
         return Err(format!("its JSON has more than {} objects, expected fewer", MAX_TEXT_WEIGHT / 32));
     }
-    let head: Head = serde_json::from_slice(text).map_err(|error| format!("no glTF: {error}"))?;
+    let head: Head = serde_json::from_slice(text).map_err(|error| format!("not glTF: {error}"))?;
     if !head.asset.version.starts_with("2.") {
         return Err(format!("glTF version {:?}, expected 2.0", head.asset.version));
     }
@@ -162,8 +162,8 @@ fn container(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), String> {
     match Glb::from_slice(bytes) {
         Ok(Glb { json: Borrowed(json), bin: Some(Borrowed(bin)), .. }) => Ok((json, Some(bin))),
         Ok(Glb { json: Borrowed(json), .. }) => Ok((json, None)),
-        Ok(_) => Err("no JSON of its own".to_owned()),
-        Err(error) => Err(format!("no binary glTF 2.0: {error}")),
+        Ok(_) => Err("the binary file has no JSON part".to_owned()),
+        Err(error) => Err(format!("not binary glTF 2.0: {error}")),
     }
 }
 
@@ -273,7 +273,7 @@ impl<'a> Reader<'a> {
         };
         placed.uvs = uvs.map_or(vec![[0.0; 2]; count], |uvs| uvs.iter().map(turned).collect());
         if placed.uvs.iter().flatten().any(|x| !x.is_finite()) {
-            return Err("a texture coordinate that is no number".to_owned());
+            return Err("a texture coordinate that is not a finite number".to_owned());
         }
         let normals = normals.unwrap_or_default();
         placed.normals = normals.iter().map(|&n| unit(cofactors * Vec3::from_array(n).as_dvec3())).collect();

@@ -106,7 +106,7 @@ fn read_maps(
         let bytes = files.read(path).map_err(|error| error.to_string());
         let index = bytes.and_then(|bytes| maps.add(&bytes, Meaning::Color, Wrap::REPEAT));
         index.map_err(|error| {
-            unreadable.push(format!("{}: cannot read the albedo map: {error}; it is left out", path.display()));
+            unreadable.push(format!("{}: cannot read the albedo map: {error}; skipped", path.display()));
         })
     };
     let indices = libraries.maps.iter().map(|path| read(path).ok()).collect();
@@ -176,13 +176,13 @@ fn assemble(
     }
     meshes.retain(|mesh| !mesh.indices.is_empty());
     if meshes.is_empty() {
-        return Err(file_error("every face is degenerate (no area), expected at least one triangle".to_owned()));
+        return Err(file_error("no face has an area, expected at least one".to_owned()));
     }
     if degenerate_count > 0 {
-        warnings.push(format!("triangles without area that are left out: {degenerate_count}"));
+        warnings.push(format!("skipped {degenerate_count} triangles without area"));
     }
     if crossing_count > 0 {
-        warnings.push(format!("faces that cross themselves, whose triangles overlap: {crossing_count}"));
+        warnings.push(format!("{crossing_count} faces cross themselves; their triangles overlap"));
     }
     normals::fill_missing(&mut meshes);
     meshes.iter_mut().for_each(normals::wind_by_normals);

@@ -236,10 +236,10 @@ fn coefficients_of_cmgen_are_irradiance_by_its_polynomials() {
     }
     for (name, text, part) in [
         ("sh.txt", "", "it has 0 coefficients"),
-        ("sh.txt", "(1, 2); // irradiance, pre-scaled", "line 1 is no coefficient"),
-        ("sh.txt", "( 1, 2, 3); // L00, radiance", "line 1 is no coefficient"),
+        ("sh.txt", "(1, 2); // irradiance, pre-scaled", "line 1 is not a coefficient"),
+        ("sh.txt", "( 1, 2, 3); // L00, radiance", "line 1 is not a coefficient"),
         ("sh.json", "{\"radiance\": [[1, 2, 3]]}", "\"radiance\" has 1 triples"),
-        ("sh.json", "{", "is not read"),
+        ("sh.json", "{", "cannot be read"),
     ] {
         let message = sh::parse(Path::new(name), text).unwrap_err().to_string();
         assert!(message.contains(part) && message.contains(name), "{message}");

@@ -59,7 +59,7 @@ position = [0, 1, 0]
             "e.toml:3:8: size: [256] is not a pair of whole numbers in [1, 16384]",
             "e.toml:4:8: seed: \"one\" is not a whole number",
             "e.toml:5:14: background: 1 is not true or false",
-            "e.toml:6:10: camera: \"orto\" is not a camera; did you mean \"ortho\"?; expected ortho, perspective",
+            "e.toml:6:10: camera: \"orto\" is not a camera; did you mean \"ortho\"?; expected one of ortho, perspective",
             "e.toml:7:9: scene \"spheers\"",
             "e.toml:8:24: reference.method: \"referense\" is not a method; did you mean \"reference\"?",
             "e.toml:8:47: reference.samples: 0 is outside [1, 16777216]",
@@ -71,7 +71,7 @@ position = [0, 1, 0]
             "e.toml:13:20: axes.alpha: 0 is outside (0, 1]",
             "e.toml:13:23: axes.alpha: \"rough\" is not a number in (0, 1]",
             "e.toml:14:15: axes.samples: 2.5 is not a whole number in [1, 16777216]",
-            "e.toml:14:20: axes.samples: 1 stands twice",
+            "e.toml:14:20: axes.samples: 1 is listed twice",
             "e.toml:15:1: axes.rougness is unknown",
             "e.toml:16:12: axes.contrast: 1 is not a list of values",
             "e.toml:17:1: exclude.why is missing",
@@ -138,9 +138,9 @@ fn overrides_replace_an_axis_and_are_checked_like_the_file() {
         &[
             "--set alfa: axes.alfa is unknown; did you mean \"alpha\"?",
             "--set alpha: axes.alpha: 2 is outside (0, 1]",
-            "--set brdf: stands twice; give all values at once: --set brdf=v1,v2",
+            "--set brdf: is set twice; give all values at once: --set brdf=v1,v2",
             "--set nonsense: is not axis=value",
-            "--set samples: axes.samples: 4 stands twice",
+            "--set samples: axes.samples: 4 is listed twice",
         ],
     );
     let plan = Plan::from_text(Path::new("e.toml"), text, &["alpha=0.5".into(), "f0=0.04,1:0.5:0".into()]).unwrap();
@@ -174,7 +174,7 @@ fn level_biases_have_names_and_sequences_and_formats_are_checked() {
     assert_faults(
         &faults(text, &[]),
         &[
-            "e.toml:3:26: axes.prefilter_lod_bias: 1 stands twice",
+            "e.toml:3:26: axes.prefilter_lod_bias: 1 is listed twice",
             "e.toml:3:38: axes.prefilter_lod_bias: \"filamnt\" is not a level bias; did you mean \"filament\"?; expected a number in [-16, 16], or",
             "e.toml:3:49: axes.prefilter_lod_bias: 17 is outside [-16, 16]",
             "e.toml:4:13: axes.sequence: \"sobol\" is not a sequence",
@@ -254,18 +254,10 @@ fn what_has_no_steps_is_refused_under_ladder() {
     };
     assert_faults(&of("", ""), &[]);
     for (keys, axes, fault) in [
-        ("", "diffuse = [\"sh9\", \"zh3\"]", "e.toml:6:19: diffuse: [ladder] knows no steps of zh3"),
-        ("", "compensation = [\"turquin\"]", "e.toml:6:17: compensation: [ladder] has the steps of none"),
-        (
-            "",
-            "diffuse = [\"none\"]\nalpha = [0.001]",
-            "e.toml:7:10: alpha: 0.001 is too narrow for the steps of [ladder]",
-        ),
-        (
-            "size = [1, 1]\n",
-            "",
-            "e.toml:2:8: size: 1x1: the steps of [ladder] are over at least 64 views, one a pixel; this has 1",
-        ),
+        ("", "diffuse = [\"sh9\", \"zh3\"]", "e.toml:6:19: diffuse: [ladder] has no steps for zh3"),
+        ("", "compensation = [\"turquin\"]", "e.toml:6:17: compensation: [ladder] has no steps for turquin"),
+        ("", "diffuse = [\"none\"]\nalpha = [0.001]", "e.toml:7:10: alpha: 0.001 is too narrow for [ladder]"),
+        ("size = [1, 1]\n", "", "e.toml:2:8: size: 1x1 has 1 pixels; [ladder] needs at least 64"),
     ] {
         let found = of(keys, axes);
         assert!(found.len() == 1 && found[0].starts_with(fault), "{fault}: found {found:?}");
@@ -304,7 +296,7 @@ fn ranges_and_zips_are_checked() {
         &faults(text, &[]),
         &[
             "e.toml:6:1: zip: alpha has 2 values, samples has 3 values; expected as many for each",
-            "e.toml:8:1: zip: alpha stands twice",
+            "e.toml:8:1: zip: alpha is listed twice",
             "e.toml:8:1: zip: f0 is not in [axes]",
             "e.toml:10:1: zip: needs axes = [...] with at least two axes",
             "e.toml:10:9: zip.axes: \"alhpa\" is not an axis; did you mean \"alpha\"?",
@@ -399,7 +391,7 @@ fn a_point_light_stands_outside_of_every_sphere() {
         )
     };
     let fault =
-        "e.toml:5:1: lights: the point light at (0, 0.5, 0) is in the sphere of scene sphere with centre (0, 0, 0)";
+        "e.toml:5:1: lights: the point light at (0, 0.5, 0) is inside a sphere of scene sphere (centre (0, 0, 0)";
     assert_faults(&faults(&text("sphere", "[0, 0.5, 0]"), &[]), &[fault]);
     assert_faults(&faults(&text("sphere", "[0, 1, 0]"), &[]), &["e.toml:5:1: lights: the point light at (0, 1, 0)"]);
     assert_faults(&faults(&text("sphere", "[0, 1.001, 0]"), &[]), &[]);

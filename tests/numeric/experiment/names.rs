@@ -60,7 +60,7 @@ fn both_names_of_an_axis_are_one_too_many() {
     assert_faults(&faults(text, &[]), &[&format!("e.toml:4:1: {both}")]);
     let text = "name = \"x\"\n[axes]\nalpha = [0.5]\n";
     let set = ["alpha=0.1", "perceptual_roughness=0.5"];
-    assert_faults(&faults(text, &set), &["--set perceptual_roughness: stands twice"]);
+    assert_faults(&faults(text, &set), &["--set perceptual_roughness: is set twice"]);
     let text = "name = \"x\"\n[axes]\nperceptual_roughness = [0.5, 0, 1.5]\n";
     let expected =
         ["e.toml:3:30: axes.perceptual_roughness: 0 is outside [", "e.toml:3:33: axes.perceptual_roughness: 1.5 is"];

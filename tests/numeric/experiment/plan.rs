@@ -90,7 +90,7 @@ fn sample_counts_of_maps_by_harmonics_are_told_to_be_idle() {
     };
     let told = |by: &str| Plan::from_text(Path::new("x.toml"), &text(by), &[]).unwrap().warnings();
     let [warning] = &told("[\"harmonic\"]")[..] else { panic!("{:?}", told("[\"harmonic\"]")) };
-    assert!(warning.starts_with("x.toml:6:27: prefilter_sample_count: its 2 values are one cell"), "{warning}");
+    assert!(warning.starts_with("x.toml:6:27: prefilter_sample_count: its 2 values give one cell"), "{warning}");
     assert!(told("[\"sampled\"]").is_empty() && told("[\"harmonic\", \"sampled\"]").is_empty());
 }
 
@@ -102,7 +102,7 @@ fn metals_that_an_albedo_of_0_makes_black_are_told() {
         Plan::from_text(Path::new("x.toml"), &text, &[]).unwrap().warnings()
     };
     let [warning] = &told("spheres", "")[..] else { panic!("{:?}", told("spheres", "")) };
-    assert!(warning.starts_with("x.toml:5:11: albedo: the metals of spheres"), "{warning}");
+    assert!(warning.starts_with("x.toml:5:11: albedo: 0 makes the metals of spheres black"), "{warning}");
     assert!(told("spheres", "metallic = [0]\n").is_empty() && told("sphere", "").is_empty());
 }
 

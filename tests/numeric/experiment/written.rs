@@ -37,7 +37,10 @@ fn an_approximation_is_no_reference() {
     let with = |method: &str| {
         faults(&format!("name = \"x\"\nreference = {{ method = \"{method}\" }}\n[axes]\nalpha = [0.5]\n"), &[])
     };
-    assert_faults(&with("split-sum"), &["e.toml:2:24: reference.method: split-sum is itself off, "]);
+    assert_faults(
+        &with("split-sum"),
+        &["e.toml:2:24: reference.method: split-sum is an approximation and cannot be the reference"],
+    );
     assert_eq!((with("reference").len(), with("none").len()), (0, 0));
 }
 

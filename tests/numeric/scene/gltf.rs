@@ -356,7 +356,7 @@ fn what_is_not_read_is_refused_by_name() {
             m.as_object_mut().unwrap().remove("scene");
             m["scenes"] = json!([]);
         }),
-        ("no triangle with an area", |m| m["nodes"][0]["scale"] = json!([0, 1, 0])),
+        ("has no triangle with an area", |m| m["nodes"][0]["scale"] = json!([0, 1, 0])),
         ("a position outside -1e15 to 1e15", |m| m["nodes"][0]["translation"] = json!([1e16, 0, 0])),
         ("index 9, expected below its 4 positions", |m| {
             m["buffers"][3]["uri"] = json!("data:;base64,CQAJAAkACQAJAAkA");
@@ -377,7 +377,7 @@ fn what_is_not_read_is_refused_by_name() {
         ("cannot read \"a b.bin\"", |m| m["buffers"][0]["uri"] = json!("a%20b.bin")),
         ("data: without base64", |m| m["buffers"][0]["uri"] = json!("data:,x")),
         ("buffer 0: no URI", |m| m["buffers"][0] = json!({ "byteLength": 48 })),
-        ("no glTF: ", |m| *m = json!([1])),
+        ("not glTF: ", |m| *m = json!([1])),
     ];
     for (expected, edit) in edits {
         let mut model = quad();
@@ -392,7 +392,7 @@ fn what_is_not_read_is_refused_by_name() {
         assert!(error.contains("image 0: neither"), "{error:?}");
     }
     let error = load(&map(quad(), "data:image/png;base64,AAAA")).expect_err("no picture");
-    assert!(error.contains("image 0: it is neither PNG nor JPEG"), "{error:?}");
+    assert!(error.contains("image 0: not a PNG or JPEG file"), "{error:?}");
     // Two sets of texture coordinates have no place in the g-buffer's one.
     let material = json!({
         "normalTexture": { "index": 0, "texCoord": 1 }, "pbrMetallicRoughness": { "baseColorTexture": { "index": 0 } },

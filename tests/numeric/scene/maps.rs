@@ -184,7 +184,7 @@ fn maps_that_are_too_many_are_coarser() {
     for order in [[0, 1], [1, 0]] {
         let scene = load(&order.map(|i| [&large, &small][i].clone()));
         assert_eq!(sizes(&scene), order.map(|i| [[4096, 2048], [4, 4]][i]));
-        assert!(scene.warnings[0].ends_with("are halved to 4096 x 4096 at most"), "{:?}", scene.warnings);
+        assert!(scene.warnings[0].ends_with("were halved to at most 4096 x 4096"), "{:?}", scene.warnings);
         for map in &scene.textures {
             let level = &map.levels[0];
             let wanted =

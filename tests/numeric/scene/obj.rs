@@ -98,7 +98,7 @@ fn wrong_files_give_one_error_with_the_line() {
         // The first wrong line is the one that is named.
         ("v 0 0 0\nf 1 1 7\nf 1 1 0\n", "scene.obj:2: position index 7 is outside 1 to 1"),
         ("usemtl\n", "scene.obj:1: usemtl: expected the name of a material"),
-        ("v 0 0 0\nf 1 1 1\n", "scene.obj: every face is degenerate (no area), expected at least one triangle"),
+        ("v 0 0 0\nf 1 1 1\n", "scene.obj: no face has an area, expected at least one"),
     ];
     for (text, expected) in cases {
         let message = load_text(text).expect_err(text);

@@ -50,8 +50,9 @@ fn shader_name(permutation: &str, stem: &str) -> String {
 /// Returns the first error of a compiler's log, as `PATH:LINE: message`. The file causes those of the pass around it.
 fn first_error(log: &str, path: &Path) -> String {
     let first = log.lines().find_map(|line| line.trim().strip_prefix("ERROR: ")).unwrap_or_else(|| log.trim());
-    match first.starts_with("shaders/") {
-        true => format!("{}: expected `vec3 {FUNCTION}(Surface s)` and no main ({first})", path.display()),
-        false => first.to_owned(),
+    if !first.starts_with("shaders/") {
+        return first.to_owned();
     }
+    let what = first.splitn(3, ':').last().unwrap_or_default().trim();
+    format!("{}: expected a definition of `vec3 {FUNCTION}(Surface s)` and no main: {what}", path.display())
 }

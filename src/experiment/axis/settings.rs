@@ -1,0 +1,124 @@
+//! What the values of a point mean to the renderer.
+
+use crate::bakes::given::{Given, OWN};
+use crate::cost::child::Job;
+use crate::environment::Environment;
+use crate::experiment::value::Value;
+use crate::pipeline::RenderRequest;
+use crate::precompute::dfg::DfgAxes;
+use crate::scene::{Camera, CameraKind, Light, MaterialOverride, Orbit, Scene};
+use crate::shade::pass::specular_shader;
+use crate::shade::{NONE, REFERENCE, Shading};
+use crate::spelling::listed;
+use crate::tonemap::ToneCurve;
+use std::sync::Arc;
+
+/// The settings of one point. All points share the rest of a request (camera, lights, seed).
+#[derive(Clone, Debug)]
+pub struct Settings {
+    /// Width and height of the image, pixels.
+    pub size: [u32; 2],
+    /// `builtin:NAME` or a path.
+    pub environment: String,
+    /// Clips radiance at 2 to this power, in the reference too.
+    pub environment_clip_log2: Option<f64>,
+    /// A scene's name or a path.
+    pub scene: String,
+    pub material: MaterialOverride,
+    pub shading: Shading,
+    /// `own` or a file.
+    pub prefiltered: String,
+    pub dfg: String,
+    pub curve: ToneCurve,
+}
+
+/// The part of a request that all points of an experiment share.
+#[derive(Clone, Debug, PartialEq)]
+pub struct View {
+    pub camera: CameraKind,
+    pub orbit: Orbit,
+    pub background: bool,
+    pub antialias: bool,
+    pub lights: Vec<Light>,
+    pub seed: u32,
+    /// Samples of a reference diffuse term beside another specular method.
+    pub reference_samples: u32,
+    /// Stops a reference earlier: largest relative standard error of each term.
+    pub reference_error: Option<f64>,
+}
+
+impl Settings {
+    fn dfg_axes(&self) -> DfgAxes {
+        if self.dfg == OWN { DfgAxes::default() } else { DfgAxes::Centres }
+    }
+
+    pub fn specular_job(&self) -> Job {
+        let mut shading = self.shading;
+        shading.precompute.dfg_axes = self.dfg_axes();
+        Job::new(specular_shader(shading.precompute.layout, shading.method, shading.brdf), &shading.constants())
+    }
+
+    /// Builds the request: `scene` with the settings' material and the `given` tables.
+    pub fn request(self, environment: &Arc<Environment>, scene: &Scene, view: &View, given: Given) -> RenderRequest {
+        let mut shading = self.shading;
+        let precompute = &mut shading.precompute;
+        if let Some(map) = &given.prefiltered {
+            precompute.layout = map.layout;
+            precompute.prefilter_size = [map.side; 2];
+            precompute.irradiance_size = [precompute.irradiance_size[1]; 2];
+            precompute.prefilter_level_count = map.levels.len() as u32;
+            precompute.level_mapping = map.mapping;
+        }
+        precompute.dfg_size = given.dfg.as_ref().map_or(precompute.dfg_size, |table| table.side);
+        precompute.dfg_axes = self.dfg_axes();
+        let scene = Arc::new(scene.apply(&self.material));
+        RenderRequest {
+            environment: environment.clone(),
+            camera: Camera::for_scene(view.camera, &scene, self.size).orbited(view.orbit, &scene),
+            scene,
+            size: self.size,
+            shading,
+            reference_samples: if shading.method.is_integrated() { shading.samples } else { view.reference_samples },
+            reference_error: view.reference_error,
+            lights: view.lights.clone(),
+            background: view.background,
+            antialias: view.antialias,
+            given,
+            seed: view.seed,
+        }
+    }
+}
+
+/// What an experiment measures against.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Reference {
+    pub method: String,
+    pub samples: u32,
+    /// Stops earlier: largest relative standard error of each term (`shade::reference_pass::Convergence`).
+    pub relative_error: Option<f64>,
+    pub terms: Terms,
+}
+
+/// Terms of a cell's reference.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Terms {
+    /// The terms that the cell has.
+    #[default]
+    Cell,
+    /// Always specular and diffuse, so a cell without a term is scored on what it lacks.
+    All,
+}
+
+listed!(Terms, "choice of terms", { "cell": Cell, "all": All });
+
+impl Reference {
+    pub(super) fn leaves_out(&self, value: &Value) -> bool {
+        value.text() == NONE && self.terms == Terms::Cell
+    }
+}
+
+impl Default for Reference {
+    fn default() -> Self {
+        Self { method: REFERENCE.to_owned(), samples: 4096, relative_error: None, terms: Terms::default() }
+    }
+}
