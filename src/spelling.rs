@@ -101,7 +101,7 @@ pub fn not_one_of(what: &str, text: &str, names: &[&str], or: &str) -> String {
 }
 
 /// Longest list of names in a message.
-const NAMES_SHOWN: usize = 12;
+pub const NAMES_SHOWN: usize = 12;
 
 /// Lists names, or says which `splitsum list` has them.
 pub fn expected(what: &str, names: &[&str]) -> String {

@@ -1,14 +1,15 @@
 //! `splitsum cost`, and the hidden command of its child.
 
-use super::flags::SweptFlags;
+use super::flags::flag;
 use super::{Failure, print, tell};
-use clap::{ArgMatches, Args, Command, FromArgMatches};
+use clap::builder::ValueParser;
+use clap::{ArgAction, ArgMatches, Args, Command, FromArgMatches};
 use splitsum::cost::child::{CompileFault, Compiler, Job, available, serve};
 use splitsum::cost::family::{FAMILIES, Family};
 use splitsum::cost::isa::Counts;
 use splitsum::cost::pass::passes;
 use splitsum::cost::table::{Shaded, csv, markdown};
-use splitsum::experiment::axis::{AXES, BRDF, METHOD, Point};
+use splitsum::experiment::axis::{AXES, BRDF, METHOD, Named, Point};
 use splitsum::experiment::value::{Kind, Value};
 use splitsum::shade::{FILE_PREFIX, METHODS, own};
 use splitsum::spelling::Listed;
@@ -27,24 +28,41 @@ pub struct Arguments {
     #[arg(long, value_name = "FILE.csv")]
     out: Option<PathBuf>,
     #[command(flatten)]
-    compiled: CompiledFlags,
+    compiled: SweptFlags,
 }
 
 /// A family; `None` for all.
 #[derive(Clone, Debug)]
 struct Asked(Option<&'static Family>);
 
-#[derive(Debug)]
-struct CompiledFlags(SweptFlags);
+/// Axes with any number of values: flags repeated, with commas, or `all` of a list.
+#[derive(Debug, Default)]
+struct SweptFlags(Vec<(usize, Vec<Value>)>);
 
-impl Args for CompiledFlags {
+impl SweptFlags {
+    fn get(&self, axis: usize) -> Option<&[Value]> {
+        self.0.iter().find(|(own, _)| *own == axis).map(|(_, values)| &values[..])
+    }
+}
+
+impl Args for SweptFlags {
+    /// Adds a flag for every axis and hides those that change no code.
     fn augment_args(command: Command) -> Command {
+        let values = |named: Named| {
+            move |text: &str| match named.kind() {
+                Kind::Name { names, .. } | Kind::NameOrFile { names, .. } if text == ALL => {
+                    Ok(names().into_iter().map(Value::from).collect())
+                }
+                _ => text.split(',').map(|part| named.parse_text(part)).collect::<Result<Vec<Value>, String>>(),
+            }
+        };
         let methods = leading();
         let is_shown = |axis| axis == METHOD || changes_code(axis, &[], &methods);
-        let methods = methods.iter().map(Value::to_string).collect::<Vec<_>>().join(",");
-        SweptFlags::augment(command, is_shown).mut_arg(AXES[METHOD].name, |arg| {
-            arg.help(format!("Methods, or all [`splitsum list methods`; default {methods}]"))
-        })
+        let flag = |named: Named| flag(named, ValueParser::new(values(named))).action(ArgAction::Append);
+        let flags = Named::all().map(|named| flag(named).hide(!is_shown(named.axis)));
+        let names = methods.iter().map(Value::to_string).collect::<Vec<_>>().join(",");
+        let help = format!("Methods, or all (`splitsum list methods`) [default: {names}]");
+        command.args(flags).mut_arg(AXES[METHOD].name, |arg| arg.help(help))
     }
 
     fn augment_args_for_update(command: Command) -> Command {
@@ -52,13 +70,17 @@ impl Args for CompiledFlags {
     }
 }
 
-impl FromArgMatches for CompiledFlags {
+impl FromArgMatches for SweptFlags {
     fn from_arg_matches(matches: &ArgMatches) -> Result<Self, clap::Error> {
-        SweptFlags::read(matches).map(Self)
+        let mut flags = Self::default();
+        flags.update_from_arg_matches(matches).map(|()| flags)
     }
 
     fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> Result<(), clap::Error> {
-        SweptFlags::read(matches).map(|flags| self.0 = flags)
+        let values = |named: Named| Some((named.axis, matches.get_many::<Vec<Value>>(named.name())?));
+        self.0 =
+            Named::all().filter_map(values).map(|(axis, values)| (axis, values.flatten().cloned().collect())).collect();
+        Ok(())
     }
 }
 
@@ -186,7 +208,7 @@ fn asked(flags: &SweptFlags) -> Result<Vec<(Point, Job)>, Failure> {
 }
 
 fn compiled(arguments: &Arguments) -> Result<Vec<Shaded>, Failure> {
-    let flags = &arguments.compiled.0;
+    let flags = &arguments.compiled;
     let asked = asked(flags)?;
     let program = std::env::current_exe().map_err(Failure::failed)?;
     super::progress::doing("compiling shaders");

@@ -3,8 +3,7 @@
 use super::Failure;
 use super::shared::{DeviceFlag, InputFlags};
 use clap::builder::ValueParser;
-use clap::error::ErrorKind;
-use clap::{Arg, ArgAction, ArgMatches, Args, Command, Error, FromArgMatches};
+use clap::{Arg, ArgMatches, Args, Command, Error, FromArgMatches};
 use splitsum::experiment::axis::named::{ambiguous, hint};
 use splitsum::experiment::axis::{AXES, Named, Point, Reference, View};
 use splitsum::experiment::config::SEED;
@@ -102,13 +101,13 @@ fn help(named: Named) -> String {
     let first = about.chars().next().map(|c| c.to_uppercase().to_string()).unwrap_or_default();
     let default = if named.is_second() { Value::Unset } else { (named.entry().default)() };
     let values = if matches!(named.kind(), Kind::Input) { String::new() } else { named.kind().describe() };
-    let default = if default == Value::Unset { String::new() } else { format!("default {default}") };
+    let default = if default == Value::Unset { String::new() } else { format!("default: {default}") };
     let facts: Vec<String> = [values, default].into_iter().filter(|text| !text.is_empty()).collect();
     let rest = &about[about.chars().next().map_or(0, char::len_utf8)..];
     if facts.is_empty() { format!("{first}{rest}") } else { format!("{first}{rest} [{}]", facts.join("; ")) }
 }
 
-fn flag(named: Named, parser: ValueParser) -> Arg {
+pub fn flag(named: Named, parser: ValueParser) -> Arg {
     let arg = Arg::new(named.name())
         .long(named.flag())
         .value_name(named.kind().value_name())
@@ -137,52 +136,15 @@ impl Args for AxisFlags {
 impl FromArgMatches for AxisFlags {
     fn from_arg_matches(matches: &ArgMatches) -> Result<Self, Error> {
         let mut flags = Self::default();
-        flags.update_from_arg_matches(matches)?;
-        Ok(flags)
+        flags.update_from_arg_matches(matches).map(|()| flags)
     }
 
     fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> Result<(), Error> {
-        for named in Named::all() {
-            let value = matches.try_get_one::<Value>(named.name());
-            if let Some(value) = value.map_err(|error| Error::raw(ErrorKind::InvalidValue, error))? {
-                self.0.push(Given { flag: named.flag(), axis: named.axis, value: value.clone() });
-            }
-        }
-        Ok(())
-    }
-}
-
-/// Axes with any number of values: flags repeated, with commas, or `all` of a list.
-#[derive(Clone, Debug, Default)]
-pub struct SweptFlags(pub Vec<(usize, Vec<Value>)>);
-
-impl SweptFlags {
-    pub fn get(&self, axis: usize) -> Option<&[Value]> {
-        self.0.iter().find(|(own, _)| *own == axis).map(|(_, values)| &values[..])
-    }
-
-    /// Adds the flags to a command and hides those that are not shown.
-    pub fn augment(command: Command, is_shown: impl Fn(usize) -> bool) -> Command {
-        let values = |named: Named| {
-            move |text: &str| match named.kind() {
-                Kind::Name { names, .. } | Kind::NameOrFile { names, .. } if text == "all" => {
-                    Ok(names().into_iter().map(Value::from).collect())
-                }
-                _ => text.split(',').map(|part| named.parse_text(part)).collect::<Result<Vec<Value>, String>>(),
-            }
+        let given = |named: Named| {
+            let value = matches.get_one::<Value>(named.name())?.clone();
+            Some(Given { flag: named.flag(), axis: named.axis, value })
         };
-        let flag = |named: Named| flag(named, ValueParser::new(values(named))).action(ArgAction::Append);
-        command.args(Named::all().map(|named| flag(named).hide(!is_shown(named.axis))))
-    }
-
-    pub fn read(matches: &ArgMatches) -> Result<Self, Error> {
-        let mut flags = Self::default();
-        for named in Named::all() {
-            let values = matches.try_get_many::<Vec<Value>>(named.name());
-            if let Some(values) = values.map_err(|error| Error::raw(ErrorKind::InvalidValue, error))? {
-                flags.0.push((named.axis, values.flatten().cloned().collect()));
-            }
-        }
-        Ok(flags)
+        self.0 = Named::all().filter_map(given).collect();
+        Ok(())
     }
 }

@@ -32,9 +32,9 @@ struct Shown {
 struct Steps {
     total: usize,
     done: usize,
-    /// Finished share, and seconds left at `told`.
+    /// Finished share, and seconds left at `updated`.
     ahead: Ahead,
-    told: Instant,
+    updated: Instant,
 }
 
 fn shown() -> MutexGuard<'static, Option<Shown>> {
@@ -48,7 +48,7 @@ pub fn doing(words: impl Into<String>) {
 
 /// Starts work of `total` steps of about equal length; [`one_more`] ends each.
 pub fn counting(words: impl Into<String>, total: usize) {
-    follow(words.into(), Some(Steps { total, done: 0, ahead: Ahead::default(), told: Instant::now() }));
+    follow(words.into(), Some(Steps { total, done: 0, ahead: Ahead::default(), updated: Instant::now() }));
 }
 
 pub fn one_more() {
@@ -56,7 +56,7 @@ pub fn one_more() {
         let (done, left) = (steps.done + 1, steps.total.saturating_sub(steps.done + 1));
         let seconds = began.elapsed().as_secs_f64() * left as f64 / done as f64;
         let share = done as f64 / steps.total.max(1) as f64;
-        (steps.done, steps.ahead, steps.told) = (done, Ahead { share, seconds }, Instant::now());
+        (steps.done, steps.ahead, steps.updated) = (done, Ahead { share, seconds }, Instant::now());
     }
 }
 
@@ -125,8 +125,8 @@ impl Shown {
         let gone = self.began.elapsed();
         match &self.steps {
             None => format!("{}: {}", self.words, HumanDuration(gone)),
-            Some(Steps { total, done, ahead, told }) => {
-                let left = Duration::from_secs_f64(ahead.seconds.clamp(0.0, 1e9)).saturating_sub(told.elapsed());
+            Some(Steps { total, done, ahead, updated }) => {
+                let left = Duration::from_secs_f64(ahead.seconds.clamp(0.0, 1e9)).saturating_sub(updated.elapsed());
                 let percent = 100.0 * ahead.share;
                 format!("[{done}/{total}] {percent:.0} %, about {} left: {}", HumanDuration(left), self.words)
             }
@@ -143,7 +143,7 @@ impl Progress for Terminal {
             super::tell(&format!("{done} of {total} steps are done already"));
         }
         match done < total {
-            true => follow("starting".to_owned(), Some(Steps { total, done, ahead, told: Instant::now() })),
+            true => follow("starting".to_owned(), Some(Steps { total, done, ahead, updated: Instant::now() })),
             false => doing(END),
         }
     }
@@ -155,7 +155,7 @@ impl Progress for Terminal {
             let is_first = followed.words == "starting";
             label.clone_into(&mut followed.words);
             let Some(steps) = &mut followed.steps else { return };
-            (steps.done, steps.ahead, steps.told) = (steps.done + 1, ahead, Instant::now());
+            (steps.done, steps.ahead, steps.updated) = (steps.done + 1, ahead, Instant::now());
             let is_over = steps.done >= steps.total;
             if (is_first || is_over) && failure.is_none() && !std::io::stderr().is_terminal() {
                 followed.say();

@@ -2,7 +2,7 @@
 
 use crate::glsl::constants;
 use crate::shade::FILE_PREFIX;
-use crate::spelling::{Listed, not_one_of, with_article};
+use crate::spelling::{Listed, NAMES_SHOWN, not_one_of, with_article};
 use std::fmt;
 use std::hash::{Hash, Hasher};
 use std::sync::Arc;
@@ -334,6 +334,9 @@ impl Kind {
             Self::Count { min, max } => format!("whole number in [{min}, {max}]"),
             Self::Color(range) => format!("one number or three (red, green, blue) in {range}"),
             Self::Pair { min, max } => format!("two whole numbers in [{min}, {max}]"),
+            Self::Name { names, .. } | Self::NameOrFile { names, .. } if names().len() > NAMES_SHOWN => {
+                self.value_name().to_owned()
+            }
             Self::Name { names, .. } => names().join(" | "),
             Self::NameOrFile { names, .. } => format!("{} | {FILE_PREFIX}PATH", names().join(" | ")),
             Self::NumberOrName { range, named, .. } => {

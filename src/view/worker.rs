@@ -245,7 +245,7 @@ impl<'a> Renderer<'a> {
         if state.picture.has_sides() {
             self.shown.part = None;
         } else if state.picture != Picture::Difference {
-            self.show_part(state, &environment, &scene, counts[0])?;
+            self.show_part(state, (&environment, &scene), counts[0])?;
         }
         let is_there = |side| self.kept.get(&state.image(side, counts[0])).is_some();
         let is_there = [Side::Left, Side::Right].into_iter().all(is_there);
@@ -361,14 +361,8 @@ impl<'a> Renderer<'a> {
         Ok(())
     }
 
-    fn show_part(
-        &mut self,
-        state: &State,
-        environment: &Arc<Environment>,
-        scene: &Scene,
-        count: u32,
-    ) -> Result<(), Stop> {
-        let request = state.image(Side::Left, count).request(environment, scene);
+    fn show_part(&mut self, state: &State, inputs: (&Arc<Environment>, &Scene), count: u32) -> Result<(), Stop> {
+        let request = state.image(Side::Left, count).request(inputs.0, inputs.1);
         let picture = match state.picture {
             Picture::Part(part) => {
                 of_gbuffer(part, &self.pipeline.gbuffer(&request)?, &request.camera, request.scene.bounds())
