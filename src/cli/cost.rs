@@ -12,7 +12,7 @@ use splitsum::cost::table::{Shaded, csv, markdown};
 use splitsum::experiment::axis::{AXES, BRDF, METHOD, Named, Point};
 use splitsum::experiment::value::{Kind, Value};
 use splitsum::shade::{FILE_PREFIX, METHODS, own};
-use splitsum::spelling::Listed;
+use splitsum::spelling::{Listed, expected};
 use std::path::{Path, PathBuf};
 
 const ALL: &str = "all";
@@ -175,7 +175,7 @@ fn asked(flags: &SweptFlags) -> Result<Vec<(Point, Job)>, Failure> {
     let names = |points: &[Point]| points.iter().map(|point| point.method().name).collect::<Vec<_>>().join(", ");
     if shaded.is_empty() {
         let known = METHODS.iter().filter(|method| method.has_pass()).map(|method| method.name).collect::<Vec<_>>();
-        let (names, known) = (names(&left_out), known.join(", "));
+        let (names, known) = (names(&left_out), expected("method", &known));
         return Err(Failure::input(format!("--method {names}: no shading pass to compile; expected {known}")));
     }
     if !left_out.is_empty() {

@@ -186,8 +186,15 @@ pub fn main() -> ExitCode {
 /// Describes wrong arguments as other bad input: `--alpha: 3 is outside (0, 1]`.
 fn usage_fault(error: &clap::Error) -> String {
     if let (ErrorKind::ValueValidation, Some(source)) = (error.kind(), error.source()) {
-        let flag = error.get(ContextKind::InvalidArg).map(ToString::to_string).unwrap_or_default();
-        return format!("{}: {source}", flag.split(' ').next().unwrap_or_default());
+        let context = |kind| error.get(kind).map(ToString::to_string).unwrap_or_default();
+        let [flag, value] = [ContextKind::InvalidArg, ContextKind::InvalidValue].map(context);
+        let flag = flag.split(' ').next().unwrap_or_default();
+        let source = source.to_string();
+        return if source.contains(&value) {
+            format!("{flag}: {source}")
+        } else {
+            format!("{flag}: {value:?}: {source}")
+        };
     }
     let text = error.to_string();
     let lines = text.lines().map(str::trim).filter(|line| !line.is_empty());

@@ -214,7 +214,7 @@ fn bad_names_and_a_missing_compiler_are_told() {
     let dir = tempfile::tempdir().unwrap();
     let ends = |arguments: &[&str], parts: &[&str]| assert_ends(&splitsum(dir.path(), arguments), 2, parts);
     ends(&["cost", "--family", "navi12"], &["navi12", "did you mean \"navi21\"?", "gfx1100"]);
-    ends(&["cost", "--method", "reference"], &["no method with a shading pass", "split-sum"]);
+    ends(&["cost", "--method", "reference"], &["no shading pass to compile", "splitsum list methods"]);
     ends(&["cost", "--samples", "4"], &["--samples: has no effect on sampled"]);
     ends(&["cost", "--out", "none/costs.csv"], &["--out: none/costs.csv"]);
     let mut blind = command(dir.path(), &["cost"]);

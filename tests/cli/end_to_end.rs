@@ -230,11 +230,11 @@ fn render_writes_what_compare_reads() {
     let different: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
     assert!(different["rmse"].as_f64().unwrap() > 0.0);
     assert_eq!(different.as_object().unwrap().len(), splitsum::metrics::METRICS.len());
-    assert!(stderr(&output).contains("light of mean luminance 1, 1e-2 beside r^2"), "{}", stderr(&output));
+    assert!(stderr(&output).contains("mean luminance 1, epsilon 1e-2"), "{}", stderr(&output));
     let arguments = ["compare", "b.exr", "a.exr", "--json", "--environment-mean", "3"];
     let bright = splitsum(dir.path(), &arguments);
     let (error, bright): (_, serde_json::Value) = (stderr(&bright), serde_json::from_slice(&bright.stdout).unwrap());
-    assert!(error.contains("light of mean luminance 3, 9e-2 beside r^2"), "{error}");
+    assert!(error.contains("mean luminance 3, epsilon 9e-2"), "{error}");
     for (name, is_less) in [("relmse", true), ("smape", true), ("rmse", false)] {
         assert_eq!(bright[name].as_f64().unwrap() < different[name].as_f64().unwrap(), is_less, "{name}");
     }

@@ -241,7 +241,7 @@ fn every_fault_of_every_row_is_told_with_its_place() {
             "q.csv:10:f0: \"inf\" is not a finite number",
             "q.csv:10:vz: \"x\" is not a finite number",
             &format!(
-                "q.csv:11:brdf: \"beckman\" is not a BRDF model; did you mean \"beckmann\"?; expected {}",
+                "q.csv:11:brdf: \"beckman\" is not a BRDF model; did you mean \"beckmann\"?; expected one of {}",
                 models()
             ),
             "q.csv:11:f0: 1.5 is outside [0, 1]",
@@ -290,7 +290,7 @@ fn faults_of_the_header_come_first() {
         &["--kind", "dfg"],
         2,
         &[
-            "q.csv:2:masking: \"smith\" is not a masking-shadowing; expected separable,",
+            "q.csv:2:masking: \"smith\" is not a masking-shadowing; expected one of separable,",
             "q.csv:2:n_dot_v: 0 is outside (0, 1]",
         ],
     );
