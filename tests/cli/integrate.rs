@@ -298,7 +298,7 @@ fn faults_of_the_header_come_first() {
         "environment,brdf,alpha,rx,ry,rz,weight\nenv_analytic.exr,ggx,0.5,0,1,0,g1\n",
         &["--kind", "prefilter"],
         2,
-        &["q.csv:2:weight: \"g1\" is not a prefilter weight; expected cosine, masking, none"],
+        &["q.csv:2:weight: \"g1\" is not a prefilter weight; expected one of cosine, masking, none"],
     );
 }
 

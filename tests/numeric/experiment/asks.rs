@@ -81,7 +81,7 @@ fn an_axis_that_makes_no_rows_is_refused() {
     );
     assert_eq!(
         faults_of(r#"{ question = "effect", by = "samples" }"#),
-        ["e.toml:2:37: asks.by: samples does not tell cases apart; expected perceptual_roughness, f0"]
+        ["e.toml:2:37: asks.by: samples does not distinguish cases; expected perceptual_roughness, f0"]
     );
     assert_eq!(
         faults_of(r#"{ question = "visibility", by = "f0" }"#),

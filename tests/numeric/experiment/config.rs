@@ -65,7 +65,9 @@ position = [0, 1, 0]
             "e.toml:8:47: reference.samples: 0 is outside [1, 16777216]",
             "e.toml:8:50: reference.seed is unknown",
             "e.toml:10:31: environment missing.hdr: no such file",
-            &format!("e.toml:11:9: axes.brdf: \"gxx\" is not a BRDF model; did you mean \"ggx\"?; expected one of {models}"),
+            &format!(
+                "e.toml:11:9: axes.brdf: \"gxx\" is not a BRDF model; did you mean \"ggx\"?; expected one of {models}"
+            ),
             "e.toml:12:10: axes.method: an axis needs at least one value",
             "e.toml:13:15: axes.alpha: 1.4 is outside (0, 1]",
             "e.toml:13:20: axes.alpha: 0 is outside (0, 1]",
