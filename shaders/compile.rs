@@ -1,8 +1,6 @@
-//! Compiles every shader to SPIR-V and writes the definitions shared with Rust as GLSL. `src/glsl/source.rs` documents
-//! includes.
+//! Compiles every shader to SPIR-V and writes the definitions shared with Rust (see `src/glsl/source.rs`) as GLSL.
 //!
-//! The entry points in `page/` belong to the report's page and include the same libraries. The program writes the ones
-//! that a page needs as GLSL ES 3.00.
+//! Entry points in `page/` are the report's and include the same libraries; the program writes them as GLSL ES 3.00.
 
 use source::{Choice, Language, PAGE_FOLDER, Sources, compile};
 use std::collections::BTreeMap;

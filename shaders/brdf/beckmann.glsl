@@ -22,8 +22,7 @@ float g1_brdf(float n_dot_w, float alpha) {
     return g1_smith_rational(n_dot_w, alpha);
 }
 
-// The exact Smith masking of this distribution: n_dot_w over the visible area. Relative error below 5e-7. [Walter07 eq.
-// 26]
+// The exact Smith masking: n_dot_w over the visible area. Relative error below 5e-7. [Walter07 eq. 26]
 float g1_exact_brdf(float n_dot_w, float alpha) {
     if (n_dot_w <= 0.0) {
         return 0.0;

@@ -19,8 +19,7 @@ float d_brdf(vec3 h_local, float alpha) {
     return inv_alpha2 / PI * exp((inv_alpha2 - 1.0) * log_cos2);
 }
 
-// Smith masking G1 of a direction with cosine n_dot_w: sqrt(exponent / 2 + 1) is 1 / alpha. [Walter07 eq. 27, section
-// 5.2]
+// Smith masking G1 at cosine n_dot_w: sqrt(exponent / 2 + 1) is 1 / alpha. [Walter07 eq. 27, section 5.2]
 float g1_brdf(float n_dot_w, float alpha) {
     return g1_smith_rational(n_dot_w, alpha);
 }
@@ -38,8 +37,7 @@ float g1_exact_brdf(float n_dot_w, float alpha) {
     return n_dot_w / (n_dot_w * (1.0 - 0.5 * incomplete_beta_half(alpha2, log_sin2)) + grazing);
 }
 
-// Half vector with density D(h) n_dot_h: cos = (1 - u)^(1 / (exponent + 2)) = exp(-alpha^2 w / 2). [Walter07 eq. 31,
-// 32]
+// Half vector of density D(h) n_dot_h: cos = (1 - u)^(1 / (exponent + 2)) = exp(-alpha^2 w / 2). [Walter07 eq. 31, 32]
 LobeSample sample_lobe_brdf(vec4 point, float alpha) {
     float alpha2 = alpha * alpha;
     float x = 0.5 * alpha2 * point.w;

@@ -1,9 +1,7 @@
-// The camera of src/scene/camera.rs from the push constants. Camera space: x right, y up, z along the viewing
-// direction, origin at the eye.
+// The camera of src/scene/camera.rs from push constants. Camera space: x right, y up, z along the view, eye at 0.
 #include "generated/layout.glsl"
 
-// World to camera space. The eye is subtracted first: far from the origin a 4x4 matrix would lose the digits that this
-// keeps.
+// World to camera space. The eye is subtracted first: far from the origin a 4x4 matrix would lose digits.
 vec3 camera_from_world(GbufferParams camera, vec3 position_world) {
     vec3 p = position_world - camera.eye.xyz;
     return vec3(dot(camera.right.xyz, p), dot(camera.up.xyz, p), dot(camera.forward.xyz, p));

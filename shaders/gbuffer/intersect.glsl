@@ -1,7 +1,6 @@
 // Ray and sphere, and the sphere's bounds in the image.
 
-// The nearer intersection of the ray `direction` (any length) from the origin with the sphere about `center`, relative
-// to `center`. Returns false on a miss.
+// Nearer intersection of the ray `direction` (any length) from 0 with a sphere, relative to `center`. False on a miss.
 //
 // With x = d x c the discriminant is r^2 |d|^2 - |x|^2 and the hit is (d x x - sqrt(discriminant) d) / |d|^2. The usual
 // form subtracts two numbers of the size of |c|^2; here nothing larger than r^2 cancels, so the rim and the normal keep

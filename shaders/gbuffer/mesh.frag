@@ -42,8 +42,7 @@ void main() {
     vec3 mapped = looked_up(normal_map, uv, across, down).xyz;
     vec3 bitangent = sign(tangent_world.w) * cross(normal_world, tangent_world.xyz);
     vec3 n = normalize(mapped.x * tangent_world.xyz + mapped.y * bitangent + mapped.z * normal_world);
-    // Winding and normals agree (scene::Mesh), so a back face is one whose normal points to the far side of the
-    // surface.
+    // Winding and normals agree (scene::Mesh): a back face is one whose normal points to the far side.
     GbufferTexels texels = gbuffer_texels(position_world, gl_FrontFacing ? n : -n, material, camera.material);
     position_mask = texels.position_mask;
     normal_alpha = texels.normal_alpha;

@@ -1,5 +1,4 @@
-// Visible normals of GGX within the cap that reflects above the horizon, as the method sampled-vndf draws them.
-// [EtoTokuyoshi23]
+// Visible normals of GGX within the cap that reflects above the horizon (sampled-vndf). [EtoTokuyoshi23]
 
 // The cap of the stretched sphere that holds every direction which leaves above the horizon. [EtoTokuyoshi23]
 struct BoundedCap {

@@ -120,8 +120,7 @@ vec4 environment_bilinear(vec4 texels[4], vec2 t) {
     return mix(mix(texels[0], texels[1], t.x), mix(texels[2], texels[3], t.x), t.y);
 }
 
-// Inverse of the distribution of x in [0, 1] whose density is linear from `p0` at 0 to `p1` at 1 (each >= 0, any
-// scale), for xi in (0, 1].
+// The x in [0, 1] at xi in (0, 1] of the distribution with density linear from `p0` to `p1` (each >= 0, any scale).
 float environment_invert_linear(float p0, float p1, float xi) {
     float total = p0 + p1;
     // Both ends 0: the cell holds no light, any point will do.

@@ -11,8 +11,7 @@ struct LobeSample {
     float pdf_h;
 };
 
-// A half vector among those that a view sees, the density of the direction that it mirrors the view to, 1/sr, and D /
-// (4 n_dot_v) over that density.
+// A half vector that a view sees; the density (1/sr) of the mirrored view, and D / (4 n_dot_v) over that density.
 struct VisibleSample {
     vec3 h_local;
     float pdf_l;

@@ -15,8 +15,7 @@
 //!
 //! `G1 = 1/(1 + Λ) = cos θ / (cos θ (1 - I_x(N, 1/2)/2) + C sin^(2N) θ / (2N - 1))`.
 //!
-//! At alpha = 1 it is `2 cos θ / (1 + cos θ)`, as for GGX, whose D is the same there; for alpha → 0 it approaches
-//! Beckmann's.
+//! At alpha = 1 it is `2 cos θ / (1 + cos θ)`, as for GGX, whose D is the same there; for alpha → 0 Beckmann's.
 //!
 //! # Sampling
 //!

@@ -36,8 +36,7 @@
 //! ```
 //!
 //! This is a step towards sampling the product of light and lobe, with an exact density for any weights \[Clarberg08\].
-//! Beside a lobe sampler it needs no weight where the lobe is unlikely, but a floor keeps the tails of long-tailed
-//! lobes in reach.
+//! Beside a lobe sampler it needs no weight where the lobe is unlikely; a floor keeps long tails in reach.
 //!
 //! With threshold 0 the density is positive wherever the radiance is (all three luminance weights are). Beside a lobe
 //! sampler that covers all directions, a positive threshold is still unbiased and better: the lobe samples dim light

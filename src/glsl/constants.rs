@@ -34,8 +34,7 @@ constants! {
     LUMINANCE_GREEN: f32 = 0.7152;
     LUMINANCE_BLUE: f32 = 0.0722;
     /// Floor of sin(theta) in a density per solid angle over an equirectangular map. At 0 the density would be
-    /// infinite, and its product with a black pole NaN; below 1e-30 it would overflow f32. The balance heuristic gives
-    /// such a sample no weight.
+    /// infinite, and its product with a black pole NaN; below 1e-30 it would overflow f32. Such samples get no weight.
     ENVIRONMENT_SIN_THETA_MIN: f32 = 1e-9;
     /// Side of the square work group of image passes.
     GROUP_SIDE: u32 = 8;

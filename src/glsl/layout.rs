@@ -7,8 +7,6 @@ pub type Struct = (&'static str, &'static [(&'static str, &'static str)]);
 
 /// A shared struct that can be passed to a shader.
 pub trait SharedStruct {
-    /// Size in bytes, without padding.
-    const SIZE: usize;
     /// Returns the bytes as the shader reads them.
     fn to_bytes(&self) -> Vec<u8>;
 }
@@ -20,9 +18,8 @@ macro_rules! shared_structs {
             #[derive(Clone, Copy, Debug, Default, PartialEq)]
             pub struct $name { $($(#[$mdoc])* pub $member: shared_structs!(@rust $ty),)* }
             impl SharedStruct for $name {
-                const SIZE: usize = 0 $(+ shared_structs!(@size $ty))*;
                 fn to_bytes(&self) -> Vec<u8> {
-                    let mut bytes = Vec::with_capacity(Self::SIZE);
+                    let mut bytes = Vec::new();
                     $(shared_structs!(@push $ty bytes self.$member);)*
                     bytes
                 }
@@ -35,10 +32,6 @@ macro_rules! shared_structs {
     (@rust uvec4) => { [u32; 4] };
     (@rust float) => { f32 };
     (@rust uint) => { u32 };
-    (@size vec4) => { 16 };
-    (@size uvec4) => { 16 };
-    (@size float) => { 4 };
-    (@size uint) => { 4 };
     (@push vec4 $bytes:ident $value:expr) => { for x in $value { $bytes.extend_from_slice(&x.to_ne_bytes()); } };
     (@push uvec4 $bytes:ident $value:expr) => { for x in $value { $bytes.extend_from_slice(&x.to_ne_bytes()); } };
     (@push float $bytes:ident $value:expr) => { $bytes.extend_from_slice(&$value.to_ne_bytes()); };

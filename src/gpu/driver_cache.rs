@@ -14,8 +14,7 @@ const FOLDER: &str = "MESA_SHADER_CACHE_DIR";
 const ROOM_BYTES: usize = 1 << 22;
 
 /// Turns Mesa's shader cache off if the disk has no room for it. Must be called before the Vulkan loader is opened.
-/// Only the first call checks; other threads wait for it, since later the loader and its drivers may read the
-/// environment.
+/// Only the first call checks; other threads wait for it, since later the drivers may read the environment.
 pub(super) fn disable_without_room() {
     static FIRST: Once = Once::new();
     FIRST.call_once(|| {

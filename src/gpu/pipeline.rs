@@ -2,7 +2,7 @@
 
 use super::device::{Shared, lock};
 use super::kept_pipeline::{Interface, Pipeline};
-use super::shader::spirv;
+use super::shader::code_of;
 use super::{Format, GpuError};
 use ash::vk;
 use std::sync::Arc;
@@ -71,7 +71,8 @@ struct Module<'a> {
 
 impl<'a> Module<'a> {
     fn new(device: &'a Shared, name: &str) -> Result<Self, GpuError> {
-        let words = spirv(name)?;
+        let code = code_of(name).ok_or_else(|| GpuError::NoShader(name.into()))?;
+        let words: Vec<u32> = bytemuck::pod_collect_to_vec(code);
         let info = vk::ShaderModuleCreateInfo::default().code(&words);
         // SAFETY: the words are SPIR-V from the build script.
         let raw = unsafe { device.raw.create_shader_module(&info, None) }
@@ -92,8 +93,7 @@ impl Drop for Module<'_> {
 }
 
 impl Shared {
-    /// Returns the compute pipeline of the permutation `shader`, with specialization constants 0, 1, ... set to
-    /// `constants`.
+    /// Returns the compute pipeline of a permutation, with specialization constants 0, 1, ... set to `constants`.
     pub(super) fn compute_pipeline(
         &self,
         shader: &str,

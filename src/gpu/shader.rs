@@ -10,23 +10,17 @@ use std::sync::{LazyLock, PoisonError, RwLock};
 
 include!(concat!(env!("OUT_DIR"), "/shaders.rs"));
 
-/// Returns the SPIR-V words of the permutation `name` (see `shaders/compile.rs`).
-pub(super) fn spirv(name: &str) -> Result<Vec<u32>, GpuError> {
-    let code = code_of(name).ok_or_else(|| GpuError::NoShader(name.into()))?;
-    Ok(bytemuck::pod_collect_to_vec(code))
-}
-
 /// Shaders compiled at run time. They are never removed, since pipelines may be made at any time.
 static ADDED: RwLock<BTreeMap<String, &'static [u8]>> = RwLock::new(BTreeMap::new());
 
-fn code_of(name: &str) -> Option<&'static [u8]> {
+/// Finds the SPIR-V of the permutation `name` (see `shaders/compile.rs`).
+pub(super) fn code_of(name: &str) -> Option<&'static [u8]> {
     let built = SHADERS.iter().find(|(known, _)| *known == name).map(|(_, code)| *code);
     // A panic cannot leave the map half-changed: entries are added in one step.
     built.or_else(|| ADDED.read().unwrap_or_else(PoisonError::into_inner).get(name).copied())
 }
 
-/// Adds a permutation that the build did not make. `name` must contain a hash of its text: a second code under that
-/// name is ignored.
+/// Adds a permutation at run time. `name` must contain a hash of its text: a second code under that name is ignored.
 pub fn add_shader(name: String, code: &[u32]) {
     let mut added = ADDED.write().unwrap_or_else(PoisonError::into_inner);
     added.entry(name).or_insert_with(|| Box::leak(bytemuck::cast_slice(code).to_vec().into_boxed_slice()));

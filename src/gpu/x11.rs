@@ -12,8 +12,7 @@ unsafe extern "C" {
     safe fn _exit(code: c_int) -> !;
 }
 
-/// Ends the program if Xlib or a panic shows that the X server has ended: calls `last_words` and exits with the code
-/// that it returns.
+/// Ends the program if Xlib or a panic shows that the X server has ended, with the exit code of `last_words`.
 pub fn when_server_ends(last_words: fn() -> u8) {
     if !answers() || LAST_WORDS.set(last_words).is_err() {
         return;

@@ -79,8 +79,7 @@ fn difference(to: &Deviations, from: &Deviations, pixel: usize, scramble: usize)
     of(to) - of(from)
 }
 
-/// Computes attributions over all pixels, then over each band of n·v; bands without pixels or without error are
-/// omitted.
+/// Computes attributions over all pixels, then by band of n·v; bands without pixels or error are omitted.
 pub fn attributions(case: &Case, bands: &[[f64; 2]]) -> Vec<Attribution> {
     let steps = case.ladder.steps;
     let (needs, everybody) = (case.ladder.needs(), (1 << steps.len()) - 1);

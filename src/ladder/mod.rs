@@ -45,8 +45,7 @@ pub const SAMPLES: usize = 5;
 pub const STORAGE: usize = 6;
 pub const TABLE: usize = 7;
 
-/// From the specular integral to the split sum. Only functions of one direction can be tabulated: levels, texels,
-/// samples and storage need n = v = r.
+/// From the specular integral to the split sum. Levels to storage need n = v = r: maps store one direction.
 pub static SPLIT_SUM: Ladder = Ladder {
     steps: &[
         // Fresnel's factor leaves the integral: f0 A + B times a mean.

@@ -2,8 +2,7 @@
 //!
 //! Shading stays at one point per pixel, so that "16 samples a pixel" means 16. A g-buffer with [`POINTS_PER_SIDE`]²
 //! points per pixel finds the pixels where surfaces meet, or a surface and the background. Each point takes the
-//! radiance of the most similar of the nine pixels around it; the pixel is the mean over its points. Scores exclude
-//! these pixels.
+//! radiance of the most similar of the nine pixels around it; the pixel is the mean. Scores exclude these pixels.
 
 use super::Frame;
 use crate::gbuffer::Gbuffer;

@@ -115,8 +115,7 @@ pub struct Convergence {
     pub term: &'static str,
     /// Samples a pixel.
     pub sample_count: u64,
-    /// `sqrt(mean of se² / (mean² + ε))` with the ε of the metric `relmse`, over masked pixels and channels; se is the
-    /// standard error of the pixel's mean.
+    /// `sqrt(mean of se² / (mean² + ε))`, ε as in `relmse`, over masked pixels and channels; se: standard error.
     pub relative_error: f64,
     /// Whether the requested relative error was reached; always true without one.
     pub is_met: bool,

@@ -30,8 +30,7 @@ pub struct Targets<'a> {
 }
 
 impl Recorder {
-    /// Dispatches the shader permutation `shader` with specialization constants 0, 1, ...; `push` are the push
-    /// constants' bytes.
+    /// Dispatches a shader permutation with specialization constants 0, 1, ...; `push` are push constants' bytes.
     pub fn dispatch(
         &mut self,
         shader: &str,

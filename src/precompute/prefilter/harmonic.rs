@@ -2,8 +2,7 @@
 //! = D(γ/2) w(cos γ)` over its integral; in spherical harmonics it is a product, `P_lm = k_l L_lm`.
 //!
 //! GGX has the longest tails: `k_l` falls as `exp(-2 alpha l)`, and degrees up to 8/alpha leave 1e-7 of it. Lobes end
-//! at the horizon, the more abruptly the wider they are: for wide ones `k_l` falls as a power of l. docs/estimators.md
-//! has the remaining errors.
+//! at the horizon, wide ones most: then `k_l` falls as a power of l. docs/estimators.md has the remaining errors.
 
 use super::Kernel;
 use crate::brdf::Brdf;

@@ -1,5 +1,4 @@
-//! Nine spherical-harmonic coefficients under a Hann window: degree l has the weight `(1 + cos(π l/w))/2`, w =
-//! [`SH9_WINDOW`] \[Sloan08\].
+//! Nine coefficients under a Hann window: degree l has the weight `(1 + cos(π l/w))/2`, w = [`SH9_WINDOW`] \[Sloan08\].
 //!
 //! Opposite to a small lamp, `sh9` rings to -3.7 % of its peak before it is floored at 0, this method to -2.3 %. In
 //! return it blurs: light linear in direction loses 1/15 of its slope.

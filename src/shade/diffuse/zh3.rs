@@ -2,8 +2,7 @@
 //!
 //! All channels share one axis, the direction of the linear part of luminance. With r the ratio of a channel's linear
 //! part along it to its constant part, the zonal coefficient is `L00 (0.08 r + 0.6 r²)`, a fit by the authors. It reads
-//! four of the nine coefficients. Constant light is exact; light linear in direction is not, since it gets a quadratic
-//! part.
+//! four of the nine coefficients. Constant light is exact; linear light is not, since it gets a quadratic part.
 
 use super::Diffuse;
 use crate::glsl::constants::{LUMINANCE_BLUE, LUMINANCE_GREEN, LUMINANCE_RED};

@@ -2,8 +2,7 @@
 //!
 //! `1/N Σ_k f(v, l_k) n_dot_l_k / pdf_l(l_k) L(l_k, lod_k)`; m_k has density `D(m) n_dot_m` and `l_k = reflect(-v,
 //! m_k)`. The level is `lod_k = 1/2 log2(omega_s / omega_p) + lod_bias`, with `omega_s = 1/(N pdf_l)` the solid angle
-//! of the sample and `omega_p` the one of a texel of level 0 at `l_k`. Directions below the horizon add 0 but count in
-//! N.
+//! of the sample and `omega_p` of a texel of level 0. Directions below the horizon add 0 but count in N.
 
 use super::Method;
 use crate::brdf::{Brdf, eval, pdf_d_l, reflect};
