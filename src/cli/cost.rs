@@ -249,7 +249,7 @@ fn compiled(arguments: &Arguments) -> Result<Vec<Shaded>, Failure> {
     Ok(shaded)
 }
 
-/// Selects the requested families among those of the driver; by default the newest.
+/// Selects the requested families among the families of the driver; by default the newest.
 fn families(
     asked: &[Asked],
     mut found: Vec<(&'static Family, Compiler)>,

@@ -43,6 +43,11 @@ fn documents() -> Vec<PathBuf> {
     files
 }
 
+/// A line with each code span as one word.
+fn without_code(line: &str) -> String {
+    line.split('`').step_by(2).collect::<Vec<_>>().join("CODE")
+}
+
 /// Text of a page without code blocks, code spans and blocks filled from runs; lines stay where they are.
 fn prose(page: &str) -> String {
     let (mut is_code, mut is_filled) = (false, false);
@@ -52,13 +57,42 @@ fn prose(page: &str) -> String {
         is_filled |= line.starts_with("<!-- csv ") || line.starts_with("<!-- sentence ");
         let is_skipped = is_code || is_fence || is_filled || line.starts_with("    ");
         is_filled &= !line.contains("<!-- /");
-        match is_skipped {
-            true => String::new(),
-            // A code span counts as one word.
-            false => line.split('`').step_by(2).collect::<Vec<_>>().join("CODE"),
-        }
+        if is_skipped { String::new() } else { without_code(line) }
     };
     page.lines().map(line).collect::<Vec<_>>().join("\n")
+}
+
+/// What a user may see of a source file: help comments (`///`) and string literals. Lines stay where they are; a mark
+/// separates one literal from the next.
+fn visible(source: &str) -> String {
+    let mut text = String::new();
+    let (mut is_text, mut rest) = (false, source);
+    while let Some(c) = rest.chars().next() {
+        let mut width = c.len_utf8();
+        match c {
+            '\n' => text.push('\n'),
+            '\\' if is_text => {
+                // An escaped line break continues the literal on the next line.
+                let next = rest[1..].chars().next().unwrap_or_default();
+                text.push(if next == '\n' { '\n' } else { ' ' });
+                width += next.len_utf8();
+            }
+            '"' => {
+                is_text = !is_text;
+                text += " . ";
+            }
+            _ if is_text => text.push(c),
+            '\'' if rest.starts_with("'\"'") => width = 3,
+            '/' if rest.starts_with("//") => {
+                let line = rest.lines().next().unwrap_or_default();
+                text += &without_code(line.strip_prefix("///").unwrap_or_default());
+                width = line.len();
+            }
+            _ => {}
+        }
+        rest = &rest[width..];
+    }
+    text
 }
 
 /// The banned phrases of a text, each with its line from 1. A phrase may continue on the next line, but not across
@@ -89,18 +123,36 @@ fn banned(text: &str) -> Vec<(usize, &'static str)> {
         .collect()
 }
 
-#[test]
-fn documents_use_plain_words() {
+/// Fails with file, line and phrase if what `read` takes from a file has a banned phrase.
+fn assert_plain(files: &[PathBuf], read: fn(&str) -> String) {
     let mut faults = Vec::new();
-    for file in documents() {
-        let text = std::fs::read_to_string(&file).unwrap_or_else(|error| panic!("{}: {error}", file.display()));
-        let name = file.strip_prefix(env!("CARGO_MANIFEST_DIR")).unwrap_or(&file).display().to_string();
-        for (line, phrase) in banned(&prose(&text)) {
+    for file in files {
+        let text = std::fs::read_to_string(file).unwrap_or_else(|error| panic!("{}: {error}", file.display()));
+        let name = file.strip_prefix(env!("CARGO_MANIFEST_DIR")).unwrap_or(file).display().to_string();
+        for (line, phrase) in banned(&read(&text)) {
             let instead = BANNED.iter().find(|(p, _)| *p == phrase).map_or("", |(_, instead)| instead);
             faults.push(format!("{name}:{line}: \"{phrase}\": write {instead}"));
         }
     }
     assert!(faults.is_empty(), "\n{}", faults.join("\n"));
+}
+
+#[test]
+fn documents_use_plain_words() {
+    assert_plain(&documents(), prose);
+}
+
+#[test]
+fn help_and_messages_use_plain_words() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("src/cli");
+    let files: Vec<PathBuf> = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect();
+    assert_plain(&files, visible);
+}
+
+#[test]
+fn banned_words_are_found_in_help_and_messages_only() {
+    let source = "/// Prints that\n/// of mine, `anew`.\nlet told = \"a \\\n  mend\"; // anew\nf(\"is\", \"no\", '\"', \"whoever\");\n";
+    assert_eq!(banned(&visible(source)), [(1, "that of"), (4, "mend"), (5, "whoever")]);
 }
 
 #[test]
