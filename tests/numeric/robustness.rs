@@ -1,11 +1,12 @@
 //! Inputs of anyone's making do no harm: every target of `fuzz/` over its corpus, its regressions and mutated seeds, on any toolchain.
 
 mod mutation;
-mod seeds;
 mod targets;
 
 use crate::cpu_time;
 use mutation::Mutator;
+use splitsum::bakes::{container, source};
+use splitsum::environment::{Environment, LoadOptions};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -26,18 +27,14 @@ fn try_input(target: &Target, name: &str, bytes: &[u8]) {
         std::fs::create_dir_all(&folder).unwrap();
         let path = folder.join(format!("{}-{name}", target.name));
         std::fs::write(&path, bytes).unwrap();
-        panic!(
-            "{} {name}: {} (kept as {})",
-            target.name,
-            if is_slow { "too slow" } else { "panicked" },
-            path.display()
-        );
+        let fault = if is_slow { "too slow" } else { "panicked" };
+        panic!("{} {name}: {fault} (kept as {})", target.name, path.display());
     }
 }
 
 /// The files of a folder of `fuzz/` with their names, in order.
-fn kept(folder: &str, target: &Target) -> Vec<(String, Vec<u8>)> {
-    let dir = Path::new(env!("CARGO_MANIFEST_DIR")).join("fuzz").join(folder).join(target.name);
+fn kept(folder: &str, target: &str) -> Vec<(String, Vec<u8>)> {
+    let dir = Path::new(env!("CARGO_MANIFEST_DIR")).join("fuzz").join(folder).join(target);
     let mut paths: Vec<PathBuf> =
         std::fs::read_dir(dir).into_iter().flatten().map(|entry| entry.unwrap().path()).collect();
     paths.sort();
@@ -45,109 +42,95 @@ fn kept(folder: &str, target: &Target) -> Vec<(String, Vec<u8>)> {
     paths.iter().map(|path| (name(path), std::fs::read(path).unwrap())).collect()
 }
 
+/// Right files, from which mutation starts.
+fn seeds(target: &str) -> Vec<(String, Vec<u8>)> {
+    kept("corpus", target).into_iter().filter(|(name, _)| name.starts_with("seed-")).collect()
+}
+
 fn check(name: &str) {
     let target = TARGETS.iter().find(|target| target.name == name).unwrap();
-    let seeds = seeds::seeds(name);
-    for (name, bytes) in seeds.iter().chain(&kept("corpus", target)).chain(&kept("regressions", target)) {
+    for (name, bytes) in kept("corpus", name).iter().chain(&kept("regressions", name)) {
         try_input(target, name, bytes);
     }
+    let (seeds, mut mutator) = (seeds(name), Mutator::new(0x5eed));
+    let seeds: Vec<&[u8]> = seeds.iter().map(|(_, bytes)| bytes.as_slice()).collect();
+    assert!(seeds.len() >= 2, "{name} has {} seeds", seeds.len());
     let count = std::env::var("SPLITSUM_MUTATIONS").map_or(MUTATIONS, |count| count.parse().unwrap());
-    let mut mutator = Mutator::new(0x5eed);
     for i in 0..count {
-        let bytes = mutator.mutate(&seeds.iter().map(|(_, bytes)| bytes.as_slice()).collect::<Vec<_>>());
-        try_input(target, &format!("mutation-{i}"), &bytes);
+        try_input(target, &format!("mutation-{i}"), &mutator.mutate(&seeds));
     }
 }
 
 #[test]
-fn radiance_pictures() {
+fn hostile_radiance_pictures_do_no_harm() {
     check("hdr");
 }
 
 #[test]
-fn openexr_files() {
+fn hostile_openexr_files_do_no_harm() {
     check("exr");
 }
 
 #[test]
-fn wavefront_files() {
+fn hostile_wavefront_files_do_no_harm() {
     check("obj");
 }
 
 #[test]
-fn gltf_files() {
+fn hostile_gltf_files_do_no_harm() {
     check("gltf");
 }
 
 #[test]
-fn experiments() {
+fn hostile_experiments_do_no_harm() {
     check("experiment");
 }
 
 #[test]
-fn tables_of_queries() {
+fn hostile_queries_do_no_harm() {
     check("queries");
 }
 
 #[test]
-fn folders_of_runs() {
+fn hostile_folders_of_runs_do_no_harm() {
     check("report");
 }
 
 #[test]
-fn textures() {
+fn hostile_textures_do_no_harm() {
     for name in ["ktx2", "ktx", "dds"] {
         check(name);
-        for (seed, bytes) in seeds::seeds(name) {
+        for (seed, bytes) in seeds(name) {
             let path = PathBuf::from(format!("{seed}.{name}"));
-            splitsum::bakes::container::from_bytes(&path, &bytes).unwrap_or_else(|error| panic!("{error}"));
-            // A file that ends early is no smaller texture.
+            container::from_bytes(&path, &bytes).unwrap_or_else(|error| panic!("{error}"));
+            // A file that ends early is not a smaller texture.
             for length in 0..bytes.len() {
-                let cut = splitsum::bakes::container::from_bytes(&path, &bytes[..length]);
-                assert!(cut.is_err(), "{seed}.{name} of {length} bytes");
+                assert!(container::from_bytes(&path, &bytes[..length]).is_err(), "{seed}.{name} of {length} bytes");
             }
         }
     }
 }
 
 #[test]
-fn parts_of_bakes() {
-    for name in ["png", "sh", "bake"] {
-        check(name);
-    }
+fn hostile_parts_of_bakes_do_no_harm() {
+    ["png", "sh", "bake"].into_iter().for_each(check);
 }
 
-/// The seeds must be right files, or mutation starts from refusals only.
+/// If the seeds were not right files, mutation would start from refusals only.
 #[test]
-fn seeds_are_read() {
-    use splitsum::environment::{Environment, LoadOptions};
-    for (extension, count) in [("hdr", 9), ("exr", 23)] {
-        let seeds = seeds::seeds(extension);
-        assert_eq!(seeds.len(), count);
-        for (name, bytes) in seeds {
+fn seeds_are_right_files() {
+    for extension in ["hdr", "exr"] {
+        for (name, bytes) in seeds(extension) {
             let path = PathBuf::from(format!("{name}.{extension}"));
             let environment = Environment::from_bytes(&path, &bytes, &LoadOptions::default());
             environment.unwrap_or_else(|error| panic!("{error}"));
         }
     }
-    for (name, bytes) in seeds::seeds("bake") {
+    for (name, bytes) in seeds("bake") {
         let dir = tempfile::tempdir().unwrap();
         targets::write_files(dir.path(), &bytes);
-        let reading = splitsum::bakes::source::Reading { layout: None, brdf: "ggx" };
-        let bake = splitsum::bakes::source::read(&[dir.path().display().to_string()], reading);
+        let reading = source::Reading { layout: None, brdf: "ggx" };
+        let bake = source::read(&[dir.path().display().to_string()], reading);
         assert!(bake.is_ok_and(|bake| bake.specular.is_some()), "{name}");
-    }
-}
-
-/// Writes the seeds to `fuzz/corpus`.
-#[test]
-#[ignore = "writes files of the repository: scripts/fuzz.sh calls it"]
-fn write_seeds() {
-    for target in TARGETS {
-        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("fuzz/corpus").join(target.name);
-        std::fs::create_dir_all(&folder).unwrap();
-        for (name, bytes) in seeds::seeds(target.name) {
-            std::fs::write(folder.join(format!("seed-{name}")), bytes).unwrap();
-        }
     }
 }
