@@ -5,5 +5,4 @@ mod config;
 mod limits;
 mod names;
 mod plan;
-mod written;
 mod zips;

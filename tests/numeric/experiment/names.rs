@@ -1,8 +1,8 @@
 //! Axes have names, and facts that all of the program goes by; a second name stands for values of the first.
 
-use super::config::{assert_faults, faults};
 use splitsum::experiment::Plan;
 use splitsum::experiment::axis::{ALPHA, AXES, Named, Part};
+use splitsum::experiment::inputs::short_names;
 use splitsum::experiment::value::ALPHA_MIN;
 use splitsum::precompute::{PrecomputeSettings, PrefilterBy};
 use std::collections::BTreeSet;
@@ -48,33 +48,6 @@ fn cells_are_labelled_by_the_name_that_the_experiment_uses() {
     assert_eq!(labels("alpha = [0.09, 0.25]", &[]), ["alpha=0.09", "alpha=0.25"]);
     // Not every f0 has an index of refraction that was written.
     assert_eq!(labels("ior = [1.5, 2]", &[]), ["f0=0.04", "f0=0.1111"]);
-    let text = "name = \"x\"\n[axes]\nperceptual_roughness = [0.5, 1]\n[[exclude]]\nperceptual_roughness = 0.25\nwhy = \"?\"\n";
-    let unknown = "e.toml:5:24: exclude.perceptual_roughness: the axis has no value 0.25; it has 0.5, 1";
-    assert_faults(&faults(text, &[]), &[unknown]);
-}
-
-#[test]
-fn both_names_of_an_axis_are_one_too_many() {
-    let text = "name = \"x\"\n[axes]\nalpha = [0.5]\nperceptual_roughness = [0.5]\n";
-    let both = "axes.perceptual_roughness: alpha and perceptual_roughness are two names of one axis";
-    assert_faults(&faults(text, &[]), &[&format!("e.toml:4:1: {both}")]);
-    let text = "name = \"x\"\n[axes]\nalpha = [0.5]\n";
-    let set = ["alpha=0.1", "perceptual_roughness=0.5"];
-    assert_faults(&faults(text, &set), &["--set perceptual_roughness: is set twice"]);
-    let text = "name = \"x\"\n[axes]\nperceptual_roughness = [0.5, 0, 1.5]\n";
-    let expected =
-        ["e.toml:3:30: axes.perceptual_roughness: 0 is outside [", "e.toml:3:33: axes.perceptual_roughness: 1.5 is"];
-    assert_faults(&faults(text, &[]), &expected);
-}
-
-#[test]
-fn a_bare_roughness_is_told_both_names() {
-    let text = "name = \"x\"\nroughness = 0.5\n[axes]\nroughness = [0.5]\n[[exclude]]\nroughness = 1\nwhy = \"?\"\n";
-    let found = faults(text, &["roughness=0.5"]);
-    assert_eq!(found.len(), 5, "{found:#?}");
-    let hinted =
-        found.iter().filter(|fault| fault.contains("perceptual_roughness (") && fault.contains("alpha, which"));
-    assert_eq!(hinted.count(), 4, "{found:#?}");
 }
 
 #[test]
@@ -116,4 +89,16 @@ fn a_method_in_a_file_counts_by_its_text() {
     assert_eq!((&a.radiance, &a.reference), (&b.radiance, &b.reference));
     assert_eq!(a.reference, c.reference);
     assert_ne!(a.radiance, c.radiance);
+}
+
+#[test]
+fn names_of_environments_are_short_and_distinct() {
+    let names = |files: &[&str]| -> Vec<String> {
+        let short = short_names(files.iter().copied());
+        files.iter().map(|file| short[*file].clone()).collect()
+    };
+    assert_eq!(names(&["maps/a.hdr", "/x/b.c.exr", "builtin:sky"]), ["a", "b.c", "builtin:sky"]);
+    assert_eq!(names(&["one/a.hdr", "two/a.hdr", "b.hdr"]), ["one/a.hdr", "two/a.hdr", "b"]);
+    assert_eq!(names(&["a.hdr", "a.exr", "a.exr#sun"]), ["a.hdr", "a.exr", "a#sun"]);
+    assert_eq!(names(&["x/y/a.hdr", "z/y/a.hdr"]), ["x/y/a.hdr", "z/y/a.hdr"]);
 }

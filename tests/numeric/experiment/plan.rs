@@ -1,5 +1,6 @@
 //! Counts, ids and groups of plans.
 
+use super::config::values;
 use splitsum::bakes::container::{Encoding, FORMATS, TEXELS};
 use splitsum::environment::LoadOptions;
 use splitsum::experiment::axis::{AXES, Axis, Part, SCENE};
@@ -145,6 +146,7 @@ fn ids_depend_on_everything_that_determines_pixels() {
         "size = [8, 8]",
         "camera = \"perspective\"",
         "background = true",
+        "antialias = true",
         "scene = \"spheres\"",
         "reference = { samples = 64 }",
         "reference = { samples = 4096, relative_error = 0.5 }",
@@ -196,17 +198,6 @@ fn the_reference_inherits_the_axes_of_cases_alone() {
 }
 
 #[test]
-fn settings_of_precompute_and_bias_share_the_reference() {
-    let plan = plan(
-        "name = \"x\"\n[precompute]\nprefilter_level_count = 2\n[axes]\nmethod = [\"sampled\", \"split-sum\"]\n\
-         dfg_size = [8, 16]\nprefilter_size = [[32, 32], [64, 64]]\nlod_bias = [0, 1]\n",
-    );
-    // Both read the DFG table (it weights the diffuse term); the map is for split-sum, the bias for sampled only.
-    assert_eq!(plan.cells.len(), 2 * 2 + 2 * 2);
-    assert_eq!(plan.groups().len(), 1);
-}
-
-#[test]
 fn a_cell_without_a_term_has_a_reference_without_it() {
     let plan = plan("name = \"x\"\n[axes]\nmethod = [\"none\"]\ndiffuse = [\"none\", \"sh9\", \"irradiance-map\"]\n");
     let [nothing, sh9, map] = &plan.cells[..] else { panic!("{} cells", plan.cells.len()) };
@@ -244,10 +235,6 @@ fn what_a_method_ignores_collapses() {
     assert_eq!(cells("", "method = [\"sampled-unfiltered\", \"split-sum\"]\nlod_bias = [-1, 0, 1]"), 2);
 }
 
-fn values(plan: &Plan, axis: &str) -> Vec<String> {
-    plan.cells.iter().map(|cell| cell.point.get(axis).to_string()).collect()
-}
-
 #[test]
 fn ranges_hold_their_ends_and_even_steps() {
     let of = |axis: &str, range: &str| values(&plan(&format!("name = \"x\"\n[axes]\n{axis} = {range}\n")), axis);
@@ -262,11 +249,18 @@ fn ranges_hold_their_ends_and_even_steps() {
 
 #[test]
 fn zipped_axes_step_together() {
-    let text = "name = \"x\"\n[axes]\nbrdf = [\"ggx\", \"phong\"]\nalpha = [0.1, 0.5]\nsamples = [4, 16]\n[[zip]]\naxes = [\"alpha\", \"samples\"]\n";
-    let plan = plan(text);
+    let zipped = |alphas: &str, samples: &str| {
+        plan(&format!(
+            "name = \"x\"\n[axes]\nbrdf = [\"ggx\", \"phong\"]\nalpha = {alphas}\nsamples = {samples}\n[[zip]]\naxes = [\"alpha\", \"samples\"]\n"
+        ))
+    };
+    let plan = zipped("[0.1, 0.5]", "[4, 16]");
     assert_eq!(values(&plan, "brdf"), ["ggx", "ggx", "phong", "phong"]);
     assert_eq!(values(&plan, "alpha"), ["0.1", "0.5", "0.1", "0.5"]);
     assert_eq!(values(&plan, "samples"), ["4", "16", "4", "16"]);
+    // One axis may repeat a value, as long as the rows differ.
+    let plan = zipped("[0.1, 0.1, 0.2]", "[1, 2, 2]");
+    assert_eq!(values(&plan, "samples").join(" "), "1 2 2 1 2 2");
 }
 
 #[test]
