@@ -1,6 +1,6 @@
 //! `splitsum cost` and the compiler for GPUs that are not here. Without Mesa's RADV one line says what is skipped.
 
-use super::{assert_ends, command, ok, splitsum};
+use super::{assert_ends, assert_refusals, command, ok};
 use splitsum::brdf::MaskingShadowing;
 use splitsum::cost::child::{CompileFault, Job, available, compile};
 use splitsum::cost::family::Family;
@@ -138,33 +138,6 @@ fn the_command_prints_and_writes_its_counts() {
     }
 }
 
-/// What the loop over samples of each method is, under each layout of maps: one lookup a sample, however it is filtered.
-#[test]
-fn every_sampling_method_has_its_loop_under_every_layout() {
-    for family in families() {
-        let methods = METHODS.iter().filter(|method| method.has_pass() && method.uses_samples);
-        let asked: Vec<_> = methods.flat_map(|m| LAYOUTS.iter().map(move |layout| (m.name, job(m, layout)))).collect();
-        let jobs: Vec<Job> = asked.iter().map(|(_, job)| job.clone()).collect();
-        for ((method, job), compiled) in asked.iter().zip(compile(program(), family, &jobs).unwrap()) {
-            let counts = Pass::new(&compiled).unwrap().unwrap().counts;
-            assert!(
-                counts.inside.alu > 50.0 && counts.other_loops == 0,
-                "{} {method} {}: {counts:?}",
-                family.name,
-                job.shader
-            );
-            let filtered = counts.inside.bilinear + counts.inside.trilinear;
-            // An octahedral map is filtered by the shader: four texels of two levels.
-            assert!(
-                filtered == 1.0 || (filtered, counts.inside.unfiltered) == (0.0, 8.0),
-                "{}: {counts:?}",
-                job.shader
-            );
-            assert_eq!(counts.outside.bilinear + counts.outside.trilinear, 0.0, "{}", job.shader);
-        }
-    }
-}
-
 /// Where the hardware filters maps, the texels outside the loop are the g-buffer's: position, normal and F0. Buffers are the radiance, read
 /// and written: a vec4 of 32-bit floats.
 #[test]
@@ -203,20 +176,24 @@ fn options_compile_what_they_name() {
     let counts: std::collections::BTreeSet<Vec<String>> =
         maskings.iter().map(|row| row.iter().skip(8).map(str::to_owned).collect()).collect();
     assert_eq!([maskings.len(), counts.len()], [MaskingShadowing::all().count(); 2], "{maskings:?}");
-    let refused = |arguments: &[&str], parts: &[&str]| assert_ends(&splitsum(dir.path(), arguments), 2, parts);
-    refused(&["cost", "--alpha", "0.3"], &["--alpha: has no effect on sampled, split-sum, split-sum-parted"]);
-    refused(&["cost", "--method", "sampled", "--level-mapping", "all"], &["--level-mapping: has no effect on sampled"]);
-    refused(&["cost", "--method", "file:none.glsl"], &["none.glsl"]);
 }
 
 #[test]
 fn bad_names_and_a_missing_compiler_are_told() {
     let dir = tempfile::tempdir().unwrap();
-    let ends = |arguments: &[&str], parts: &[&str]| assert_ends(&splitsum(dir.path(), arguments), 2, parts);
-    ends(&["cost", "--family", "navi12"], &["navi12", "did you mean \"navi21\"?", "gfx1100"]);
-    ends(&["cost", "--method", "reference"], &["no shading pass to compile", "splitsum list methods"]);
-    ends(&["cost", "--samples", "4"], &["--samples: has no effect on sampled"]);
-    ends(&["cost", "--out", "none/costs.csv"], &["--out: none/costs.csv"]);
+    assert_refusals(
+        "commands_of_cost_that_are_refused",
+        dir.path(),
+        &[
+            "cost --family navi12",
+            "cost --method reference",
+            "cost --method file:none.glsl",
+            "cost --samples 4",
+            "cost --alpha 0.3",
+            "cost --method sampled --level-mapping all",
+            "cost --out none/costs.csv",
+        ],
+    );
     let mut blind = command(dir.path(), &["cost"]);
     blind.env("VK_DRIVER_FILES", "/nonexistent").env("VK_ICD_FILENAMES", "/nonexistent");
     assert_ends(&blind.output().unwrap(), 2, &["RADV", "mesa-vulkan-drivers", "VK_DRIVER_FILES"]);

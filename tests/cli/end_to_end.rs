@@ -83,10 +83,6 @@ fn a_run_leaves_the_promised_files_and_a_second_one_changes_nothing() {
         assert!(read("report.html").contains(&format!("\"headline\":\"{metric}\"")), "{metric}");
         assert!(read("summary.md").contains(&format!("`{metric}`")), "{metric}");
     }
-    let nothing = splitsum(dir.path(), &["answers", "nowhere"]);
-    assert_eq!(nothing.status.code(), Some(2));
-    assert!(stderr(&nothing).contains("nowhere: has no provenance.json"), "{}", stderr(&nothing));
-
     let plan = stdout(&splitsum(dir.path(), &["plan", "tiny.toml"]));
     assert!(plan.contains(&format!("{CELLS} done, 0 failed, 0 open")), "{plan}");
 }
@@ -150,33 +146,6 @@ fn answers_of_a_run_under_way_are_told_and_not_written() {
     assert!(splitsum(dir.path(), &[publish.as_slice(), &["--replace"]].concat()).status.success());
 }
 
-#[test]
-fn a_larger_sweep_goes_on_in_the_folder_of_a_smaller_one() {
-    let Some(dir) = folder() else { return };
-    // Another model, and more tone curves: maps of visible differences are due.
-    let part = ["run", "tiny.toml", "--set", "brdf=ggx", "--set", "exposure=1"];
-    ok(dir.path(), &part);
-    assert!(ok(dir.path(), &["plan", "tiny.toml"]).contains("6 done, 0 failed, 18 open"));
-    let output = splitsum(dir.path(), &["run", "tiny.toml"]);
-    assert!(output.status.success(), "{}", stderr(&output));
-    let note = "continues a run of another plan: 6 of 24 cells are done";
-    assert!(stderr(&output).contains(note), "{}", stderr(&output));
-    ok(dir.path(), &["run", "tiny.toml", "--out", "whole"]);
-    for name in ["errors.csv", "errors_by_n_dot_v.csv", "images.csv", "tables/ggx.png", "experiment.toml"] {
-        let [grown, whole] = ["runs/tiny", "whole"].map(|run| std::fs::read(dir.path().join(run).join(name)).unwrap());
-        assert!(grown == whole, "{name} differs");
-    }
-    assert_eq!(entries(&dir.path().join("runs/tiny/images")), entries(&dir.path().join("whole/images")));
-    // There is no way back: finished cells would be lost.
-    let lost = "runs/tiny: contains 18 finished cells that tiny.toml lacks: ";
-    assert_ends(&splitsum(dir.path(), &part), 2, &[lost, "brdf=phong", "choose another --out"]);
-    // The experiment that the run keeps is run again from another folder, to the same bytes.
-    let elsewhere = tempfile::tempdir().unwrap();
-    let frozen = dir.path().join("runs/tiny/experiment.toml").display().to_string();
-    ok(elsewhere.path(), &["run", &frozen, "--out", "again"]);
-    assert!(std::fs::read(elsewhere.path().join("again/errors.csv")).unwrap() == errors(dir.path()));
-}
-
 #[cfg(unix)]
 #[test]
 fn ctrl_c_and_a_kill_stop_after_a_cell_and_the_next_run_goes_on() {
@@ -230,11 +199,9 @@ fn render_writes_what_compare_reads() {
     let different: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
     assert!(different["rmse"].as_f64().unwrap() > 0.0);
     assert_eq!(different.as_object().unwrap().len(), splitsum::metrics::METRICS.len());
-    assert!(stderr(&output).contains("mean luminance 1, epsilon 1e-2"), "{}", stderr(&output));
-    let arguments = ["compare", "b.exr", "a.exr", "--json", "--environment-mean", "3"];
-    let bright = splitsum(dir.path(), &arguments);
-    let (error, bright): (_, serde_json::Value) = (stderr(&bright), serde_json::from_slice(&bright.stdout).unwrap());
-    assert!(error.contains("mean luminance 3, epsilon 9e-2"), "{error}");
+    // Brighter light has a larger ε.
+    let bright = ok(dir.path(), &["compare", "b.exr", "a.exr", "--json", "--environment-mean", "3"]);
+    let bright: serde_json::Value = serde_json::from_str(&bright).unwrap();
     for (name, is_less) in [("relmse", true), ("smape", true), ("rmse", false)] {
         assert_eq!(bright[name].as_f64().unwrap() < different[name].as_f64().unwrap(), is_less, "{name}");
     }

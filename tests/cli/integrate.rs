@@ -1,7 +1,6 @@
 //! `splitsum integrate` through the binary: outside answers, every fault of a table, files left whole.
 
-use super::{entries, splitsum, stderr, stdout};
-use splitsum::brdf::MODELS;
+use super::{assert_refusals, entries, splitsum, stderr, stdout};
 use splitsum::table::csv::Table;
 use std::path::Path;
 
@@ -184,31 +183,12 @@ fn irradiance_and_coefficients_agree() {
     assert!(numbers(&found, "irradiance_error_g").iter().zip(&irradiance).all(|(e, x)| *e <= 1e-7 * x));
 }
 
-/// The names of all models, as a message lists them.
-fn models() -> String {
-    MODELS.iter().map(|model| model.name()).collect::<Vec<_>>().join(", ")
-}
-
-/// Runs a table that must be refused: exit code, every expected line of the message and no other, and the old output untouched.
-fn assert_refused(queries: &str, arguments: &[&str], code: i32, lines: &[&str]) {
-    let dir = folder(queries);
-    std::fs::write(dir.path().join("a.csv"), "old").unwrap();
-    let output = splitsum(dir.path(), &[&["integrate", "q.csv", "--out", "a.csv"], arguments].concat());
-    let message = stderr(&output);
-    assert_eq!(output.status.code(), Some(code), "{message}");
-    let found: Vec<&str> = message.lines().collect();
-    assert_eq!(found.len(), lines.len(), "{message}");
-    for (found, expected) in found.iter().zip(lines) {
-        assert!(found.starts_with(expected), "{found:?} does not begin with {expected:?}");
-    }
-    assert_eq!(std::fs::read(dir.path().join("a.csv")).unwrap(), b"old");
-    assert_eq!(entries(dir.path()), ["a.csv", "env_analytic.exr", "q.csv"]);
-}
-
 const HEADER: &str = "environment,brdf,alpha,f0,nx,ny,nz,vx,vy,vz";
 
+/// Each fault of a table has its line and column; the output of an earlier run stays.
 #[test]
-fn every_fault_of_every_row_is_told_with_its_place() {
+fn wrong_tables_are_refused() {
+    let row = "env_analytic.exr,ggx,9,0.04,0,1,0,0,1,0";
     let rows = [
         "env_analytic.exr,ggx,0.2,0.04,0,1,0,0,1,0",
         "env_analytic.exr,ggx,0.2,0.04,0,0,0,0,1,0",
@@ -225,108 +205,45 @@ fn every_fault_of_every_row_is_told_with_its_place() {
         "none.hdr,ggx,-1,0.1:0.2:0.3,0,1,0,0,1,0",
         "env_analytic.exr,ggx,0.2",
     ];
-    let queries = format!("{HEADER}\n{}\n", rows.join("\n"));
-    assert_refused(
-        &queries,
-        &[],
-        2,
-        &[
-            "q.csv:3:nx,ny,nz: the vector is zero; expected a unit vector",
-            "q.csv:4:vx,vy,vz: (0, 1, 1) has length 1.414213562373",
-            "q.csv:5:vx,vy,vz: v is not above the horizon: n·v is -0.8; expected above 0",
-            "q.csv:6:vx,vy,vz: v is not above the horizon: n·v is 0; expected above 0",
-            "q.csv:8:alpha: 0 is outside (0, 1]",
-            "q.csv:9:alpha: 1.4 is outside (0, 1]",
-            "q.csv:10:alpha: \"nan\" is not a finite number",
-            "q.csv:10:f0: \"inf\" is not a finite number",
-            "q.csv:10:vz: \"x\" is not a finite number",
-            &format!(
-                "q.csv:11:brdf: \"beckman\" is not a BRDF model; did you mean \"beckmann\"?; expected one of {}",
-                models()
-            ),
-            "q.csv:11:f0: 1.5 is outside [0, 1]",
-            "q.csv:12:f0: \"1:2\" is neither a number nor R:G:B",
-            "q.csv:12:environment: environment builtin:ski: there is no builtin \"ski\"; did you mean \"sky\"?",
-            "q.csv:13:environment: environment none.hdr: no such file",
-            "q.csv:14:alpha: -1 is outside (0, 1]",
-            "q.csv:15: the row has 3 cells; expected 10, as the header",
-        ],
-    );
-}
-
-#[test]
-fn faults_of_the_header_come_first() {
-    let row = "env_analytic.exr,ggx,9,0.04,0,1,0,0,1,0";
-    assert_refused(
-        &format!("{}\n{row}\n", HEADER.replace("alpha", "alhpa")),
-        &[],
-        2,
-        &[
-            "q.csv:1:alhpa: unknown column for --kind shading; did you mean \"alpha\"?",
-            "q.csv:1:alpha: the column is missing; --kind shading expects environment,brdf,alpha,f0,nx,ny,nz,vx,vy,vz",
-        ],
-    );
-    assert_refused(
-        &format!("{HEADER},n_dot_v,masking,masking,colour\n{row},1,a,b,red\n"),
-        &[],
-        2,
-        &[
-            "q.csv:1:n_dot_v: unknown column for --kind shading; --kind dfg has it",
-            "q.csv:1:masking: the column is there twice; expected once",
-            "q.csv:1:colour: unknown column for --kind shading; expected environment,",
-        ],
-    );
-    // A column too many does not hide the rows.
-    assert_refused(
-        &format!("{HEADER},colour\n{row},red\n"),
-        &[],
-        2,
-        &["q.csv:1:colour: unknown column for --kind shading; expected environment,", "q.csv:2:alpha: "],
-    );
-    assert_refused("", &[], 2, &["q.csv:1: the file is empty; expected a header of environment,"]);
-    let masking = "brdf,alpha,n_dot_v,masking\nggx,0.5,0,smith\n";
-    assert_refused(
-        masking,
-        &["--kind", "dfg"],
-        2,
-        &[
-            "q.csv:2:masking: \"smith\" is not a masking-shadowing; expected one of separable,",
-            "q.csv:2:n_dot_v: 0 is outside (0, 1]",
-        ],
-    );
-    assert_refused(
-        "environment,brdf,alpha,rx,ry,rz,weight\nenv_analytic.exr,ggx,0.5,0,1,0,g1\n",
-        &["--kind", "prefilter"],
-        2,
-        &["q.csv:2:weight: \"g1\" is not a prefilter weight; expected one of cosine, masking, none"],
-    );
-}
-
-#[test]
-fn tables_that_cannot_be_used_at_all() {
-    assert_refused(&format!("{HEADER}\n\n"), &[], 3, &["q.csv: no query below the header"]);
     let dir = folder("x");
-    for (arguments, code, part) in [
-        (&["integrate", "no.csv"][..], 2, "no.csv:1: cannot be read"),
-        (&["integrate", "env_analytic.exr"][..], 2, "env_analytic.exr:1: the line is not UTF-8 text"),
-        (&["integrate", "q.csv", "--out", "no/a.csv"][..], 2, "--out: there is no folder no"),
-        (&["integrate", "q.csv", "--kind", "shade"][..], 2, "did you mean \"shading\"?"),
-        (&["integrate", "q.csv", "--tolerance", "2"][..], 2, "2 is outside [1e-9, 0.1]"),
+    for (name, text) in [
+        ("a.csv", "old".to_owned()),
+        ("rows.csv", format!("{HEADER}\n{}\n", rows.join("\n"))),
+        ("slip.csv", format!("{}\n{row}\n", HEADER.replace("alpha", "alhpa"))),
+        ("columns.csv", format!("{HEADER},n_dot_v,masking,masking,colour\n{row},1,a,b,red\n")),
+        // A column too many does not hide the rows.
+        ("colour.csv", format!("{HEADER},colour\n{row},red\n")),
+        ("empty.csv", String::new()),
+        ("header.csv", format!("{HEADER}\n\n")),
+        ("dfg.csv", "brdf,alpha,n_dot_v,masking\nggx,0.5,0,smith\n".to_owned()),
+        ("weight.csv", "environment,brdf,alpha,rx,ry,rz,weight\nenv_analytic.exr,ggx,0.5,0,1,0,g1\n".to_owned()),
+        // Widths and cosines that f64 cannot answer.
+        ("narrow.csv", "brdf,alpha,n_dot_v\nggx,0.5,0.5\nggx,1e-300,0.5\n".to_owned()),
+        ("grazing.csv", "brdf,alpha,n_dot_v\nggx,0.5,0.5\nggx,0.5,1e-300\n".to_owned()),
     ] {
-        let output = splitsum(dir.path(), arguments);
-        assert_eq!(output.status.code(), Some(code), "{arguments:?}: {}", stderr(&output));
-        assert!(stderr(&output).contains(part), "{arguments:?}: {}", stderr(&output));
+        std::fs::write(dir.path().join(name), text).unwrap();
     }
-}
-
-/// Widths and cosines that f64 cannot answer end in a message, never in NaN or without an end.
-#[test]
-fn what_has_no_answer_is_refused() {
-    let dfg = |row: &str| format!("brdf,alpha,n_dot_v\nggx,0.5,0.5\n{row}\n");
-    let below = "q.csv:3:alpha: 1e-300 is below 0.0001, the narrowest lobe that is integrated";
-    assert_refused(&dfg("ggx,1e-300,0.5"), &["--kind", "dfg"], 2, &[below]);
-    let infinite = "q.csv: the answer to query 2 is not finite (1 in all)";
-    assert_refused(&dfg("ggx,0.5,1e-300"), &["--kind", "dfg"], 1, &[infinite]);
+    assert_refusals(
+        "tables_of_queries_that_are_refused",
+        dir.path(),
+        &[
+            "integrate rows.csv --out a.csv",
+            "integrate slip.csv --out a.csv",
+            "integrate columns.csv --out a.csv",
+            "integrate colour.csv --out a.csv",
+            "integrate empty.csv --out a.csv",
+            "integrate header.csv --out a.csv",
+            "integrate dfg.csv --kind dfg --out a.csv",
+            "integrate weight.csv --kind prefilter --out a.csv",
+            "integrate narrow.csv --kind dfg --out a.csv",
+            "integrate grazing.csv --kind dfg --out a.csv",
+            "integrate no.csv",
+            "integrate env_analytic.exr",
+            "integrate q.csv --out no/a.csv",
+            "integrate q.csv --kind shade",
+            "integrate q.csv --tolerance 2",
+        ],
+    );
 }
 
 #[test]

@@ -15,8 +15,11 @@ mod interruptions;
 mod scratch;
 #[cfg(unix)]
 mod shards;
+#[path = "../shared/snapshot.rs"]
+mod snapshot;
 mod soak;
 
+use snapshot::{assert_snapshot, without_lists};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 use std::sync::LazyLock;
@@ -68,4 +71,35 @@ fn entries(dir: &Path) -> Vec<String> {
         std::fs::read_dir(dir).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
     names.sort();
     names
+}
+
+/// Runs commands that must be refused: none panics or changes the folder. The snapshot has their exit codes and messages.
+fn assert_refusals(name: &str, dir: &Path, commands: &[&str]) {
+    let files = || {
+        let of = |name: &String| std::fs::metadata(dir.join(name)).map(|of| (of.len(), of.modified().ok())).ok();
+        entries(dir).into_iter().map(|name| (of(&name), name)).collect::<Vec<_>>()
+    };
+    let before = files();
+    let shown = commands.iter().map(|line| {
+        let output = splitsum(dir, &line.split_whitespace().collect::<Vec<_>>());
+        let message = stderr(&output).replace(&dir.display().to_string(), "DIR");
+        let code = output.status.code().unwrap();
+        assert!([1, 2, 3].contains(&code) && !message.contains("panicked"), "{line}: {code} {message}");
+        assert!(!message.trim().is_empty() && files() == before, "{line}");
+        // Whether progress is shown depends on the machine.
+        let lines = message.lines().filter(|line| !line.is_empty() && !line.contains(" seconds"));
+        let lines: Vec<String> = lines.map(without_lists).collect();
+        format!("$ {line}\n[{code}] {}\n", lines.join("\n    "))
+    });
+    assert_snapshot(name, &shown.collect::<Vec<_>>().join("\n"));
+}
+
+/// A copy of a published run in a folder of that name.
+fn published(root: &Path, name: &str) -> PathBuf {
+    let (from, dir) = (Path::new(env!("CARGO_MANIFEST_DIR")).join("results/timing"), root.join(name));
+    std::fs::create_dir(&dir).unwrap();
+    for entry in std::fs::read_dir(from).unwrap().map(Result::unwrap).filter(|entry| entry.path().is_file()) {
+        std::fs::copy(entry.path(), dir.join(entry.file_name())).unwrap();
+    }
+    dir
 }

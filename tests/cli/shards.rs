@@ -62,19 +62,6 @@ fn shards_side_by_side_killed_and_repeated_make_the_run_of_one_process() {
     assert!(output.status.success() && !stderr(&output).contains("[1/"), "{}", stderr(&output));
 }
 
-#[test]
-fn shards_and_merges_that_cannot_be_are_refused() {
-    let dir = tempfile::tempdir().unwrap();
-    let dir = dir.path();
-    std::fs::write(dir.join("tiny.toml"), EXPERIMENT).unwrap();
-    let refused = |arguments: &[&str], part: &str| assert_ends(&splitsum(dir, arguments), 2, &[part]);
-    refused(&["run", "tiny.toml", "--shard", "1/2"], "--out <DIR>");
-    refused(&["run", "tiny.toml", "--shard", "3/2", "--out", "x"], "expected K/N with 1 <= K <= N");
-    refused(&["merge", "x"], "x: contains no run; expected the --out of `splitsum run --shard`");
-    refused(&["merge"], "<DIR>");
-    assert_eq!(entries(dir), ["tiny.toml"]);
-}
-
 /// Elsewhere than on a terminal work says every few seconds that it goes on.
 #[test]
 fn long_work_shows_signs_of_life() {
