@@ -1,5 +1,6 @@
 //! Lookup, builtin formulas against their closed forms, and what loading says about bad input.
 
+use crate::snapshot::assert_snapshot;
 use glam::{DVec2, DVec3};
 use splitsum::color::luminance;
 use splitsum::environment::{BUILTINS, Environment, FORMATS, LoadOptions};
@@ -55,17 +56,6 @@ mod lookup {
     }
 
     #[test]
-    fn texel_centres_are_exact() {
-        let environment = environment();
-        for y in 0..4 {
-            for x in 0..8 {
-                let found = at(&environment, (f64::from(x) + 0.5) / 8.0, (f64::from(y) + 0.5) / 4.0);
-                assert!(found.abs_diff_eq(texel(&environment, x, y), 1e-12), "{x} {y}: {found}");
-            }
-        }
-    }
-
-    #[test]
     fn between_centres_it_is_bilinear() {
         let environment = environment();
         let t = |x, y| texel(&environment, x, y);
@@ -96,13 +86,6 @@ mod lookup {
             assert!(at(&environment, u, 1.0 - 1e-9).abs_diff_eq(texel(&environment, x, 3), 1e-6));
         }
         assert!(environment.radiance(DVec3::Y).is_finite() && environment.radiance(DVec3::NEG_Y).is_finite());
-    }
-
-    #[test]
-    fn length_does_not_matter() {
-        let environment = environment();
-        let d = DVec3::new(0.3, -0.4, 0.7);
-        assert!(environment.radiance(d).abs_diff_eq(environment.radiance(1e3 * d), 1e-9));
     }
 
     #[test]
@@ -221,19 +204,6 @@ mod formulas {
         assert!((moment / expected - 1.0).abs() < 1e-4, "{moment} {expected}");
     }
 
-    #[test]
-    fn studio_is_dark_with_hot_spots() {
-        let image = builtin("builtin:studio").image;
-        let mean = energy(&image) / (4.0 * PI);
-        let peak = image.data.iter().map(|&texel| luminance(texel)).fold(0.0, f64::max);
-        assert!(peak / mean > 100.0 && (0.5..2.0).contains(&mean), "peak {peak}, mean {mean}");
-        let dark = image.data.iter().filter(|&&texel| luminance(texel) < 0.1 * mean).count();
-        assert!(dark as f64 > 0.5 * image.data.len() as f64, "{dark}");
-        // Soft edges: the same light at half the size.
-        let coarse = energy(&builtin_sized("builtin:studio", [256, 128]).image) / (4.0 * PI);
-        assert!((coarse / mean - 1.0).abs() < 2e-3, "{coarse} {mean}");
-    }
-
     /// The sun's direction of `builtin:sky:elevation_deg=h,azimuth_deg=0`.
     fn sun_direction(elevation_deg: f64) -> DVec3 {
         let (sin, cos) = elevation_deg.to_radians().sin_cos();
@@ -296,37 +266,29 @@ mod loading {
     use super::*;
     use tempfile::TempDir;
 
-    fn refusal(spec: &str) -> String {
-        Environment::load(spec, Path::new("."), &LoadOptions::default()).unwrap_err().to_string()
-    }
-
     #[test]
-    fn builtin_specs_are_checked() {
-        let cases = [
-            ("builtin:skye", "there is no builtin \"skye\"; did you mean \"sky\"?"),
-            ("builtin:", "there is no builtin \"\"; known: constant, gradient, sky, studio, checker, cap"),
-            (
-                "builtin:cap:half_angle=3",
-                "builtin cap has no parameter \"half_angle\"; did you mean \"half_angle_deg\"?",
-            ),
-            ("builtin:studio:x=1", "builtin studio has no parameter \"x\"; it has no parameters"),
-            ("builtin:cap:radiance=bright", "radiance is \"bright\"; expected a number from 0 to 1000000000"),
-            ("builtin:cap:radiance=-1", "radiance is \"-1\"; expected a number from 0"),
-            ("builtin:cap:radiance=nan", "radiance is \"nan\""),
-            ("builtin:sky:elevation_deg=91", "elevation_deg is \"91\"; expected a number from 1 to 90"),
-            ("builtin:cap:radiance", "an assignment is \"radiance\"; expected PARAMETER=VALUE"),
-            ("builtin:cap:radiance=1,radiance=2", "radiance is \"2\"; expected one value"),
-            ("sky", "no such file ./sky; did you mean builtin:sky?"),
-            ("", "no such file; expected a file, FILE.exr#LAYER or builtin:NAME"),
+    fn specs_of_formulas_are_checked() {
+        let specs = [
+            "builtin:skye",
+            "builtin:",
+            "builtin:cap:half_angle=3",
+            "builtin:studio:x=1",
+            "builtin:cap:radiance=bright",
+            "builtin:cap:radiance=-1",
+            "builtin:cap:radiance=nan",
+            "builtin:sky:elevation_deg=91",
+            "builtin:cap:radiance",
+            "builtin:cap:radiance=1,radiance=2",
+            "sky",
+            "",
         ];
-        for (spec, expected) in cases {
-            let message = refusal(spec);
-            assert!(message.starts_with(&format!("environment {spec}: ")), "{message}");
-            assert!(message.contains(expected), "{message}");
-        }
-        let options = LoadOptions { builtin_size: [1 << 16, 1 << 15], ..LoadOptions::default() };
-        let message = Environment::load("builtin:sky", Path::new("."), &options).unwrap_err().to_string();
-        assert!(message.contains("65536x32768"), "{message}");
+        let refusal = |spec: &str, builtin_size| {
+            let options = LoadOptions { builtin_size, ..LoadOptions::default() };
+            Environment::load(spec, Path::new("."), &options).unwrap_err().to_string()
+        };
+        let mut shown = specs.map(|spec| refusal(spec, [512, 256])).to_vec();
+        shown.push(refusal("builtin:sky", [1 << 16, 1 << 15]));
+        assert_snapshot("environments_that_are_refused", &shown.join("\n"));
     }
 
     #[test]

@@ -145,25 +145,6 @@ fn cameras_frame_their_scene_tightly() {
 }
 
 #[test]
-fn the_grid_has_the_fully_reflective_sphere_at_the_top_right() {
-    let scene = builtin("spheres");
-    assert_eq!(scene.spheres.len(), 15);
-    let corner = scene.spheres.iter().max_by(|a, b| (a.center.x + a.center.y).total_cmp(&(b.center.x + b.center.y)));
-    let material = &scene.materials[corner.expect("fifteen spheres").material];
-    assert_eq!((material.albedo, material.metallic, material.alpha), ([1.0; 3], 1.0, 0.05));
-    for sphere in &scene.spheres {
-        for other in &scene.spheres {
-            let (a, b) = (&scene.materials[sphere.material], &scene.materials[other.material]);
-            // Further right is smoother, further up is more metallic.
-            assert_eq!(sphere.center.x < other.center.x, a.alpha > b.alpha);
-            assert_eq!(sphere.center.y < other.center.y, a.metallic < b.metallic);
-        }
-    }
-    let (low, high) = scene.bounds();
-    assert!((low + high).length() < ROUNDING, "the grid is centred: {low} {high}");
-}
-
-#[test]
 fn an_override_reaches_every_material_and_the_hash() {
     let scene = builtin("spheres");
     let values = MaterialOverride { alpha: Some(0.4), f0: Some([1.0, 0.5, 0.25]), ..MaterialOverride::default() };
