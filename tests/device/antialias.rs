@@ -1,8 +1,9 @@
 //! Antialiased edges against the area of a disc.
 
 use crate::harness::{constant_environment, request, scene, with_pipeline};
+use glam::DVec3;
 use splitsum::pipeline::RenderRequest;
-use splitsum::scene::{CameraKind, MaterialOverride};
+use splitsum::scene::{CameraKind, MaterialOverride, Projection, Sphere};
 use splitsum::shade::{Diffuse, Method};
 use splitsum::spelling::Listed;
 use std::f64::consts::PI;
@@ -41,5 +42,39 @@ fn edges_have_the_radiance_of_what_they_cover() {
         // What is half covered is not scored, and all that is whole is.
         let scored: f32 = black.mask.data.iter().sum();
         assert!(f64::from(scored) < disc && f64::from(scored) > disc - PI * f64::from(size[0]), "{scored} of {disc}");
+    });
+}
+
+/// A dark ball before a bright one: among the bright one's pixels, the colours add up to the area of the dark disc.
+#[test]
+fn edges_between_two_surfaces_are_antialiased_too() {
+    with_pipeline(|pipeline| {
+        let (white, radius) = (constant_environment([1.0; 3]), 0.4);
+        let grey = |albedo: f32| MaterialOverride {
+            albedo: Some([albedo; 3]),
+            f0: Some([0.0; 3]),
+            ..MaterialOverride::default()
+        };
+        let mut two = scene("sphere", grey(0.8));
+        two.materials.extend(scene("sphere", grey(0.2)).materials);
+        two.spheres.push(Sphere { center: DVec3::new(0.1, 0.05, 1.5), radius, material: 1 });
+        let own = RenderRequest {
+            antialias: true,
+            ..request(&white, two.apply(&MaterialOverride::default()), CameraKind::Ortho, [48, 48])
+                .shaded(|s| (s.method, s.diffuse) = (Method::listed("none"), Diffuse::listed("irradiance-map")))
+        };
+        let Projection::Ortho { half_height } = own.camera.projection else { unreachable!("an ortho camera") };
+        let plain = pipeline.render(&RenderRequest { antialias: false, ..own.clone() }).unwrap();
+        let frame = pipeline.render(&own).unwrap();
+        let (dark, bright) = (plain.radiance.get(26, 23)[0], plain.radiance.get(8, 24)[0]);
+        // The middle of the image, where no point misses the bright ball.
+        let inner = (0..48 * 48).filter(|i| (12..36).contains(&(i % 48)) && (12..36).contains(&(i / 48)));
+        let covered: f64 =
+            inner.clone().map(|i| f64::from((bright - frame.radiance.data[i][0]) / (bright - dark))).sum();
+        let disc = PI * (radius / half_height * 24.0).powi(2);
+        assert!((covered / disc - 1.0).abs() < 5e-3, "{covered} pixels of {disc}");
+        let unscored = inner.filter(|i| frame.mask.data[*i] == 0.0).count() as f64;
+        let edge = 2.0 * PI * radius / half_height * 24.0;
+        assert!(0.8 * edge < unscored && unscored < 2.0 * edge, "{unscored} pixels of an edge of {edge}");
     });
 }
