@@ -2,29 +2,24 @@
 //! before a pass has an effect.
 
 use crate::harness::{
-    constant_environment, golden_environment, lobe_sphere, poison, request, scene, with_gpu, with_pipeline,
-    with_submissions,
+    golden_environment, lobe_sphere, poison, request, scene, with_gpu, with_pipeline, with_submissions,
 };
-use crate::layouts::{filtered_environment, read_map};
 use crate::tables::environment_image;
 use splitsum::brdf::MODELS;
 use splitsum::environment::Placement;
 use splitsum::environment::distribution::EnvironmentDistribution;
-use splitsum::environment::layout::LAYOUTS;
 use splitsum::gbuffer::pass::{self, GbufferImages, SceneData};
 use splitsum::glsl::constants::GROUP_SIDE;
 use splitsum::gpu::{Format, Gpu, Groups, Part, image_groups};
 use splitsum::math::sequence::PixelPoints;
 use splitsum::metrics::Epsilon;
 use splitsum::pipeline::{Pipeline, RenderRequest};
-use splitsum::pixels::RgbImage;
 use splitsum::precompute::points::Points;
 use splitsum::precompute::{PrecomputeSettings, PrefilterBy};
 use splitsum::scene::{CameraKind, MaterialOverride};
 use splitsum::shade::pass::{Passes, Tables};
 use splitsum::shade::reference_pass::{DistributionBuffers, Lobe, ReferenceRun, Stop, Sums};
-use splitsum::shade::{DIFFUSE, METHODS, Method};
-use splitsum::spelling::Listed;
+use splitsum::shade::{DIFFUSE, METHODS};
 
 /// Every method and diffuse method on the grid of spheres.
 fn requests() -> Vec<RenderRequest> {
@@ -219,29 +214,5 @@ fn the_reference_reads_nothing_it_has_not_written() {
         });
         assert!(results[0] == results[1], "the contents of fresh memory change the result");
         assert!(results[0][0].iter().any(|&word| word != 0));
-    });
-}
-
-/// Long passes are split by rows: under radiance 1 no band is left out and none is added twice.
-#[test]
-fn what_is_drawn_in_bands_is_whole() {
-    with_pipeline(|pipeline| {
-        // A sphere in the middle of a wide image, whose other pixels cost nothing: 8 rows a band.
-        let request = request(&constant_environment([1.0; 3]), lobe_sphere(0.3), CameraKind::Ortho, [2048, 16])
-            .shaded(|s| (s.method, s.samples) = (Method::listed("sampled"), 1024));
-        let frame = pipeline.render(&request).unwrap();
-        let row = |y: u32| -> f64 { (0..2048).map(|x| f64::from(frame.radiance.get(x, y)[0])).sum() };
-        for y in 0..8 {
-            assert!((row(y) / row(15 - y) - 1.0).abs() < 1e-2, "row {y}: {} and {}", row(y), row(15 - y));
-        }
-    });
-    with_gpu(|gpu| {
-        let image = environment_image(gpu, &RgbImage::filled(4, 1024, [1.0; 3]));
-        for layout in LAYOUTS {
-            for faces in read_map(gpu, layout, &filtered_environment(gpu, layout, &image)).levels {
-                let mut texels = faces.iter().flat_map(|face| &face.data);
-                assert!(texels.all(|rgb| (*rgb - 1.0).abs().max_element() < 1e-5), "{}", layout.name);
-            }
-        }
     });
 }

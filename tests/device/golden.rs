@@ -124,21 +124,3 @@ fn keep_every_second_pixel(full: &Path) {
         exr::write_channels(&Path::new("tests/golden/mitsuba").join(&name), channels.collect()).unwrap();
     }
 }
-
-#[test]
-fn the_mask_is_that_of_another_renderer() {
-    with_pipeline(|pipeline| {
-        for (file, kind) in [("mask_ortho", CameraKind::Ortho), ("mask_persp", CameraKind::Perspective)] {
-            let expected = exr::read(Path::new(&format!("tests/golden/{file}.exr"))).unwrap().rgb;
-            let size = [expected.width, expected.height];
-            let request = request(&golden_environment(), lobe_sphere(0.5), kind, size)
-                .shaded(|s| s.method = Method::listed("none"));
-            let frame = pipeline.render(&request).unwrap();
-            for (i, (mask, expected)) in frame.mask.data.iter().zip(&expected.data).enumerate() {
-                // Exact but for rim pixels, whose rays pass within f32 rounding of the sphere.
-                let rim = frame.n_dot_v.data[i] < 0.01;
-                assert!(*mask == expected[0] || rim, "{file}: pixel {} {}", i as u32 % size[0], i as u32 / size[0]);
-            }
-        }
-    });
-}

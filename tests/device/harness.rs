@@ -180,21 +180,6 @@ pub fn constant_environment(radiance: [f32; 3]) -> Arc<Environment> {
     Arc::new(Environment::from_image("constant", RgbImage::filled(64, 32, radiance)))
 }
 
-/// Rows of a golden CSV file without its header.
-pub fn golden_rows(path: &str) -> Vec<csv::StringRecord> {
-    csv::Reader::from_path(path).unwrap().records().map(Result::unwrap).collect()
-}
-
-/// The number in column `k`.
-pub fn number(row: &csv::StringRecord, k: usize) -> f64 {
-    row[k].parse().unwrap()
-}
-
-/// The vector in columns `k` to `k + 2`.
-pub fn vector(row: &csv::StringRecord, k: usize) -> DVec3 {
-    DVec3::new(number(row, k), number(row, k + 1), number(row, k + 2))
-}
-
 /// A built-in scene with other materials.
 pub fn scene(name: &str, materials: MaterialOverride) -> Scene {
     Scene::load(name, Path::new(".")).unwrap().apply(&materials)

@@ -1,20 +1,17 @@
 //! The prefiltered map, by harmonics and by samples, and the irradiance map by harmonics: against their exact integrals and outside numbers.
 
 use crate::compare::{Tolerance, Worst, relative};
-use crate::harness::{golden_environment, golden_rows, number, poison_image, read_level, vector, with_gpu};
+use crate::harness::{golden_environment, poison_image, read_level, with_gpu};
 use crate::layouts::{filtered_environment, read_map};
-use crate::tables::{EXACT, environment_image, equirect, sunny, texel_direction};
+use crate::tables::{EXACT, environment_image, equirect, texel_direction};
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
-use splitsum::brdf::Brdf;
 use splitsum::brdf::{MODELS, MaskingShadowing};
 use splitsum::environment::layout::LAYOUTS;
 use splitsum::gpu::{Gpu, Image};
-use splitsum::math::equirect::uv_from_direction;
 use splitsum::math::quadrature;
 use splitsum::math::sequence::{PixelPoints, SEQUENCES};
 use splitsum::pixels::Pixels;
-use splitsum::pixels::lookup::{self, bilinear};
 use splitsum::precompute::irradiance::{self, reference::irradiance as exact_irradiance};
 use splitsum::precompute::prefilter::{
     self, Kernel, LEVEL_MAPPINGS, WEIGHTS, harmonic, pass::Recipe, reference::prefilter,
@@ -151,60 +148,5 @@ fn prefiltered_levels_converge_to_the_exact_integral() {
                 worst.check();
             }
         }
-    });
-}
-
-#[test]
-fn prefiltered_lookups_meet_the_golden_table() {
-    // Bilinear lookups between the 64 x 32 texels of a lobe of alpha 0.25, or 32 x 16 of alpha 1.
-    const LOOKUP: Tolerance = relative(6e-3);
-    with_gpu(|gpu| {
-        let environment = golden_environment();
-        let image = environment_image(gpu, &environment.image);
-        let (points, transform) = (
-            Points::upload(gpu, 1, &SEQUENCES[0], 0, PixelPoints::Shared).unwrap(),
-            harmonic::harmonics(&environment.image, harmonic::degree(1.0)),
-        );
-        let rows = golden_rows("tests/golden/prefilter.csv");
-        for row in &rows {
-            assert!(<dyn Brdf>::by_name(&row[1]).is_some(), "a golden row of no model: {row:?}");
-        }
-        // A model may have none.
-        for model in MODELS.iter().filter(|model| rows.iter().any(|row| row[1] == *model.name())) {
-            let recipe = Recipe { kernel: Kernel::cosine(*model), mapping: &LEVEL_MAPPINGS[0], lod_bias: 0.0 };
-            let map = prefilter::pass::map(gpu, equirect(), PREFILTER_SIZE, PREFILTER_LEVELS).unwrap();
-            prefilter::pass::run_harmonic(gpu, recipe, equirect(), &image, (&points, &transform), &map).unwrap();
-            let levels: Vec<_> = (0..PREFILTER_LEVELS).map(|level| read_level(gpu, &map, level)).collect();
-            let mut worst = Worst::new(format!("prefiltered lookup of {}", model.name()), LOOKUP);
-            for row in rows.iter().filter(|row| row[1] == *model.name()) {
-                let (alpha, uv) = (number(row, 2), uv_from_direction(vector(row, 3)));
-                let mip = LEVEL_MAPPINGS[0].mip_from_alpha(alpha, PREFILTER_LEVELS);
-                // What two levels say of a lobe between them is the split sum's approximation, not this table's error.
-                if mip.fract() == 0.0 {
-                    worst.add_rgb(
-                        bilinear(&levels[mip as usize], uv, lookup::Wrap::EQUIRECT, |texel| texel),
-                        vector(row, 6),
-                        || format!("{row:?}"),
-                    );
-                }
-            }
-            worst.check();
-        }
-    });
-}
-
-#[test]
-fn level_0_is_the_mirror() {
-    with_gpu(|gpu| {
-        // As large as the environment: texel for texel the environment itself.
-        let environment = sunny([64, 32], [10, 9], 5000.0);
-        let image = environment_image(gpu, &environment);
-        let levels = prefiltered(gpu, &image, Kernel::cosine(MODELS[0]), [64, 32], 2, 16);
-        // A direction is within 4e-7 of its texel's centre: 1e-5 texels, times the step to a sun of 5000.
-        let mut worst = Worst::new("level 0", Tolerance { relative: 1e-5, floor: 0.1 });
-        for (i, (actual, expected)) in levels[0].data.iter().zip(&environment.data).enumerate() {
-            worst.add_rgb(*actual, DVec3::from_array(expected.map(f64::from)), || format!("texel {i}"));
-        }
-        worst.check();
     });
 }

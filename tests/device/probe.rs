@@ -1,21 +1,15 @@
 //! Every other function of shaders/lib against its f64 twin: elementary functions, mappings, frames, harmonics, cameras, lights.
 
 use crate::compare::{Tolerance, Worst, absolute, relative};
-use crate::harness::{Probe, incident, rounded, rounded3, vec4, with_gpu, xyz};
+use crate::harness::{Probe, rounded, rounded3, vec4, with_gpu, xyz};
 use glam::{DVec2, DVec3};
 use splitsum::brdf::{alpha_from_perceptual_roughness, perceptual_roughness_from_alpha};
 use splitsum::environment::layout::lod_from_solid_angles;
 use splitsum::glsl::constants::{ALPHA_MIN, COSINE_MIN};
-use splitsum::gpu::Bind;
-use splitsum::math::equirect::{direction_from_uv, texel_solid_angle, texel_solid_angle_at, uv_from_direction};
-use splitsum::math::frame::Frame;
+use splitsum::math::equirect::{direction_from_uv, texel_solid_angle_at, uv_from_direction};
 use splitsum::math::sampling::{direction_from_polar, hammersley};
-use splitsum::math::spherical_harmonics::{COUNT, basis, irradiance};
 use splitsum::precompute::dfg::DfgAxes;
 use splitsum::precompute::prefilter::LEVEL_MAPPINGS;
-use splitsum::scene::{Camera, CameraKind, Light, LightKind, Scene};
-use splitsum::shade::pass::light_data;
-use splitsum::tonemap::ToneCurve;
 use std::f64::consts::{PI, TAU};
 
 /// Arithmetic in f32.
@@ -134,165 +128,6 @@ fn equirectangular_mapping_and_its_inverse() {
             worst_d.add_vector(xyz(out[1]), direction_from_uv(*uv), || format!("{uv}"));
         }
         [worst_uv, worst_sin, worst_omega, worst_d, worst_lod].into_iter().for_each(Worst::check);
-    });
-}
-
-#[test]
-fn texel_solid_angle_is_that_of_the_texels() {
-    // At texel centres the shader's form differs from the exact area by a sinc: 1e-3 at 32 rows, but for the poles' rows,
-    // where the mean sine is 4 / pi^2 of ... 1.6 % off. It chooses a level, so 0.02 levels are the most it can cost.
-    const CENTER_RULE: Tolerance = relative(0.03);
-    with_gpu(|gpu| {
-        let [width, height] = [64u32, 32];
-        let center = |row: u32| direction_from_uv(DVec2::new(0.3, (f64::from(row) + 0.5) / f64::from(height)));
-        let size = [0.0, 0.0, width as f32, height as f32];
-        let inputs: Vec<[f32; 4]> = (0..height).flat_map(|row| [vec4(center(row), 1.0), size]).collect();
-        let out = Probe { shader: "probe/equirect.comp", inputs: 2, outputs: 2, ..Probe::default() }.run(gpu, &inputs);
-        let mut worst = Worst::new("solid angle of texels", CENTER_RULE);
-        for (row, out) in (0..height).zip(&out) {
-            worst.add(out[0][3], texel_solid_angle(row, width, height), || format!("row {row}"));
-        }
-        worst.check();
-        let sphere: f64 = out.iter().map(|out| out[0][3] * f64::from(width)).sum();
-        assert!((sphere / (4.0 * PI) - 1.0).abs() < 1e-3, "{sphere}");
-    });
-}
-
-#[test]
-fn frames() {
-    with_gpu(|gpu| {
-        let normals = directions();
-        let inputs: Vec<[f32; 4]> = normals.iter().map(|&n| vec4(n, 0.0)).collect();
-        let out = Probe { shader: "probe/frame.comp", outputs: 3, ..Probe::default() }.run(gpu, &inputs);
-        let mut twin = Worst::new("frame", absolute(1e-6));
-        let mut orthonormal = Worst::new("frame is orthonormal", absolute(1e-6));
-        for (n, out) in normals.iter().zip(out) {
-            let frame = Frame::from_normal(*n);
-            let [tangent, bitangent, normal] = [out[0], out[1], out[2]].map(xyz);
-            twin.add((tangent - frame.tangent).length(), 0.0, || format!("tangent of {n}"));
-            twin.add((bitangent - frame.bitangent).length(), 0.0, || format!("bitangent of {n}"));
-            assert_eq!(normal, *n);
-            orthonormal.add((tangent.cross(bitangent) - *n).length(), 0.0, || format!("{n}"));
-            orthonormal.add(tangent.dot(bitangent), 0.0, || format!("{n}"));
-        }
-        [twin, orthonormal].into_iter().for_each(Worst::check);
-    });
-}
-
-#[test]
-fn spherical_harmonics() {
-    with_gpu(|gpu| {
-        let directions = directions();
-        let coefficients: [DVec3; COUNT] =
-            std::array::from_fn(|k| rounded3(DVec3::new(1.0 + k as f64, 0.3 - 0.1 * k as f64, (k as f64).sin())));
-        let texels: Vec<[f32; 4]> = coefficients.iter().map(|&c| vec4(c, 0.0)).collect();
-        let buffer = gpu.buffer_from("coefficients", &texels).unwrap();
-        let inputs: Vec<[f32; 4]> = directions.iter().map(|&d| vec4(d, 0.0)).collect();
-        let rest = [Bind::Read(&buffer)];
-        let probe = Probe { shader: "probe/sh.comp", outputs: 3, rest: &rest, ..Probe::default() };
-        let mut worst_basis = Worst::new("sh9_basis", absolute(3e-7));
-        let mut worst_e = Worst::new("sh9_irradiance_over_pi", absolute(5e-6));
-        for (d, out) in directions.iter().zip(probe.run(gpu, &inputs)) {
-            let y: Vec<f64> = out.iter().flatten().copied().collect();
-            for (k, expected) in basis(*d).into_iter().enumerate() {
-                worst_basis.add(y[k], expected, || format!("function {k} at {d}"));
-            }
-            let expected = irradiance(&coefficients, *d) / PI;
-            worst_e.add_rgb(DVec3::new(y[9], y[10], y[11]), expected, || format!("{d}"));
-        }
-        [worst_basis, worst_e].into_iter().for_each(Worst::check);
-    });
-}
-
-#[test]
-fn camera_rays() {
-    with_gpu(|gpu| {
-        let scene = Scene::load("plane", std::path::Path::new(".")).unwrap();
-        let mut worst = Worst::new("ray_direction", absolute(3e-7));
-        for kind in [CameraKind::Perspective, CameraKind::Ortho] {
-            let size = [80, 50];
-            let camera = Camera::for_scene(kind, &scene, size);
-            let [x, y] = match kind {
-                CameraKind::Perspective => camera.extent(1.6),
-                CameraKind::Ortho => [0.0; 2],
-            };
-            let pixels = [[0, 0], [79, 0], [0, 49], [79, 49], [40, 25], [13, 31]];
-            let inputs: Vec<[f32; 4]> = pixels
-                .iter()
-                .flat_map(|&[column, row]| {
-                    [
-                        [column, row, size[0], size[1]].map(|x| x as f32),
-                        vec4(camera.right * x, 0.0),
-                        vec4(camera.up * y, 0.0),
-                        vec4(camera.forward, 0.0),
-                    ]
-                })
-                .collect();
-            let out = Probe { shader: "probe/camera.comp", inputs: 4, ..Probe::default() }.run(gpu, &inputs);
-            for ([column, row], out) in pixels.into_iter().zip(out) {
-                let (_, direction) = camera.ray(column, row, size);
-                worst.add((xyz(out[0]) - direction).length(), 0.0, || format!("{kind:?} {column} {row}"));
-            }
-        }
-        worst.check();
-    });
-}
-
-#[test]
-fn lights_at_a_point() {
-    with_gpu(|gpu| {
-        let light = |kind, position_or_direction, color| Light { kind, position_or_direction, color };
-        let lights = [
-            light(LightKind::Directional, DVec3::new(0.6, 0.0, 0.8), [1.0, 2.0, 3.0]),
-            light(LightKind::Point, DVec3::new(3.0, -1.0, 2.0), [10.0, 0.0, 1e4]),
-        ];
-        let position = DVec3::new(-0.5, 0.25, 1.0);
-        let data = light_data(&lights);
-        let vectors: &[[f32; 4]] = bytemuck::cast_slice(&data);
-        let inputs: Vec<[f32; 4]> =
-            vectors.chunks_exact(2).flat_map(|light| [light[0], light[1], vec4(position, 0.0)]).collect();
-        let out = Probe { shader: "probe/light.comp", inputs: 3, outputs: 2, ..Probe::default() }.run(gpu, &inputs);
-        let mut worst = Worst::new("light_at", F32);
-        for (light, out) in lights.iter().zip(out) {
-            let (l, irradiance) = incident(light, position);
-            worst.add_vector(xyz(out[0]), l, || format!("{light:?}"));
-            worst.add_rgb(xyz(out[1]), irradiance, || format!("{light:?}"));
-        }
-        worst.check();
-    });
-}
-
-#[test]
-fn tone_curve_and_its_bytes() {
-    // `pow` of a base near 0 multiplies the error of its logarithm; display values are 0 to 1.
-    const F32_POWER: Tolerance = Tolerance { relative: 4e-6, floor: 1e-7 };
-    with_gpu(|gpu| {
-        let curves: Vec<ToneCurve> = [0.1, 1.0, 5.0, 50.0, 500.0, 1e4]
-            .into_iter()
-            .flat_map(|exposure| [0.1, 1.0, 5.0].map(|contrast| ToneCurve { exposure, contrast }))
-            .collect();
-        let radiance: Vec<[f32; 3]> =
-            (0..20).map(|i| 10f32.powf(0.5 * i as f32 - 5.0)).map(|l| [l, 0.5 * l, 0.0]).chain([[0.0; 3]]).collect();
-        let cases: Vec<_> = curves.iter().flat_map(|&curve| radiance.iter().map(move |&l| (curve, l))).collect();
-        let inputs: Vec<[f32; 4]> = cases
-            .iter()
-            .flat_map(|(curve, [r, g, b])| [[*r, *g, *b, 0.0], [curve.exposure, curve.contrast, 0.0, 0.0]])
-            .collect();
-        let out = Probe { shader: "probe/tone_curve.comp", inputs: 2, ..Probe::default() }.run(gpu, &inputs);
-        let mut worst = Worst::new("tone_curve", F32_POWER);
-        for ((curve, l), out) in cases.iter().zip(out) {
-            let expected = curve.apply(l.map(f64::from));
-            worst.add_rgb(xyz(out[0]), expected.into(), || format!("{l:?} {curve:?}"));
-            let bytes = (out[0][3] as u32).to_le_bytes();
-            for c in 0..3 {
-                let code = 255.0 * expected[c];
-                // A value half way between two codes may round either way.
-                let near_half = ((code - code.floor()) - 0.5).abs() < 1e-3;
-                let off = (f64::from(bytes[c]) - code).abs();
-                assert!(off <= if near_half { 0.501 } else { 0.5 }, "{l:?} {curve:?}: {bytes:?} for {code}");
-            }
-        }
-        worst.check();
     });
 }
 
