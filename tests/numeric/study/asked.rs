@@ -21,38 +21,6 @@ pub fn digest(finding: &Finding) -> Vec<Vec<String>> {
 pub const CURVES: &str = "method = [\"sampled\", \"split-sum\"]\nsamples = [1, 4, 16, 64, 256]\n";
 
 #[test]
-fn one_case_is_one_case() {
-    let run = finished(CURVES, |point| Some(Made::error(samples(point).map_or(0.3, |n| 4.0 / n))));
-    for name in ["break-even", "convergence", "error"] {
-        let found = finding(&run, name);
-        assert!(!found.sentence.contains("case") && !found.sentence.contains("median"), "{}", found.sentence);
-    }
-    let fewest = finished(&CURVES.replace("[1, 4, ", "[4, "), |point| {
-        Some(Made::error(samples(point).map_or(2.0, |n| 4.0 / n)))
-    });
-    let sentence = finding(&fewest, "break-even").sentence;
-    assert!(sentence.contains("at most 4"), "fewer were not tried: {sentence}");
-}
-
-#[test]
-fn a_method_that_ignores_an_axis_stands_beside_every_value_of_it() {
-    let run = finished(&format!("{CURVES}dfg_size = [16, 32, 64]\n"), |point| {
-        Some(Made::error(samples(point).map_or(0.3 + point_size(point), |n| 4.0 / n)))
-    });
-    assert_eq!(run.cells.len(), 5 + 3);
-    let found = finding(&run, "break-even");
-    assert_eq!(numbers(&found.table, "dfg_size"), [16.0, 32.0, 64.0]);
-    assert_eq!(numbers(&found.table, "break_even"), [16.0; 3]);
-}
-
-fn point_size(point: &Point) -> f64 {
-    match point.get("dfg_size") {
-        Value::Count(n) => f64::from(*n) * 1e-3,
-        _ => 0.0,
-    }
-}
-
-#[test]
 fn a_slope_is_fitted_above_the_noise_only() {
     let run = finished("method = [\"sampled\"]\nsamples = [1, 4, 16, 64, 256, 1024]\n", |point| {
         // 1/n down to the reference's noise, where it stays: 100 floors of a mean square are ten of a difference.
@@ -108,16 +76,6 @@ fn an_error_is_told_as_a_root_mean_square() {
     let of_rmse = (question.answer)(&frame).unwrap();
     assert!(!of_rmse.sentence.contains('%') && of_rmse.sentence.contains("`rmse`"), "{}", of_rmse.sentence);
     assert!(numbers(&of_rmse.table, "rms_percent").iter().all(|x| x.is_nan()));
-}
-
-#[test]
-fn errors_of_point_sets_are_told_by_their_geometric_mean() {
-    let run = finished("method = [\"sampled\"]\nsamples = [4]\npoint_set = [0, 1]\nalpha = [0.1, 0.5]\n", |point| {
-        let luck = if *point.get("point_set") == Value::Count(0) { 2.0 } else { 0.5 };
-        Some(Made::error(luck * point.get("alpha").number()))
-    });
-    let errors = numbers(&finding(&run, "error").table, "error");
-    assert!(errors.len() == 2 && errors.iter().zip([0.1, 0.5]).all(|(a, b)| (a - b).abs() < F64), "{errors:?}");
 }
 
 #[test]

@@ -6,7 +6,7 @@ use splitsum::experiment::value::Value;
 use splitsum::study::finished::{Finished, Light};
 use splitsum::study::frame::curve::curves;
 use splitsum::study::frame::line::{Line, t_95};
-use splitsum::study::frame::{Frame, Row, axis, by, fits, pair};
+use splitsum::study::frame::{Frame, Row, axis, by, pair};
 
 fn flat(axes: &str) -> Finished {
     finished(axes, |_| Some(Made::error(1.0)))
@@ -26,15 +26,6 @@ fn a_row_stands_in_every_group_that_it_does_not_contradict() {
     assert_eq!(sizes(&["samples"]), [4, 4, 4]);
     assert_eq!(sizes(&["method", "samples"]), [2, 2, 2, 2], "with the method the two contradict each other");
     assert_eq!(by(&rows, &[]).len(), 1);
-}
-
-#[test]
-fn an_unset_axis_fits_any_value() {
-    let (one, two) = (Value::Number(1.0), Value::Number(2.0));
-    assert!(fits(&[one.clone(), Value::Unset], &[one.clone(), two.clone()]));
-    assert!(fits(&[Value::Unset, two.clone()], &[one.clone(), two.clone()]));
-    assert!(!fits(&[one.clone(), two.clone()], &[two.clone(), two.clone()]));
-    assert!(fits(&[], &[]));
 }
 
 #[test]

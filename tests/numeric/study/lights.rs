@@ -27,25 +27,6 @@ fn a_bin_has_the_median_of_what_sees_it() {
 }
 
 #[test]
-fn an_interval_of_a_bin_needs_six_environments() {
-    let made = |lights: usize| {
-        let names = ["sky", "studio", "cap", "checker", "gradient", "constant", "sky:elevation_deg=8"];
-        let mut paper = Paper::new(&["alpha", "environment", "method"]);
-        for alpha in ["0.1", "0.5"] {
-            for (i, name) in names.iter().take(lights).enumerate() {
-                let environment = format!("builtin:{name}");
-                paper.add(&[alpha, &environment, "split-sum"], 1.0).bins = bins(HEADLINE, &[1.0 + i as f64]);
-            }
-        }
-        let table = paper.finding("n-dot-v").table;
-        [numbers(&table, "error_lo")[0], numbers(&table, "error")[0], numbers(&table, "error_hi")[0]]
-    };
-    assert!(made(5)[0].is_nan() && made(5)[1] == 3.0);
-    let [lo, middle, hi] = made(7);
-    assert!(middle == 4.0 && (1.0..4.0).contains(&lo) && hi > 4.0 && hi <= 7.0, "{lo} {hi}");
-}
-
-#[test]
 fn what_the_curve_hides_is_told_by_exposure_and_contrast() {
     let mut paper = Paper::new(&["alpha", "method", "samples", "exposure", "contrast"]);
     for contrast in ["1", "5"] {
@@ -73,17 +54,6 @@ fn what_the_curve_hides_is_told_by_exposure_and_contrast() {
         [numbers(&dark, "flip"), numbers(&dark, "flip_least"), numbers(&dark, "flip_most")].concat(),
         [0.04, 0.04, 0.08]
     );
-}
-
-#[test]
-fn runs_of_tried_exposures_are_drawn_together() {
-    let mut paper = Paper::new(&["method", "exposure"]);
-    for (exposure, flip) in [("5", 0.1), ("0.1", 0.1), ("1", 0.1), ("50", 0.01), ("500", 0.1)] {
-        let cell = paper.add(&["split-sum", exposure], 0.1);
-        cell.scores = Some(MetricValues::of(|name| Some(if name == "flip" { flip } else { 0.1 })));
-    }
-    let finding = paper.finding("visibility");
-    assert_eq!(column(finding.digest.as_ref().unwrap(), "visible at contrast 1").concat(), "exposure 0.1 to 5 and 500");
 }
 
 /// A furnace with a change of energy of the whole and of two bins, and the noise 0.001.

@@ -54,14 +54,6 @@ fn an_experiment_in_perceptual_roughness_is_answered_in_it() {
 }
 
 #[test]
-fn alpha_has_its_roughness_beside_it() {
-    let (_, found) = told("asks = [\"error\"]\n", "alpha = [0.0625, 0.25]\nf0 = [1]\n");
-    assert_eq!(digest(&found)[0][..2], ["0.0625", "0.250"]);
-    assert_eq!(found.digest.unwrap().columns[..2], ["alpha", "perceptual_roughness"]);
-    assert!(found.sentence.contains("for alpha 0.0625"), "{}", found.sentence);
-}
-
-#[test]
 fn the_rows_of_an_answer_are_values_of_the_axis_it_names() {
     let axes = "alpha = [0.25, 0.5]\nf0 = [1, 0.04]\n";
     let by = |question: &str| format!("asks = [{{ question = \"{question}\", by = \"f0\" }}]\n");

@@ -175,26 +175,6 @@ fn images_over_the_budget_become_windows_where_the_error_is() {
 }
 
 #[test]
-fn a_report_is_written_to_a_new_file_or_over_a_report() {
-    let dir = tempfile::tempdir().unwrap();
-    let run = finished_run(dir.path());
-    let report = |out: &Path| {
-        let mut command = std::process::Command::new(env!("CARGO_BIN_EXE_splitsum"));
-        let output = command.args(["report", "--no-images"]).arg("--out").args([out, &run]).output().unwrap();
-        (output.status.code(), String::from_utf8(output.stderr).unwrap())
-    };
-    let before = std::fs::read(run.join("errors.csv")).unwrap();
-    let (code, said) = report(&run.join("errors.csv"));
-    assert!(code == Some(2) && said.contains("is not a report of splitsum"), "{said}");
-    assert!(std::fs::read(run.join("errors.csv")).unwrap() == before);
-    let (code, said) = report(dir.path());
-    assert!(code == Some(2) && said.contains("is a folder; expected the file to write"), "{said}");
-    for _ in 0..2 {
-        assert_eq!(report(&dir.path().join("new.html")).0, Some(0));
-    }
-}
-
-#[test]
 fn of_many_point_sets_the_first_stays_where_not_all_fit() {
     let dir = tempfile::tempdir().unwrap();
     let axes = "environment = [\"builtin:constant\"]\nalpha = [0.5]\nmethod = [\"sampled\", \"split-sum\"]\nsamples = [1, 4]\npoint_set = [3, 1, 2]";

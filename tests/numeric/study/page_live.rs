@@ -42,22 +42,6 @@ fn half_scales_are_the_least_powers_of_two_that_fit() {
     }
 }
 
-#[test]
-fn a_run_leaves_its_tables_and_the_report_its_points() {
-    let dir = tempfile::tempdir().unwrap();
-    let run = finished_run(dir.path());
-    let light = light(&run, BUDGET_BYTES);
-    assert_eq!((light.environments.len(), light.lobes.len(), light.notes.len()), (1, 1, 0));
-    assert_eq!((light.environments[0].label.as_str(), light.environments[0].levels[0].size), ("constant", [8, 4]));
-    assert_eq!((light.lobes[0].brdf.as_str(), light.lobes[0].masking.as_str()), ("ggx", "separable"));
-    let [model] = light.models.as_slice() else { panic!("{:?}", light.models) };
-    assert_eq!((model.label.as_str(), model.spheres.len(), model.parts.len()), ("sphere", 1, 0));
-    assert_eq!(
-        (model.camera.offset, model.camera.extent, model.camera.is_perspective),
-        ([0.0, 0.0, 4.0], [1.05; 2], false)
-    );
-}
-
 /// GLSL ES 3.00 takes the shader of every split sum in every layout, and those of the samplers for every model.
 #[test]
 fn the_page_has_a_shader_of_every_method_that_its_tables_serve() {

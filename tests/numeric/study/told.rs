@@ -94,35 +94,3 @@ pub fn unfounded(finding: &Finding) -> Vec<String> {
     let text = without_names(&finding.sentence).replace("95 %", "");
     numbers(&text).into_iter().filter(|number| !known_numbers.contains(number)).collect()
 }
-
-#[test]
-fn numbers_are_found_as_they_are_written() {
-    let found =
-        numbers("From 1.3e-6 (0.11 % rms), -0.95 and −2 to 1,234 of 256x128, sh9, n·v 0.3-0.4; at 7. Half-5 2e3 10,20");
-    assert_eq!(
-        found,
-        ["1.3e-6", "0.11", "-0.95", "-2", "1234", "256", "128", "9", "0.3", "0.4", "7", "5", "2e3", "10", "20"]
-    );
-    assert_eq!(sentences("A is 1.5. B is 2.").len(), 2);
-    assert_eq!(word_count("`a` needs **16 samples** (95 % 1 to 2)."), 8);
-}
-
-#[test]
-fn what_no_table_says_is_found() {
-    let mut table = Table::with_names(vec!["alpha".to_owned(), "ratio".to_owned(), "words".to_owned()]);
-    let mut row =
-        |alpha: f64, ratio, words: &str| table.row(vec![Cell::Number(alpha), ratio, Cell::Text(words.to_owned())]);
-    row(0.1, Cell::Number(0.123456), "32 (95 % 16 to 64)");
-    row(0.25, Cell::Integer(12345), "1.3e-6");
-    row(0.25, Cell::Missing, "-0.5");
-    let says = |sentence: &str| {
-        unfounded(&Finding { sentence: sentence.to_owned(), table: table.clone(), digest: None, figure: None })
-    };
-    assert!(
-        says("`sampled-9` has 0.12 times (0.123) at alpha 0.25, 32 (95 % 16 to 64), 12,345, 1.3e-6 and -0.5.")
-            .is_empty()
-    );
-    assert!(says("Of 3 rows 2 alphas.").is_empty(), "counts of rows and of distinct values");
-    assert_eq!(says("0.13 and 95 and 0.5 and 7 and 1.3e-5"), ["0.13", "0.5", "7", "1.3e-5"]);
-    assert_eq!(says("95 of 100"), ["100"], "95 stands in the table's own words");
-}

@@ -114,18 +114,6 @@ fn series_and_words_stand_out_on_both_grounds() {
     }
 }
 
-/// Both grounds are in the style sheet, and a page's own colours come first.
-#[test]
-fn a_page_may_set_every_colour() {
-    let text = svg(&hard()[0], WIDTHS[0]);
-    let (light, dark) = text.split_once("prefers-color-scheme:dark").unwrap();
-    let series = SERIES.iter().enumerate().map(|(i, colors)| (format!("--fig-s{i}"), *colors));
-    for (name, [bright, dim]) in INKS.iter().map(|ink| (ink.2.to_owned(), ink.3)).chain(series) {
-        assert!(light.contains(&format!("var({name},{bright})")), "{name}");
-        assert!(dark.contains(&format!("var({name},{dim})")), "{name}");
-    }
-}
-
 #[test]
 fn words_on_tiles_stand_out() {
     let mut count = 0;
