@@ -9,13 +9,13 @@ use splitsum::environment::layout::{FilteredMap, LAYOUTS};
 use splitsum::ladder::attribution::{Attribution, Case, attributions};
 use splitsum::ladder::game::{Coalition, before, coalitions, is_feasible, shapley, without};
 use splitsum::ladder::radiance::{Radiance, Setting};
-use splitsum::ladder::{FRESNEL, LEVELS, MASKING, SPLIT_SUM, STORAGE, TABLE, TEXELS, VIEW};
+use splitsum::ladder::{FRESNEL, LEVELS, MASKING, SPLIT_SUM, STORAGE, TABLE, VIEW};
 use splitsum::math::design;
 use splitsum::math::frame::Frame;
 use splitsum::metrics::Epsilon;
 use splitsum::pixels::{Pixels, RgbImage};
 use splitsum::precompute::dfg::{Albedos, reference::dfg};
-use splitsum::precompute::prefilter::{Kernel, WEIGHTS, harmonic};
+use splitsum::precompute::prefilter::{Kernel, harmonic};
 use splitsum::precompute::{PrecomputeSettings, PrefilterBy, exact_quadrature};
 use splitsum::shade::method::ladder;
 use splitsum::shade::reference::{Surface, TOLERANCE};
@@ -354,43 +354,4 @@ fn constant_light_has_no_step_but_the_table() {
             assert!(((own - right) / right).abs().max_element() < 2e-5, "{coalition:b}: {own}, not {right}");
         }
     }
-}
-
-#[test]
-fn texels_blur_a_small_lamp() {
-    // Linear filtering keeps the mean over the sphere and lowers the peak.
-    let image =
-        RgbImage::from_fn(128, 64, |x, y| [if (60..64).contains(&x) && (30..34).contains(&y) { 50.0 } else { 0.1 }; 3]);
-    let environment = Environment::from_image("lamp", image);
-    let (frames, f0) = (frames(2000), DVec3::ONE);
-    let tables = PrecomputeSettings { prefilter_size: [16; 2], prefilter_level_count: 3, ..harmonic_tables() };
-    let drawn = vec![DVec3::ONE; frames.len()];
-    let albedos = Albedos::new(
-        Kernel::new(MODELS[0], &WEIGHTS[0], MaskingShadowing::Separable),
-        MaskingShadowing::Separable,
-        0.25,
-    );
-    let found = Radiance::new(Setting {
-        model: MODELS[0],
-        masking: MaskingShadowing::Separable,
-        alpha: 0.25,
-        albedos: &albedos,
-        tables: &tables,
-        environment: &environment,
-        scale: 1.0,
-        harmonics: &harmonic::harmonics(&environment.image, harmonic::degree(0.25)),
-        filtered: &one_level(&environment, 32),
-        table: frames.iter().map(|[n, v]| albedos.exact(n.dot(*v))).collect(),
-        frames: &frames,
-        drawn: vec![[[drawn.clone(), drawn.clone()], [drawn.clone(), drawn]]],
-    });
-    let without_albedo = |coalition| -> Vec<f64> {
-        let image = found.of(coalition, f0);
-        image.iter().zip(&frames).map(|(rgb, [n, v])| rgb.x / albedos.exact(n.dot(*v)).element_sum()).collect()
-    };
-    let [sharp, blurred] = [of(&[FRESNEL, MASKING, VIEW]), of(&[FRESNEL, MASKING, VIEW, TEXELS])].map(without_albedo);
-    let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
-    let peak = |values: &[f64]| values.iter().copied().fold(0.0, f64::max);
-    assert!((mean(&blurred) / mean(&sharp) - 1.0).abs() < 0.02, "{} {}", mean(&blurred), mean(&sharp));
-    assert!(peak(&blurred) < 0.99 * peak(&sharp), "{} {}", peak(&blurred), peak(&sharp));
 }

@@ -251,22 +251,3 @@ fn the_page_prints_the_lookup_that_the_methods_include() {
         parse("use.frag", &text, Language::Es).unwrap_or_else(|log| panic!("{code}: {log}"));
     }
 }
-
-/// The two parts, each by its own moment, are the lobe's moment for every f0: linear light along it comes out the same from both.
-#[test]
-fn parts_add_up_to_the_lobe() {
-    let masking = MaskingShadowing::Separable;
-    for model in MODELS {
-        for (n_dot_v, alpha) in [(0.2, 0.5), (0.6, 1.0)] {
-            let lobe = Lobe::new(*model, masking, n_dot_v, alpha);
-            let shape = LobeShapes::new(Kernel::cosine(*model), masking).at(n_dot_v, alpha);
-            for f0 in [0.04, 0.5, 1.0] {
-                let weights = DVec2::new(f0 * lobe.albedos.x, lobe.albedos.y);
-                let moment = shape.moments[0].lerp(shape.moments[1], weights.y / weights.element_sum());
-                let whole = (weights.x * lobe.moments[0] + weights.y * lobe.moments[1]) / weights.element_sum();
-                let off = (moment.x * lobe.mirror() + moment.y * DVec3::Z).distance(whole);
-                assert!(off < 1e-4, "{} n_dot_v {n_dot_v} alpha {alpha} f0 {f0}: {off}", model.name());
-            }
-        }
-    }
-}

@@ -341,16 +341,6 @@ fn verdicts_compare_differences() {
 }
 
 #[test]
-fn the_list_is_well_formed() {
-    for (i, metric) in METRICS.iter().enumerate() {
-        let description = metric;
-        assert!(METRICS[..i].iter().all(|other| other.name != description.name));
-        assert!(description.name.chars().all(|c| c.is_ascii_lowercase() || c.is_ascii_digit() || "_-".contains(c)));
-        assert!(!description.formula.is_empty() && description.version > 0);
-    }
-}
-
-#[test]
 fn scores_do_not_depend_on_order_of_evaluation() {
     let [test, reference] = noisy_pair(20, 20);
     let mask = whole(&test);

@@ -39,17 +39,6 @@ fn the_first_orientation_is_the_first_point_as_a_quaternion() {
     }
 }
 
-#[test]
-fn moments_are_those_of_the_uniform_distribution() {
-    let all = all(4096);
-    let mean = |f: &dyn Fn(&DMat3) -> f64| all.iter().map(f).sum::<f64>() / 4096.0;
-    for (i, j) in (0..9).map(|k| (k / 3, k % 3)) {
-        // A third and a fifth of the standard deviation of independent rotations, 9e-3 and 5e-3.
-        let (first, second) = (mean(&|r| r.col(i)[j]), mean(&|r| r.col(i)[j].powi(2)));
-        assert!(first.abs() < 3e-3 && (second - 1.0 / 3.0).abs() < 1e-3, "{i} {j}: {first} {second}");
-    }
-}
-
 /// Over the irreducible representations of SO(3): the mean square of the means of all functions of degree l, over what independent
 /// rotations are expected to have. 1 is random, 0 even.
 #[test]

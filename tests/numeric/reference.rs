@@ -64,48 +64,6 @@ fn sobol_dimensions_equal_a_published_generator() {
     }
 }
 
-#[test]
-fn every_elementary_interval_holds_one_scrambled_point() {
-    for scramble in 0..8 {
-        for key in pair_keys([5, 9], scramble) {
-            for log_count in 0..=10u32 {
-                let points: Vec<[u32; 2]> = (0..1 << log_count).map(|i| sobol_point(i, key)).collect();
-                for log_columns in 0..=log_count {
-                    let mut seen = vec![false; points.len()];
-                    for point in &points {
-                        let prefix = |x: u32, bits: u32| (u64::from(x) >> (32 - bits)) as usize;
-                        let column = prefix(point[0], log_columns);
-                        let interval =
-                            (column << (log_count - log_columns)) + prefix(point[1], log_count - log_columns);
-                        assert!(!seen[interval], "2^{log_count} points, {log_columns} bits of x, scramble {scramble}");
-                        seen[interval] = true;
-                    }
-                }
-            }
-        }
-    }
-}
-
-#[test]
-fn keys_differ_between_pixels_scrambles_seeds_and_streams() {
-    let mut keys = std::collections::HashSet::new();
-    let mut count = 0;
-    for x in 0..24 {
-        for y in 0..24 {
-            for scramble in 0..8 {
-                for seed in 0..3 {
-                    for stream in 0..2 {
-                        count += 1;
-                        keys.insert(sobol_key([x, y], scramble, seed, stream));
-                    }
-                }
-            }
-        }
-    }
-    // Two of n random 32-bit keys collide n^2 / 2^33 times: 0.09 times here.
-    assert!(keys.len() + 2 >= count, "{} distinct keys of {count}", keys.len());
-}
-
 /// Each point must be uniform over scrambles, or no scramble's estimate would be unbiased; and points of two pairs or of two neighbours
 /// must be independent, or errors that are added would not be.
 #[test]

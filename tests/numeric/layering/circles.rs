@@ -61,26 +61,3 @@ fn circle<'m>(edges: &Edges<'m>) -> Option<BTreeSet<&'m str>> {
     let is_back = |node: &&str| reach.get(node).is_some_and(|seen| seen.contains(start));
     Some(reach[start].iter().copied().filter(is_back).collect())
 }
-
-#[test]
-fn circles_are_found_at_every_depth() {
-    let circle = |files: &[(&str, &[&str])]| {
-        let path = |text: &str| text.split("::").map(str::to_owned).collect::<Vec<_>>();
-        let entry = |(module, paths): &(&str, &[&str])| {
-            let file = PathBuf::from(format!("{}.rs", module.replace("::", "/")));
-            (path(module), (file, paths.iter().map(|text| path(text)).collect()))
-        };
-        first_circle(&files.iter().map(entry).collect())
-    };
-    assert_eq!(circle(&[("a", &["b::B"]), ("b", &["c"]), ("c", &[])]), None);
-    let found = circle(&[("a", &["b::B"]), ("b", &["c"]), ("c", &["a::x"]), ("d", &["a"])]).unwrap();
-    assert!(
-        found.contains("a.rs names b::B") && found.contains("c.rs names a::x") && !found.contains("d.rs"),
-        "{found}"
-    );
-    // Two folders whose files form none; and two files of one folder.
-    assert!(circle(&[("a::x", &["b::y"]), ("a::w", &[]), ("b::y", &[]), ("b::z", &["a::w"])]).is_some());
-    assert!(circle(&[("a", &[]), ("a::x", &["a::y::Y"]), ("a::y", &["a::x::f"])]).is_some());
-    // A parent and its children, and an item of the parent.
-    assert_eq!(circle(&[("a", &["a::x"]), ("a::x", &["a::Item", "a"]), ("a::y", &["a::x"])]), None);
-}

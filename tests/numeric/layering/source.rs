@@ -127,22 +127,3 @@ fn expand<'t>(text: &'t str, base: &[String], found: &mut BTreeSet<Vec<String>>)
     found.insert(path);
     rest
 }
-
-#[test]
-fn the_reader_of_imports_sees_what_the_compiler_sees() {
-    let source = r##"
-        //! crate::comment
-        use crate::{gpu::{self, Gpu as G}, shade};
-        use super::super::math::*;
-        use super::pass;
-        const A: char = '"'; const S: &str = "crate::text \" crate::text"; const R: &str = r#"crate::raw " "#;
-        fn f<'a>(x: &'a str) -> crate::scene::Camera { pub(crate) use self::x; 'q' /* crate::block */ }
-    "##;
-    let text = Text::of(source);
-    let module = ["shade", "method", "x"].map(str::to_owned);
-    let found: Vec<String> = imports(&module, &text.code).iter().map(|path| path.join("::")).collect();
-    // `pub(crate)` names the crate itself: an empty path.
-    let expected = ["", "gpu", "gpu::Gpu", "scene::Camera", "shade", "shade::math", "shade::method::pass"];
-    assert_eq!(found, expected);
-    assert_eq!(text.comments.trim(), "crate::comment");
-}

@@ -135,23 +135,6 @@ fn a_prediction_is_right_within_a_factor_of_one_and_a_half_after_a_tenth_of_the_
     }
 }
 
-/// Counting cells in place of their work would be far off: this is what the prediction is for.
-#[test]
-fn cells_are_weighed_by_their_work() {
-    let plan = plan(SWEEP);
-    let (found, _) = simulated(&plan, |_| 1.0, Speeds::default(), true);
-    let (total, steps) = (found[0][0], found.len() - 1);
-    let by_count = |(done, [left, _]): (usize, &[f64; 2])| {
-        let said = (total - left) * (steps - done) as f64 / done as f64;
-        [*left, said]
-    };
-    let counted: Vec<[f64; 2]> = found.iter().enumerate().skip(1).map(by_count).collect();
-    assert!(worst(&counted, 0.1) > worst(&found, 0.1));
-    let mut steps = Steps::new(&plan, &[], []);
-    let work: Vec<f64> = plan.cells.iter().map(|cell| steps.cell(cell).stated_s()).collect();
-    assert!(work.iter().fold(0.0, |a: f64, b| a.max(*b)) > 100.0 * work.iter().fold(1e9, |a: f64, b| a.min(*b)));
-}
-
 #[test]
 fn shared_work_counts_once_and_kept_references_not_at_all() {
     let plan = plan(EXPERIMENT);

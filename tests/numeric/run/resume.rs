@@ -30,16 +30,6 @@ fn fail_fast_ends_the_run_at_the_first_failure() {
 }
 
 #[test]
-fn a_second_run_in_the_same_folder_is_told() {
-    let bench = Bench::new(EXPERIMENT);
-    let held = Store::open(bench.dir.path(), &bench.plan).unwrap();
-    let error = bench.invoke(&log(), usize::MAX).unwrap_err();
-    assert!(error.to_string().contains("another run is using it"), "{error}");
-    drop(held);
-    bench.invoke(&log(), usize::MAX).unwrap();
-}
-
-#[test]
 fn a_finished_run_is_not_touched_and_needs_no_renderer() {
     let bench = Bench::finished(&timed());
     let before = contents(bench.dir.path());
@@ -238,18 +228,6 @@ fn a_folder_in_the_place_of_an_image_fails_its_cells_only() {
         std::fs::create_dir(&place).unwrap();
         assert_eq!(bench.invoke(&log(), usize::MAX).unwrap().failures.len(), count, "{name}");
     }
-}
-
-#[test]
-fn a_lost_device_ends_the_run_and_keeps_what_is_done() {
-    let (bench, log) = (Bench::new(EXPERIMENT), log());
-    log.borrow_mut().renders_left = Some(4);
-    let error = bench.invoke(&log, usize::MAX).unwrap_err();
-    assert!(matches!(error, RunError::DeviceLost(_)), "{error}");
-    // A reference and three images, each with two exposures.
-    assert_eq!(bench.table("errors.csv").rows.len(), 6);
-    log.borrow_mut().renders_left = None;
-    assert!(bench.invoke(&log, usize::MAX).unwrap().failures.is_empty());
 }
 
 #[test]

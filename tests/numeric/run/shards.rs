@@ -252,16 +252,6 @@ fn every_cell_is_in_one_part_and_parts_have_no_image_in_common() {
 }
 
 #[test]
-fn a_shard_is_k_of_n() {
-    let parse = |text: &str| text.parse::<Shard>();
-    assert_eq!(parse("2/4"), Ok(Shard { index: 2, count: 4 }));
-    for text in ["0/4", "5/4", "4", "a/b", "1/0", "1/-1", "1/99999", "1/2/3"] {
-        assert!(parse(text).unwrap_err().contains("K/N"), "{text}");
-    }
-    assert_eq!(Shard::by_stem(&Shard { index: 3, count: 7 }.stem()), Some(Shard { index: 3, count: 7 }));
-}
-
-#[test]
 fn who_would_do_the_same_cells_at_once_is_told_to_wait() {
     let bench = Bench::new(EXPERIMENT);
     let open = |shard: &str| Store::open_shard(&bench.dir(), &bench.plan, shard.parse().unwrap());

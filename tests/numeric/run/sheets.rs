@@ -105,20 +105,6 @@ fn every_text_and_the_legend_are_drawn() {
     }
 }
 
-/// `1e-2` broken after `1e-` would read as two numbers.
-#[test]
-fn a_line_break_never_parts_a_number() {
-    let drawn = |reason: String| {
-        page(&ContactSheet { rows: vec![(head("", false), vec![Tile::Missing(reason)])], ..sheet() }).data
-    };
-    // Narrow letters: one of these lengths leaves room for all but the last digit.
-    for length in 1..40 {
-        let filler = "i".repeat(length);
-        let broken = drawn(format!("{filler} 1e-\n2"));
-        assert!(drawn(format!("{filler} 1e-2")) != broken, "{length} letters before the number");
-    }
-}
-
 #[test]
 fn a_tall_sheet_makes_pages_that_lose_no_row() {
     let row = |i: u8, starts_group| (head(&format!("row {i}"), starts_group), vec![flat([i, 7, 9], ""); 3]);
@@ -144,14 +130,4 @@ fn a_tall_sheet_makes_pages_that_lose_no_row() {
     let tall = || Tile::Image { image: Rgb8Image::filled(90, 5000, [3; 3]), note: String::new() };
     let rows = (0..2).map(|_| (head("tall", false), vec![tall(), tall(), tall()])).collect();
     assert_eq!(ContactSheet { tile, rows, ..sheet() }.pages().len(), 2);
-}
-
-#[test]
-fn a_row_label_has_as_many_lines_as_its_tile_is_tall() {
-    let drawn = |label: &str| {
-        let tile = Tile::Image { image: Rgb8Image::filled(90, 160, [9; 3]), note: String::new() };
-        page(&ContactSheet { tile: [90, 160], rows: vec![(head(label, false), vec![tile; 3])], ..sheet() }).data
-    };
-    // 160 pixels are room for six lines.
-    assert_ne!(drawn("a 1\nb 2\nc 3\nd 4\ne 5\nf 6"), drawn("a 1\nb 2\nc 3\nd 4\ne 5\nf 7"));
 }

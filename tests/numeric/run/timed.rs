@@ -42,22 +42,6 @@ fn timings_are_taken_once_a_configuration_and_kept() {
 }
 
 #[test]
-fn five_rounds_have_no_interval() {
-    let (dir, log) = (tempfile::tempdir().unwrap(), log());
-    let plan = plan(&format!("{EXPERIMENT}[timing]\nwarmup = 1\nrounds = 5\n"));
-    invoke(&plan, dir.path(), &log, usize::MAX).unwrap();
-    let ratios = Table::read(&dir.path().join("answers/times.csv")).unwrap();
-    let times = Table::read(&dir.path().join("timings.csv")).unwrap();
-    for (table, names) in [(&ratios, ["ratio_lo", "ratio_hi"]), (&times, ["median_lo_ms", "median_hi_ms"])] {
-        for name in names {
-            assert!(table.numbers(name).unwrap().iter().all(Option::is_none), "{name} stays empty");
-        }
-    }
-    let summary = String::from_utf8(read(dir.path().join("summary.md"))).unwrap();
-    assert!(summary.contains("A frame of") && !summary.contains("NaN"), "{summary}");
-}
-
-#[test]
 fn compared_configurations_are_timed_in_the_same_rounds_in_changing_order() {
     let (dir, log) = (tempfile::tempdir().unwrap(), log());
     let plan = plan(&format!("{EXPERIMENT}[timing]\nwarmup = 1\nrounds = 20\n"));
