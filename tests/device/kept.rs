@@ -21,20 +21,16 @@ use std::sync::Arc;
 
 fn small() -> PrecomputeSettings {
     PrecomputeSettings {
-        layout: usual_tables().layout,
         prefilter_size: [16; 2],
         prefilter_level_count: 2,
         prefilter: PrefilterBy::Sampled,
         prefilter_sample_count: 16,
-        level_mapping: &LEVEL_MAPPINGS[0],
-        prefilter_weight: &WEIGHTS[0],
-        prefilter_lod_bias: 0.0,
         dfg_size: 16,
         dfg_sample_count: 64,
-        dfg_axes: DfgAxes::default(),
         irradiance_size: [8; 2],
         irradiance_sample_count: [16, 8],
         storage: StorageFormat::F32,
+        ..usual_tables()
     }
 }
 
@@ -62,7 +58,7 @@ fn bits(image: &RgbImage) -> Vec<u32> {
 }
 
 #[test]
-fn what_the_disk_keeps_has_the_bits_of_what_is_made() {
+fn entries_of_the_disk_cache_have_the_bits_of_new_tables() {
     let dir = tempfile::tempdir().unwrap();
     let render_all = |pipeline: &mut Pipeline| -> Vec<_> {
         let frames = requests().into_iter().map(|request| pipeline.render(&request).unwrap());
@@ -214,7 +210,7 @@ fn shown(frame: &Frame) -> (Vec<u32>, Option<Vec<u32>>, Vec<u32>) {
 /// A key that leaves out a field hands on what an earlier request left: right after its base a neighbour then shows the base's, alone its
 /// own. So that no other request leaves the same, each pair has its own light, scene, size and counts.
 #[test]
-fn what_a_frame_shows_does_not_hang_on_earlier_requests() {
+fn frames_do_not_depend_on_earlier_requests() {
     let dir = tempfile::tempdir().unwrap();
     let of = |(method, diffuse, name): (&str, &str, &str), pair: u32| {
         let light = |x: u32, y: u32| [1.0 + (x % 5) as f32, 0.1 * (x + y) as f32, 1.0 + 0.1 * pair as f32];

@@ -61,15 +61,13 @@ fn tables(layout: &'static MapLayout) -> PrecomputeSettings {
         prefilter_level_count: 3,
         prefilter: PrefilterBy::Sampled,
         prefilter_sample_count: 64,
-        level_mapping: &LEVEL_MAPPINGS[0],
-        prefilter_weight: &WEIGHTS[0],
-        prefilter_lod_bias: 0.0,
         dfg_size: 32,
         dfg_sample_count: 128,
         dfg_axes: if layout.is_square { DfgAxes::FourthRoots } else { DfgAxes::Centres },
         irradiance_size: size(8),
         irradiance_sample_count: [16, 8],
         storage: splitsum::precompute::StorageFormat::F32,
+        ..PrecomputeSettings::default()
     }
 }
 
@@ -313,7 +311,7 @@ fn lookup_tolerance(gpu: &Gpu) -> Tolerance {
 }
 
 #[test]
-fn every_method_meets_its_twin() {
+fn every_method_matches_its_f64_twin() {
     let none: &Diffuse = Diffuse::listed("none");
     with_gpu(|gpu| {
         with_pipeline(|pipeline| {
@@ -361,7 +359,7 @@ fn every_method_meets_its_twin() {
 }
 
 #[test]
-fn every_diffuse_method_meets_its_twin() {
+fn every_diffuse_method_matches_its_f64_twin() {
     let none: &Method = Method::listed("none");
     with_gpu(|gpu| {
         with_pipeline(|pipeline| {
