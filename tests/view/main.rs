@@ -247,7 +247,7 @@ fn every_control_moves_its_axis() {
 }
 
 #[test]
-fn what_cannot_be_shown_is_told() {
+fn faults_of_display_device_and_files_are_reported() {
     let output = program()
         .arg("view")
         .env_remove("DISPLAY")
@@ -277,7 +277,7 @@ fn what_cannot_be_shown_is_told() {
     win.wait_done();
     assert_eq!(win.state()["axes"]["environment"], "builtin:studio");
     // A window that is taken away from the program.
-    win.xdotool(&["windowclose".into(), win.id()]);
+    win.act(&format!("windowclose {}", win.id()));
     let (code, message) = win.end();
     assert!(code == Some(75) && message.contains("the window was taken away"), "{code:?}: {message}");
     // A display that goes.
@@ -312,52 +312,19 @@ fn random_input_leaves_no_message_and_no_leak() {
         random = random.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         (random >> 33) % below
     };
-    let keys = [
-        "e",
-        "s",
-        "t",
-        "d",
-        "0",
-        "1",
-        "2",
-        "4",
-        "plus",
-        "minus",
-        "Left",
-        "Up",
-        "space",
-        "bracketleft",
-        "Tab",
-        "Escape",
-    ];
+    let keys = "e s t d 0 1 2 4 plus minus Left Up space bracketleft Tab Escape".split(' ').collect::<Vec<_>>();
     let until = Instant::now() + Duration::from_secs(seconds);
     let (mut actions, mut most) = (0, 0);
     while Instant::now() < until {
-        let [x, y] = [next(1180), next(790)].map(|place| place.to_string());
-        let words: Vec<String> = match next(6) {
-            0 => vec!["key".into(), keys[next(keys.len() as u64) as usize].into()],
-            1 => ["mousedown", "1", "mousemove_relative", "--", "37", "-11", "mouseup", "1"].map(String::from).into(),
-            2 => ["click", if next(2) == 0 { "4" } else { "5" }].map(String::from).into(),
-            3 => [
-                "keydown",
-                "shift",
-                "mousedown",
-                "1",
-                "mousemove_relative",
-                "--",
-                "-23",
-                "5",
-                "mouseup",
-                "1",
-                "keyup",
-                "shift",
-            ]
-            .map(String::from)
-            .into(),
-            4 => ["click", "1"].map(String::from).into(),
-            _ => vec!["mousemove".into(), "--window".into(), win.id(), x, y],
-        };
-        win.xdotool(&words);
+        let [x, y] = [next(1180), next(790)];
+        win.act(&match next(6) {
+            0 => format!("key {}", keys[next(keys.len() as u64) as usize]),
+            1 => "mousedown 1 mousemove_relative -- 37 -11 mouseup 1".to_owned(),
+            2 => ["click 4", "click 5"][next(2) as usize].to_owned(),
+            3 => "keydown shift mousedown 1 mousemove_relative -- -23 5 mouseup 1 keyup shift".to_owned(),
+            4 => "click 1".to_owned(),
+            _ => format!("mousemove --window {} {x} {y}", win.id()),
+        });
         (actions, most) = (actions + 1, win.memory_kib().max(most));
         assert!(win.is_alive(), "the window ended");
     }
@@ -374,19 +341,10 @@ fn it_stays_quick_while_it_is_turned() {
     let place = win.place("image");
     let pictures = || win.told()["pictures"].as_u64().unwrap();
     let (begun, spent_before, seen_before) = (Instant::now(), win.cpu_s(), pictures());
-    win.xdotool(&[
-        "mousemove".into(),
-        "--window".into(),
-        win.id(),
-        (place[0] + 100.0).to_string(),
-        (place[1] + 200.0).to_string(),
-    ]);
-    win.xdotool(&["mousedown".into(), "1".into()]);
+    win.act(&format!("mousemove --window {} {} {} mousedown 1", win.id(), place[0] + 100.0, place[1] + 200.0));
     // Without a pause between two moves the window never refines.
-    let moves =
-        ["mousemove_relative", "2", "0", "sleep", "0.02"].repeat(150).into_iter().map(String::from).collect::<Vec<_>>();
-    win.xdotool(&moves);
-    win.xdotool(&["mouseup".into(), "1".into()]);
+    win.act(["mousemove_relative 2 0 sleep 0.02"; 150].join(" ").as_str());
+    win.act("mouseup 1");
     let seen = (pictures() - seen_before) as f64;
     let rate = seen / begun.elapsed().as_secs_f64();
     let each = (win.cpu_s() - spent_before) / seen;

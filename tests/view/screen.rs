@@ -98,9 +98,10 @@ impl Screen {
         win
     }
 
-    pub fn xdotool(&self, words: &[String]) -> String {
-        let output = Command::new("xdotool").args(words).env("DISPLAY", &self.display).output().unwrap();
-        assert!(output.status.success(), "xdotool {words:?}: {}", String::from_utf8_lossy(&output.stderr));
+    /// What `xdotool` prints.
+    fn act(&self, line: &str) -> String {
+        let output = Command::new("xdotool").args(line.split(' ')).env("DISPLAY", &self.display).output().unwrap();
+        assert!(output.status.success(), "xdotool {line}: {}", String::from_utf8_lossy(&output.stderr));
         String::from_utf8(output.stdout).unwrap()
     }
 
@@ -231,33 +232,30 @@ impl Win<'_> {
         serde_json::from_value(found.clone()).unwrap()
     }
 
-    pub fn xdotool(&self, words: &[String]) -> String {
-        self.screen.xdotool(words)
-    }
-
-    fn act(&self, words: &[&str]) {
-        self.xdotool(&words.iter().map(|word| (*word).to_owned()).collect::<Vec<_>>());
+    /// Input that nothing waits for: words of `xdotool`.
+    pub fn act(&self, line: &str) {
+        self.screen.act(line);
     }
 
     /// What makes `count` inputs.
-    fn send(&self, words: &[&str], count: u64) {
-        self.act(words);
+    fn send(&self, line: &str, count: u64) {
+        self.act(line);
         self.sent.set(self.sent.get() + count);
         self.settle();
     }
 
     pub fn key(&self, key: &str) {
-        self.send(&["windowfocus", "--sync", &self.id, "key", key], 2 * key.split('+').count() as u64);
+        self.send(&format!("windowfocus --sync {} key {key}", self.id), 2 * key.split('+').count() as u64);
     }
 
     pub fn hold(&self, key: &str, is_down: bool) {
-        self.send(&[if is_down { "keydown" } else { "keyup" }, key], 1);
+        self.send(&format!("{} {key}", if is_down { "keydown" } else { "keyup" }), 1);
     }
 
     /// Moves the pointer to a place in the window.
     fn point(&self, place: [f64; 2]) {
         let [x, y] = place.map(f64::round);
-        self.act(&["mousemove", "--window", &self.id, &x.to_string(), &y.to_string()]);
+        self.act(&format!("mousemove --window {} {x} {y}", self.id));
         self.wait("the pointer", |told| told["pointer"] == serde_json::json!([x, y]));
         self.settle();
     }
@@ -269,7 +267,7 @@ impl Win<'_> {
 
     pub fn click(&self, name: &str, at: [f64; 2]) {
         self.go(name, at);
-        self.send(&["click", "1"], 2);
+        self.send("click 1", 2);
     }
 
     /// Opens a list and takes an entry.
@@ -283,21 +281,21 @@ impl Win<'_> {
         let place = self.place(name);
         self.go(name, from);
         held.into_iter().for_each(|key| self.hold(key, true));
-        self.send(&["mousedown", "1"], 1);
+        self.send("mousedown 1", 1);
         for step in 1..=3 {
             let at = |axis: usize| {
                 place[axis] + (from[axis] + (to[axis] - from[axis]) * f64::from(step) / 3.0) * place[axis + 2]
             };
             self.point([at(0), at(1)]);
         }
-        self.send(&["mouseup", "1"], 1);
+        self.send("mouseup 1", 1);
         held.into_iter().for_each(|key| self.hold(key, false));
     }
 
     pub fn wheel(&self, name: &str, clicks: u32) {
         self.go(name, [0.5, 0.5]);
         let before = self.told()["state"].clone();
-        self.act(&["click", "--repeat", &clicks.to_string(), "4"]);
+        self.act(&format!("click --repeat {clicks} 4"));
         // How many events a turn makes is the display's matter.
         self.wait("the wheel", |told| told["state"] != before);
         self.settle();
@@ -305,7 +303,7 @@ impl Win<'_> {
 
     pub fn resize(&self, width: u32, height: u32) {
         let before = self.place("image");
-        self.act(&["windowmove", &self.id, "0", "30", "windowsize", &self.id, &width.to_string(), &height.to_string()]);
+        self.act(&format!("windowmove {id} 0 30 windowsize {id} {width} {height}", id = self.id));
         self.wait("the new size", |told| told["controls"]["image"] != serde_json::json!(before));
         self.settle();
     }
@@ -315,7 +313,7 @@ impl Win<'_> {
         // Where a window is the pointer tells: window managers put frames around it.
         self.point([0.0; 2]);
         let all = self.screen.pixels();
-        let text = self.xdotool(&["getmouselocation", "--shell"].map(String::from));
+        let text = self.screen.act("getmouselocation --shell");
         let number = |key: &str| {
             let line = text.lines().find_map(|line| line.strip_prefix(key)).unwrap();
             line.trim_start_matches('=').parse::<f64>().unwrap()
@@ -333,18 +331,8 @@ impl Win<'_> {
             let asked = Instant::now();
             // A random click may have iconified it. The call fails or waits for ever if the window goes meanwhile.
             let _ = Command::new("timeout")
-                .args([
-                    "5",
-                    "xdotool",
-                    "windowactivate",
-                    "--sync",
-                    &self.id,
-                    "windowfocus",
-                    "--sync",
-                    &self.id,
-                    "key",
-                    "alt+F4",
-                ])
+                .args(["5", "xdotool", "windowactivate", "--sync", &self.id, "windowfocus", "--sync", &self.id])
+                .args(["key", "alt+F4"])
                 .env("DISPLAY", &self.screen.display)
                 .output();
             while self.is_alive() && asked.elapsed() < Duration::from_secs(5) {
