@@ -1,15 +1,14 @@
 //! A finished run of the renderer made of formulas, under names that would run if they were not inert, and its report in a browser.
 
 use crate::chromium::{self, Page};
-use crate::fake::{Fake, Log};
+use crate::fake::{Log, Silent, fakes};
 use half::f16;
 use serde_json::json;
 use splitsum::experiment::Plan;
 use splitsum::pixels::exr;
 use splitsum::report::page::images::Choice;
 use splitsum::report::page::{PageOptions, Told, write};
-use splitsum::run::estimate::Ahead;
-use splitsum::run::{Progress, RenderFault, Renderer, RunOptions, run};
+use splitsum::run::{RunOptions, run};
 use splitsum::study::finished::Finished;
 use splitsum::study::questions::{Answer, answers};
 use splitsum::table::csv::Table;
@@ -25,14 +24,6 @@ pub const HOSTILE: &str = r#"=1+1, "quoted"
 pub const HOSTILE_FOLDER: &str = r#"le'ft "<b>#1?%41"#;
 pub const SIDE: u32 = 24;
 
-pub struct Quiet;
-
-impl Progress for Quiet {
-    fn start(&mut self, _: usize, _: usize, _: Ahead) {}
-    fn step(&mut self, _: &str, _: Option<&str>, _: Ahead) {}
-    fn note(&mut self, _: &str) {}
-}
-
 /// A finished run of the renderer made of formulas; the folder's name is hostile too.
 pub fn finished_run(dir: &Path, name: &str, broken: Option<&'static str>) -> PathBuf {
     let why = json!("phong has \"<b>no</b>\" alpha of 0.5 & </script>");
@@ -44,13 +35,7 @@ pub fn finished_run(dir: &Path, name: &str, broken: Option<&'static str>) -> Pat
         json!("hostile"),
         json!(HOSTILE),
     );
-    let plan = Plan::from_text(Path::new("hostile.toml"), &text, &[]).unwrap_or_else(|error| panic!("{error}"));
-    let stop = AtomicBool::new(false);
-    let options = RunOptions { command_line: vec![HOSTILE.to_owned()], ..RunOptions::new(&dir.join(name), &stop) };
-    let log = Rc::new(RefCell::new(Log { broken_method: broken, ..Log::default() }));
-    let mut make = || -> Result<Box<dyn Renderer>, RenderFault> { Ok(Box::new(Fake(log.clone()))) };
-    run(&plan, &mut make, &options, &mut Quiet).unwrap_or_else(|error| panic!("{error}"));
-    options.dir
+    run_of_text(&dir.join(name), &text, Log { broken_method: broken, ..Log::default() })
 }
 
 /// The report of a finished run of an experiment whose axes are given.
@@ -69,11 +54,10 @@ pub fn run_of_text(dir: &Path, text: &str, log: Log) -> PathBuf {
     let file = dir.with_file_name("sections.toml");
     let plan = Plan::from_text(&file, text, &[]).unwrap_or_else(|error| panic!("{error}"));
     let stop = AtomicBool::new(false);
-    let fail_fast = log.broken.is_none();
-    let options = RunOptions { fail_fast, ..RunOptions::new(dir, &stop) };
+    let fail_fast = log.broken.is_none() && log.broken_method.is_none();
+    let options = RunOptions { fail_fast, command_line: vec![HOSTILE.to_owned()], ..RunOptions::new(dir, &stop) };
     let log = Rc::new(RefCell::new(log));
-    let mut make = || -> Result<Box<dyn Renderer>, RenderFault> { Ok(Box::new(Fake(log.clone()))) };
-    run(&plan, &mut make, &options, &mut Quiet).unwrap_or_else(|error| panic!("{error}"));
+    run(&plan, &mut fakes(&log), &options, &mut Silent).unwrap_or_else(|error| panic!("{error}"));
     options.dir
 }
 
@@ -88,12 +72,12 @@ pub fn saved(page: &mut Page, button: &str) -> String {
 
 /// Writes the report of finished runs with what they answer.
 pub fn write_page(dirs: &[PathBuf], options: &PageOptions) -> PathBuf {
-    let told = |dir: &PathBuf| -> (Finished, Vec<Answer>) {
+    let answered = |dir: &PathBuf| -> (Finished, Vec<Answer>) {
         let run = Finished::read(dir).unwrap_or_else(|error| panic!("{error}"));
         let answers = answers(&run, None);
         (run, answers)
     };
-    let runs: Vec<_> = dirs.iter().map(told).collect();
+    let runs: Vec<_> = dirs.iter().map(answered).collect();
     write(options, &Told::of_runs(&runs)).unwrap_or_else(|error| panic!("{error}")).path
 }
 

@@ -1,7 +1,8 @@
 //! The pixels of the live view against the renderer's: spheres, a mesh, and the reference.
 
 use crate::chromium::{self, Page};
-use crate::fixture::{Quiet, assert_clean, page_of};
+use crate::fake::Silent;
+use crate::fixture::{assert_clean, page_of};
 use crate::live::{linear, open, rest};
 use glam::DVec3;
 use serde_json::json;
@@ -87,7 +88,7 @@ fn bench() -> Option<Bench> {
     let options = RunOptions { fail_fast: true, ..RunOptions::new(&dir.path().join("run"), &stop) };
     let mut first = Some(first);
     let mut make = || -> Result<Box<dyn Renderer>, RenderFault> { Ok(Box::new(first.take().unwrap())) };
-    run(&plan, &mut make, &options, &mut Quiet).unwrap_or_else(|error| panic!("{error}"));
+    run(&plan, &mut make, &options, &mut Silent).unwrap_or_else(|error| panic!("{error}"));
     let report = page_of(&options.dir, Choice::None);
     page.resize(1200, 800, "light");
     Some(Bench { page, pipeline, plan, report, _dir: dir })

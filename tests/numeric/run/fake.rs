@@ -6,7 +6,8 @@ use splitsum::pipeline::{
 };
 use splitsum::pixels::{GrayImage, Pixels, Rgb8Image, RgbImage};
 use splitsum::precompute::dfg::DfgAxes;
-use splitsum::run::{RenderFault, Renderer};
+use splitsum::run::estimate::Ahead;
+use splitsum::run::{Progress, RenderFault, Renderer};
 use splitsum::shade::reference_pass::Convergence;
 use splitsum::tonemap::ToneCurve;
 use std::cell::RefCell;
@@ -224,4 +225,19 @@ impl Renderer for Fake {
     fn take_warnings(&mut self) -> Vec<String> {
         Vec::new()
     }
+}
+
+/// Follows nothing.
+pub struct Silent;
+
+impl Progress for Silent {
+    fn start(&mut self, _: usize, _: usize, _: Ahead) {}
+    fn step(&mut self, _: &str, _: Option<&str>, _: Ahead) {}
+    fn note(&mut self, _: &str) {}
+}
+
+/// Makes fakes that write to one log.
+pub fn fakes(log: &Rc<RefCell<Log>>) -> impl FnMut() -> Result<Box<dyn Renderer>, RenderFault> + 'static {
+    let log = log.clone();
+    move || Ok(Box::new(Fake(log.clone())))
 }

@@ -1,11 +1,12 @@
 //! Runs with the renderer made of formulas: how they are started, and what of their folders tests look at.
 
-use super::fake::{Fake, Log};
+use super::fake::Log;
+pub use super::fake::{Silent, fakes};
 use splitsum::experiment::Plan;
 use splitsum::report::write::Written;
 use splitsum::run::estimate::Ahead;
 use splitsum::run::store::{CELLS_FOLDER, Store, TIMINGS_FOLDER};
-use splitsum::run::{MakeRenderer, Outcome, Progress, RenderFault, Renderer, RunError, RunOptions, run};
+use splitsum::run::{MakeRenderer, Outcome, Progress, RunError, RunOptions, run};
 use splitsum::study::finished::Finished;
 use splitsum::study::questions::answers;
 use splitsum::table::csv::Table;
@@ -23,15 +24,6 @@ pub fn log() -> Rc<RefCell<Log>> {
 /// The plan of an experiment file with this text.
 pub fn plan(text: &str) -> Plan {
     Plan::from_text(Path::new("tiny.toml"), text, &[]).unwrap_or_else(|error| panic!("{error}"))
-}
-
-/// Follows nothing.
-pub struct Silent;
-
-impl Progress for Silent {
-    fn start(&mut self, _: usize, _: usize, _: Ahead) {}
-    fn step(&mut self, _: &str, _: Option<&str>, _: Ahead) {}
-    fn note(&mut self, _: &str) {}
 }
 
 /// Stops the run after a number of steps, and keeps what is noted.
@@ -116,12 +108,6 @@ impl Bench {
 pub fn options<'a>(dir: &Path, stop: &'a AtomicBool) -> RunOptions<'a> {
     let command_line = vec!["splitsum".to_owned(), "run".to_owned(), "tiny.toml".to_owned()];
     RunOptions { command_line, ..RunOptions::new(dir, stop) }
-}
-
-/// Makes fakes that write to one log.
-pub fn fakes(log: &Rc<RefCell<Log>>) -> impl FnMut() -> Result<Box<dyn Renderer>, RenderFault> + 'static {
-    let log = log.clone();
-    move || Ok(Box::new(Fake(log.clone())))
 }
 
 /// One invocation that is stopped after `steps` steps.
