@@ -214,7 +214,7 @@ fn answers_of_a_run_whose_table_was_emptied_are_refused_and_stay() {
 /// Devices and pipes in the place of files never end, or never begin.
 #[cfg(unix)]
 #[test]
-fn what_is_no_regular_file_is_refused_at_once() {
+fn files_that_are_not_regular_are_refused_at_once() {
     let dir = tempfile::tempdir().unwrap();
     let made = Command::new("mkfifo").arg(dir.path().join("pipe")).status();
     assert!(made.is_ok_and(|status| status.success()), "mkfifo");
@@ -230,7 +230,7 @@ fn what_is_no_regular_file_is_refused_at_once() {
 /// A process that may not have the memory of a map says so; it is not aborted.
 #[cfg(target_os = "linux")]
 #[test]
-fn memory_that_is_not_to_be_had_is_told() {
+fn a_failed_allocation_is_reported() {
     let dir = tempfile::tempdir().unwrap();
     // 8192 x 4096 texels by runs, 48 kB: 384 MiB as floats.
     let row = [0x80, 0x80, 0x80, 0x81, 1, 1, 1, 0xff, 1, 1, 1, 0x1f];

@@ -28,7 +28,7 @@ fn tally(dir: &Path, kind: &str) -> [u64; 2] {
 }
 
 #[test]
-fn a_warm_cache_gives_the_same_bytes_and_a_damaged_entry_is_made_anew() {
+fn a_warm_cache_gives_the_same_bytes_and_a_damaged_entry_is_made_again() {
     let Some(dir) = folder() else { return };
     let dir = dir.path();
     let cache = ["--cache", "cache"];

@@ -45,41 +45,19 @@ fn job(method: &Method, layout: &MapLayout) -> Job {
 #[test]
 fn a_shader_of_known_size_is_counted_right() {
     for family in families() {
-        let base = counted(family, [1, 1, 1, 1, 1]).counts;
-        assert_eq!(
-            (base.outside.bilinear, base.outside.trilinear, base.outside.quarter),
-            (1.0, 0.0, 0.0),
-            "{}",
-            family.name
-        );
-        assert_eq!(
-            (base.inside.bilinear, base.inside.trilinear, base.inside.quarter),
-            (0.0, 1.0, 1.0),
-            "{}",
-            family.name
-        );
-        assert_eq!(base.other_loops, 0);
-        let more = |constants| counted(family, constants).counts;
+        let (name, more) = (family.name, |constants| counted(family, constants).counts);
+        let base = more([1, 1, 1, 1, 1]);
+        let lookups = |counts: Counts| [counts.bilinear, counts.trilinear, counts.quarter];
+        assert_eq!([base.outside, base.inside].map(lookups), [[1.0, 0.0, 0.0], [0.0, 1.0, 1.0]], "{name}");
+        assert_eq!((base.other_loops, base.outside.memory_bytes), (0, 16.0), "{name}");
         // Products alone are full-rate arithmetic, at their place and nowhere else.
         let products = more([4, 6, 1, 1, 1]);
-        let alu = |counts: Counts, alu: f64| Counts { alu: counts.alu + alu, ..counts };
-        assert_eq!(
-            Counts { scalar: 0.0, ..products.outside },
-            Counts { scalar: 0.0, ..alu(base.outside, 3.0) },
-            "{}",
-            family.name
-        );
-        assert_eq!(
-            Counts { scalar: 0.0, ..products.inside },
-            Counts { scalar: 0.0, ..alu(base.inside, 5.0) },
-            "{}",
-            family.name
-        );
-        let lookups = more([1, 1, 3, 5, 1]);
-        assert_eq!((lookups.outside.bilinear, lookups.outside.trilinear), (3.0, 0.0), "{}", family.name);
-        assert_eq!((lookups.inside.bilinear, lookups.inside.trilinear), (0.0, 5.0), "{}", family.name);
-        assert_eq!(more([1, 1, 1, 1, 4]).inside.quarter, 4.0, "{}", family.name);
-        assert_eq!(base.outside.memory_bytes, 16.0, "{}", family.name);
+        let alu = |counts: Counts, more: f64| Counts { alu: counts.alu + more, scalar: 0.0, ..counts };
+        assert_eq!(alu(products.outside, 0.0), alu(base.outside, 3.0), "{name}");
+        assert_eq!(alu(products.inside, 0.0), alu(base.inside, 5.0), "{name}");
+        let many = more([1, 1, 3, 5, 1]);
+        assert_eq!([many.outside, many.inside].map(lookups), [[3.0, 0.0, 0.0], [0.0, 5.0, 1.0]], "{name}");
+        assert_eq!(more([1, 1, 1, 1, 4]).inside.quarter, 4.0, "{name}");
     }
 }
 
@@ -179,7 +157,7 @@ fn options_compile_what_they_name() {
 }
 
 #[test]
-fn bad_names_and_a_missing_compiler_are_told() {
+fn bad_names_and_a_missing_compiler_are_reported() {
     let dir = tempfile::tempdir().unwrap();
     assert_refusals(
         "commands_of_cost_that_are_refused",

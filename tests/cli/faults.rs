@@ -3,7 +3,7 @@
 //! `SPLITSUM_TEST_FAULTS` (see `src/gpu/inject.rs`) makes a call fail as a driver would let it.
 
 use super::end_to_end::folder;
-use super::{assert_ends, command, splitsum, stderr};
+use super::{assert_ends, command, ok, splitsum, stderr};
 use std::path::Path;
 use std::process::Output;
 
@@ -24,15 +24,14 @@ const RENDER: [&str; 9] =
 #[test]
 fn a_lost_device_ends_a_run_that_resumes_to_the_same_bytes() {
     let Some(dir) = folder() else { return };
-    assert!(splitsum(dir.path(), &["run", "tiny.toml", "--out", "whole"]).status.success());
+    ok(dir.path(), &["run", "tiny.toml", "--out", "whole"]);
     // Early in the precompute, within a reference, between cells, late.
     for submit in [1, 6, 23, 60, 120] {
         let out = format!("lost-{submit}");
         let arguments = ["run", "tiny.toml", "--out", &out];
         let output = with_fault(dir.path(), &arguments, &format!("submit:{submit}:device-lost"));
-        assert_ends(&output, 75, &["the device was lost", "run the same command again to continue"]);
-        let resumed = splitsum(dir.path(), &arguments);
-        assert!(resumed.status.success(), "{}", stderr(&resumed));
+        assert_ends(&output, 75, &["the device was lost", "run the same command again to go on"]);
+        ok(dir.path(), &arguments);
         assert!(errors(dir.path(), &out) == errors(dir.path(), "whole"), "lost at submission {submit}");
     }
     let output = with_fault(dir.path(), &RENDER, "submit:2:device-lost");
@@ -43,13 +42,13 @@ fn a_lost_device_ends_a_run_that_resumes_to_the_same_bytes() {
 #[test]
 fn memory_that_runs_out_fails_cells_and_a_later_run_finishes_them() {
     let Some(dir) = folder() else { return };
-    assert!(splitsum(dir.path(), &["run", "tiny.toml", "--out", "whole"]).status.success());
+    ok(dir.path(), &["run", "tiny.toml", "--out", "whole"]);
     let arguments = ["run", "tiny.toml", "--out", "full"];
     let output = with_fault(dir.path(), &arguments, "allocate:90:memory-is-full");
     assert_ends(&output, 4, &["cells failed", "out of device memory"]);
     let table = String::from_utf8(errors(dir.path(), "full")).unwrap();
     assert!(table.lines().count() > 1, "what was done before is kept");
-    assert!(splitsum(dir.path(), &arguments).status.success());
+    ok(dir.path(), &arguments);
     assert!(errors(dir.path(), "full") == errors(dir.path(), "whole"));
 
     let output = with_fault(dir.path(), &RENDER, "allocate:8:memory-is-full");
@@ -62,7 +61,7 @@ fn memory_that_runs_out_fails_cells_and_a_later_run_finishes_them() {
 }
 
 #[test]
-fn what_no_device_can_hold_is_refused_with_the_figure_before_work() {
+fn images_too_large_for_any_device_are_refused_before_work() {
     let Some(dir) = folder() else { return };
     let huge = ["render", "--size", "16384x16384", "--environment", "builtin:constant", "--out", "x.exr"];
     assert_ends(&splitsum(dir.path(), &huge), 2, &["16384x16384 is too large for the device", "MiB"]);
@@ -72,7 +71,7 @@ fn what_no_device_can_hold_is_refused_with_the_figure_before_work() {
 }
 
 #[test]
-fn a_vulkan_installation_without_its_parts_is_told() {
+fn a_vulkan_installation_without_its_parts_is_reported() {
     let dir = tempfile::tempdir().unwrap();
     let refused = |variable: &str, value: &Path, parts: &[&str]| {
         let mut command = command(dir.path(), &RENDER);

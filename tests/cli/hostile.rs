@@ -19,17 +19,16 @@ fn hostile_names_reach_neither_markdown_nor_terminal() {
         value["sessions"][0]["device"]["name"] = "gpu\u{1b}[31m<img onerror=x>".into();
     });
     let name = dir.file_name().unwrap().to_str().unwrap();
-    let output = splitsum(root.path(), &["answers", name]);
-    assert!(output.status.success(), "{}", stderr(&output));
+    let output = ok(root.path(), &["answers", name]);
     let summary = std::fs::read_to_string(dir.join("summary.md")).unwrap();
     assert!(summary.contains("\n\\# head \\<script>alert(1)\\</script> [x\\](javascript:y)\n"), "{summary}");
     assert!(summary.contains("\\<img onerror") && !summary.contains(" <img"), "{summary}");
-    let shown = stdout(&output) + &summary;
+    let shown = output + &summary;
     assert!(!shown.contains(['\u{1b}', '\u{202e}']) && shown.contains("\\u{1b}[31m\\u{202e}"), "{shown}");
 }
 
 #[test]
-fn a_damaged_frozen_experiment_is_told() {
+fn a_damaged_frozen_experiment_is_reported() {
     let root = tempfile::tempdir().unwrap();
     let dir = published(root.path(), "run");
     for command in ["answers", "report"] {
@@ -69,7 +68,7 @@ fn nothing_is_published_where_nothing_can_be_made() {
 fn an_output_is_written_through_a_link_and_never_over_a_device() {
     let root = tempfile::tempdir().unwrap();
     published(root.path(), "run");
-    assert!(splitsum(root.path(), &["report", "run", "--out", "real.html"]).status.success());
+    ok(root.path(), &["report", "run", "--out", "real.html"]);
     let old = std::fs::read_to_string(root.path().join("real.html")).unwrap();
     std::fs::write(root.path().join("real.html"), old.replace("<html", "<HTML")).unwrap();
     std::os::unix::fs::symlink("real.html", root.path().join("link.html")).unwrap();

@@ -26,10 +26,11 @@ fn folder(queries: &str) -> tempfile::TempDir {
 fn answers(queries: &str, arguments: &[&str]) -> Table {
     let dir = folder(queries);
     let output = splitsum(dir.path(), &[&["integrate", "q.csv", "--out", "a.csv"], arguments].concat());
-    assert!(output.status.success(), "{}", stderr(&output));
+    let notes = stderr(&output);
+    // A slow machine shows how far it is.
+    assert!(output.status.success() && notes.lines().all(|line| line.ends_with(" left: integrating")), "{notes}");
     assert_eq!(stdout(&output), "");
     assert_eq!(entries(dir.path()), ["a.csv", "env_analytic.exr", "q.csv"]);
-    assert_eq!(stderr(&output), "");
     Table::read(&dir.path().join("a.csv")).unwrap()
 }
 

@@ -106,7 +106,7 @@ impl Drop for SmallDisk {
 
 #[cfg(target_os = "linux")]
 #[test]
-fn a_standard_error_that_takes_nothing_stops_nothing() {
+fn a_closed_standard_error_stops_no_run() {
     let Some(dir) = folder() else { return };
     let full = || std::fs::OpenOptions::new().write(true).open("/dev/full").unwrap();
     let run = command(dir.path(), &["run", "tiny.toml", "--out", "run"]).stderr(full()).status().unwrap();
