@@ -154,7 +154,7 @@ fn poison_free_memory(gpu: &Gpu, size: u64) {
 }
 
 #[test]
-fn the_reference_reads_nothing_it_has_not_written() {
+fn the_reference_reads_no_memory_before_writing_it() {
     with_gpu(|gpu| {
         let environment = golden_environment();
         let size = [24, 24];

@@ -79,7 +79,7 @@ fn rungs_have_the_error_of_the_methods_frames() {
 }
 
 #[test]
-fn rungs_of_the_map_are_told_from_each_other() {
+fn rungs_of_the_map_differ_from_each_other() {
     with_pipeline(|pipeline| {
         let material = MaterialOverride { alpha: Some(0.12), ..MaterialOverride::default() };
         let base = request(&golden_environment(), scene("sphere", material), CameraKind::Ortho, [16, 16]);

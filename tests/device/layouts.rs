@@ -167,7 +167,7 @@ fn beside_lamp(d: DVec3, size: u32) -> RenderRequest {
 }
 
 #[test]
-fn a_lamp_keeps_its_light_wherever_it_stands() {
+fn a_lamp_keeps_its_light_at_every_place() {
     const SIZE: u32 = 16;
     // A way, its sample count, the sets of points over whose luck it is averaged, and how far a direction may lie from the mean. 40
     // samples read texels of some 8 degrees: where between their centres the lamp lies moves its light by up to 5.4 %, by any layout.

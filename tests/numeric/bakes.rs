@@ -59,7 +59,7 @@ fn marker(texel: &Texel, faces: u32) -> (Vec<Level>, Vec<Vec<RgbImage>>) {
 }
 
 #[test]
-fn every_pixel_format_in_every_container_is_what_it_stands_for() {
+fn every_pixel_format_is_read_from_every_container() {
     for texel in TEXELS {
         for faces in [1, 6] {
             let (bytes, seen) = marker(texel, faces);

@@ -70,7 +70,7 @@ fn the_loop_over_samples_is_the_outermost_that_looks_up() {
 }
 
 #[test]
-fn what_is_no_instruction_is_a_fault_with_its_line() {
+fn an_unknown_instruction_is_a_fault_with_its_line() {
     for (text, line) in
         [("BB0:\n hello world\n", 2), ("BB0:\n\n s_branch BB9\n", 3), ("BB0:\n (then repeated 2 times)\n", 2)]
     {

@@ -152,7 +152,7 @@ fn a_reference_outlives_a_change_of_every_shader_but_its_own() {
 }
 
 #[test]
-fn what_is_kept_hangs_on_the_host_code_that_makes_it() {
+fn cache_keys_contain_the_host_code_that_makes_the_entries() {
     for file in [
         "environment/distribution.rs",
         "shade/reference_pass.rs",

@@ -244,7 +244,7 @@ mod formulas {
     }
 
     #[test]
-    fn sky_stands_on_lambertian_ground() {
+    fn sky_has_lambertian_ground() {
         for elevation in [5.0, 60.0] {
             let image = builtin(&format!("builtin:sky:elevation_deg={elevation},azimuth_deg=0,albedo=0.5")).image;
             let ground = luminance(image.get(0, 255));
@@ -397,7 +397,7 @@ mod loading {
     }
 
     #[test]
-    fn what_no_sum_can_hold_is_refused() {
+    fn radiance_too_large_for_sums_is_refused() {
         let folder = tempfile::tempdir().unwrap();
         let mut image = RgbImage::filled(4, 2, [1e15; 3]);
         write(&folder, "map.exr", &image);

@@ -153,7 +153,7 @@ const SEEN_BY_HOST: &[&str] = &[
 ];
 
 #[test]
-fn kept_results_hang_on_all_code_that_makes_them() {
+fn cache_keys_contain_all_code_that_makes_the_entries() {
     let is_host = |file: &Path| splitsum::gpu::HOST_FILES.iter().any(|host| Path::new("src").join(host) == file);
     let files = rust_files();
     for (file, paths) in library_imports().iter().filter(|(file, _)| is_host(file)) {

@@ -2,12 +2,14 @@
 
 mod display;
 
+use crate::study::estimate::normal;
 use splitsum::metrics::Metric;
 use splitsum::metrics::{
     Better, Comparison, Epsilon, METRICS, MetricsError, N_DOT_V_BIN_EDGES, ReferenceNoise, Repeats, Space, Verdict,
     linear_metrics, noise_floor, verdict,
 };
 use splitsum::pixels::{GrayImage, RgbImage};
+use splitsum::run::statistics::Random;
 use splitsum::spelling::Listed;
 use splitsum::tonemap::ToneCurve;
 
@@ -39,29 +41,17 @@ fn assert_relative(found: f64, expected: f64, tolerance: f64, what: &str) {
     assert!(error <= tolerance, "{what}: {found} instead of {expected}, relative error {error:e}");
 }
 
-/// Uniform numbers in [0, 1) from a Weyl sequence hashed by splitmix64.
-struct Random(u64);
-
-impl Random {
-    fn uniform(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
-    }
-
-    fn normal(&mut self) -> f64 {
-        let radius = (-2.0 * (1.0 - self.uniform()).ln()).sqrt();
-        radius * (std::f64::consts::TAU * self.uniform()).cos()
-    }
+/// Uniform in [0, 1).
+fn uniform(random: &mut Random) -> f64 {
+    random.below(1 << 53) as f64 / (1u64 << 53) as f64
 }
 
 /// A noisy image over a noisy reference, both positive.
 fn noisy_pair(width: u32, height: u32) -> [RgbImage; 2] {
-    let mut random = Random(7);
-    let reference = RgbImage::from_fn(width, height, |_, _| std::array::from_fn(|_| (2.0 * random.uniform()) as f32));
-    let test = reference.map(|pixel| pixel.map(|value| value * (0.5 + random.uniform()) as f32));
+    let mut random = Random::new(7);
+    let reference =
+        RgbImage::from_fn(width, height, |_, _| std::array::from_fn(|_| (2.0 * uniform(&mut random)) as f32));
+    let test = reference.map(|pixel| pixel.map(|value| value * (0.5 + uniform(&mut random)) as f32));
     [test, reference]
 }
 
@@ -262,7 +252,7 @@ fn the_noise_floor_is_what_an_exact_test_scores() {
     // A reference over two decades of radiance with errors of 0.1 to 4 %; as in a renderer, the channels of a pixel share the
     // samples and so the deviate.
     let (width, height) = (80, 60);
-    let mut random = Random(99);
+    let mut random = Random::new(99);
     let exact = RgbImage::from_fn(width, height, |x, y| {
         let level = 10f32.powf(x as f32 / 40.0 - 1.0);
         [level, 0.8 * level, 0.5 * level].map(|value| value * (1.0 + 0.3 * (y % 5) as f32))
@@ -275,7 +265,7 @@ fn the_noise_floor_is_what_an_exact_test_scores() {
     for _ in 0..rounds {
         // What four scrambles say of it: three degrees of freedom.
         let stated = standard_error.map(|errors| {
-            let chi_square: f64 = (0..3).map(|_| random.normal().powi(2)).sum();
+            let chi_square: f64 = (0..3).map(|_| normal(&mut random).powi(2)).sum();
             errors.map(|error| error * (chi_square / 3.0).sqrt() as f32)
         });
         let stated = noise_floor(&exact, &stated, &mask, Epsilon::ABSOLUTE).unwrap();
@@ -285,7 +275,7 @@ fn the_noise_floor_is_what_an_exact_test_scores() {
             *sum += if name == "bias_rel" { floor * floor } else { floor };
         }
         let noisy = RgbImage::from_fn(width, height, |x, y| {
-            let deviate = random.normal() as f32;
+            let deviate = normal(&mut random) as f32;
             std::array::from_fn(|c| exact.get(x, y)[c] + deviate * standard_error.get(x, y)[c])
         });
         let scores = Comparison::new(&exact, &noisy, &mask, LINEAR_CURVE, Epsilon::ABSOLUTE).unwrap().evaluate_linear();
@@ -354,13 +344,9 @@ fn scores_do_not_depend_on_order_of_evaluation() {
 
 #[test]
 fn repeated_images_give_back_the_bias_and_variance_they_were_made_with() {
-    // Box-Muller normals from a small generator: noise 0.1 about 1.05 times the reference, which itself is off by 0.02.
-    let mut state = 1u64;
-    let mut uniform = || {
-        state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-        ((state >> 11) as f64 + 0.5) / (1u64 << 53) as f64
-    };
-    let mut normal = || (-2.0 * uniform().ln()).sqrt() * (std::f64::consts::TAU * uniform()).cos();
+    // Noise 0.1 about 1.05 times the reference, which itself is off by 0.02.
+    let mut random = Random::new(1);
+    let mut normal = || normal(&mut random);
     let (width, height) = (64, 64);
     let mask = GrayImage::from_fn(width, height, |x, _| if x == 0 { 0.0 } else { 1.0 });
     let truth = 2.0;

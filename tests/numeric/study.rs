@@ -2,7 +2,7 @@
 
 mod asked;
 mod break_even;
-mod estimate;
+pub mod estimate;
 mod figure;
 mod finished;
 mod frame;
@@ -13,8 +13,8 @@ mod page_live;
 mod paper;
 mod published;
 mod questions;
+mod sentences;
 mod steps;
 mod tables;
 mod times;
-mod told;
 mod under_way;

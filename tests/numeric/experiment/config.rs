@@ -254,7 +254,7 @@ fn text_of_every_default_parses_back_to_the_same_value() {
 }
 
 #[test]
-fn what_may_be_a_slip_is_a_warning() {
+fn probable_slips_are_warnings() {
     let warnings = |text: &str| plan(text, &[]).warnings();
     // 16 bytes a pixel: 2896 squared are the last below 2^27 bytes.
     let text = "name = \"x\"\nsize = [2897, 2897]\n[axes]\nalpha = [0.1]\n";

@@ -83,7 +83,7 @@ fn an_exclusion_is_idle_by_the_file_alone() {
 }
 
 #[test]
-fn sample_counts_of_maps_by_harmonics_are_told_to_be_idle() {
+fn sample_counts_of_maps_by_harmonics_are_reported_as_idle() {
     let text = |by: &str| {
         format!(
             "name = \"x\"\n[axes]\nmethod = [\"split-sum\", \"sampled\"]\nalpha = [0.5]\nprefilter = {by}\nprefilter_sample_count = [16, 64]\n"
@@ -96,7 +96,7 @@ fn sample_counts_of_maps_by_harmonics_are_told_to_be_idle() {
 }
 
 #[test]
-fn metals_that_an_albedo_of_0_makes_black_are_told() {
+fn metals_that_an_albedo_of_0_makes_black_are_reported() {
     let told = |scene: &str, axes: &str| {
         let text =
             format!("name = \"x\"\n[axes]\nscene = [\"{scene}\"]\nalpha = [0.2, 0.5]\nalbedo = [0, 0.5]\n{axes}");
@@ -218,7 +218,7 @@ fn with_all_terms_a_cell_without_one_is_judged_against_the_complete_image() {
 }
 
 #[test]
-fn what_a_method_ignores_collapses() {
+fn axes_that_a_method_ignores_make_no_cells() {
     let cells = |head: &str, axes: &str| plan(&format!("name = \"x\"\n{head}\n[axes]\n{axes}\n")).cells.len();
     let counts = "dfg_size = [8, 16]\nprefilter_sample_count = [1, 2, 3]\nirradiance_sample_count = [[4, 4], [8, 8]]";
     // By convolution no sample is taken.

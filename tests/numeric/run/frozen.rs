@@ -84,7 +84,7 @@ fn a_frozen_experiment_keeps_what_the_command_line_set() {
 }
 
 #[test]
-fn a_frozen_experiment_that_was_changed_is_none() {
+fn a_changed_frozen_experiment_is_refused() {
     let (root, plan) = made();
     let frozen = finished(&plan, &root.path().join("run")).join("experiment.toml");
     std::fs::write(&frozen, EXPERIMENT.replace("0.5", "0.6")).unwrap();

@@ -3,7 +3,7 @@
 use splitsum::run::host::{GpuState, HostState, UNKNOWN, cpu_mhz, load_average, parse_nvidia};
 
 #[test]
-fn the_line_of_the_named_gpu_is_read_and_what_is_not_told_is_not_invented() {
+fn the_line_of_the_named_gpu_is_read_and_missing_values_stay_missing() {
     let text =
         "NVIDIA H100 80GB HBM3, 1980, 0x0000000000000000\nTesla T4, [N/A], 0x0000000000000024\nA, 1, [Not Supported]\n";
     let h100 = parse_nvidia(text, "NVIDIA H100 80GB HBM3").unwrap();

@@ -114,7 +114,7 @@ fn a_reference_that_was_changed_is_made_again() {
 
 /// A record that is gone, cut off, corrected by hand or another cell's is none: its cell alone is done again.
 #[test]
-fn a_record_that_cannot_be_used_is_made_again() {
+fn a_damaged_record_of_a_cell_is_made_again() {
     let bench = Bench::finished(EXPERIMENT);
     let errors = bench.read("errors.csv");
     let of_method = |cell: &&splitsum::experiment::Cell| cell.point.get("method").to_string() == "split-sum";
@@ -135,7 +135,7 @@ fn a_record_that_cannot_be_used_is_made_again() {
 }
 
 #[test]
-fn a_timing_record_under_another_name_is_none() {
+fn a_timing_record_under_another_name_is_ignored() {
     let bench = Bench::finished(&timed());
     let (dir, store, jobs) = (bench.dir.path(), Store::at(bench.dir.path()), timing::jobs(&bench.plan));
     let path = |id: &str| bench.path(&format!("timings/{id}.json"));
@@ -155,7 +155,7 @@ fn a_timing_record_under_another_name_is_none() {
 }
 
 #[test]
-fn a_reference_record_that_cannot_be_used_is_made_anew() {
+fn a_damaged_record_of_a_reference_is_made_again() {
     let bench = Bench::finished(EXPERIMENT);
     let (store, table) = (Store::at(bench.dir.path()), bench.read("errors.csv"));
     let (first, last) = (&bench.plan.cells[0], bench.plan.cells.last().unwrap());
@@ -261,7 +261,7 @@ fn the_frozen_experiment_of_a_finished_run_comes_back() {
 }
 
 #[test]
-fn a_provenance_that_is_none_is_refused_wherever_it_is_read() {
+fn a_damaged_provenance_is_refused_by_every_reader() {
     let bench = Bench::finished(EXPERIMENT);
     let path: PathBuf = bench.path("provenance.json");
     let whole: serde_json::Value = serde_json::from_slice(&read(&path)).unwrap();

@@ -252,7 +252,7 @@ fn every_cell_is_in_one_part_and_parts_have_no_image_in_common() {
 }
 
 #[test]
-fn who_would_do_the_same_cells_at_once_is_told_to_wait() {
+fn a_second_process_for_the_same_cells_is_refused() {
     let bench = Bench::new(EXPERIMENT);
     let open = |shard: &str| Store::open_shard(&bench.dir(), &bench.plan, shard.parse().unwrap());
     let held = [open("1/3").unwrap(), open("2/3").unwrap()];

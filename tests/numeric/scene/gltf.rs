@@ -154,7 +154,7 @@ fn every_form_of_a_mesh_gives_the_same_triangles() {
 
 /// `KHR_mesh_quantization`: integers stand for themselves, or for fractions of the largest one from -1 on.
 #[test]
-fn quantized_positions_are_the_numbers_that_they_stand_for() {
+fn quantized_positions_are_decoded() {
     for (kind, width, largest, least) in
         [(5120, 1, 127, -128), (5121, 1, 255, 0), (5122, 2, 32767, -32768), (5123, 2, 65535, 0)]
     {
@@ -331,7 +331,7 @@ fn backs_are_seen_of_double_sided_materials_only() {
 }
 
 #[test]
-fn what_is_not_read_is_refused_by_name() {
+fn unsupported_and_broken_files_are_refused() {
     type Edit = fn(&mut Value);
     let edits: &[(&str, Edit)] = &[
         ("a skin", |m| {
@@ -394,7 +394,7 @@ fn what_is_not_read_is_refused_by_name() {
 }
 
 #[test]
-fn what_is_left_out_is_a_warning() {
+fn features_left_out_are_a_warning() {
     let mut model = quad();
     model["materials"] = json!([{ "emissiveFactor": [1, 0, 0], "alphaMode": "MASK" }]);
     model["extensionsUsed"] = json!(["KHR_lights_punctual"]);

@@ -99,7 +99,7 @@ fn rows_of_one_environment_are_no_further_evidence() {
 }
 
 #[test]
-fn few_environments_and_wide_intervals_are_not_told() {
+fn few_environments_and_wide_intervals_give_no_interval() {
     let mut random = Random::new(6);
     let mut of = |n: usize| estimate(&study(&mut random, n, MEASURED), Middle::GeometricMean).unwrap().interval;
     assert!(of(CLUSTERS_MIN - 1).is_none() && of(CLUSTERS_MIN).is_some());
@@ -111,7 +111,7 @@ fn few_environments_and_wide_intervals_are_not_told() {
 }
 
 #[test]
-fn infinity_is_a_value_and_no_nan() {
+fn an_infinite_break_even_is_a_value() {
     let of = |counts: &[f64]| {
         let values: Vec<_> = counts.iter().enumerate().map(|(i, n)| (Value::from(format!("{i}")), *n)).collect();
         let found = estimate(&values, Middle::Median).unwrap();

@@ -31,7 +31,7 @@ fn kinds() -> Vec<(ScaleKind, Vec<f64>)> {
 }
 
 #[test]
-fn a_mark_stands_where_its_numbers_say() {
+fn a_mark_is_drawn_where_its_numbers_say() {
     for (x, xs) in kinds() {
         for (y, ys) in kinds() {
             let points: Vec<[f64; 2]> = xs.iter().zip(&ys).map(|(x, y)| [*x, *y]).collect();
@@ -90,7 +90,7 @@ fn lines_whiskers_bars_and_tiles_end_where_their_numbers_say() {
 }
 
 #[test]
-fn values_outside_of_the_domain_stand_at_its_border_under_an_arrow() {
+fn values_outside_of_the_domain_are_arrows_at_its_border() {
     let [x, y] = [ScaleKind::Log { lo: 1.0, hi: 100.0 }, ScaleKind::Log { lo: 0.1, hi: 10.0 }];
     let outside = [[0.0, 1.0], [-3.0, 1.0], [f64::INFINITY, 1.0], [1e9, 1.0], [10.0, 0.0], [10.0, f64::INFINITY]];
     let figure = dots([x, y], &outside);
@@ -117,7 +117,7 @@ fn values_outside_of_the_domain_stand_at_its_border_under_an_arrow() {
 }
 
 #[test]
-fn marks_that_coincide_on_a_step_stand_side_by_side() {
+fn marks_that_coincide_on_a_step_are_drawn_side_by_side() {
     let names = ScaleKind::Steps(vec!["one".to_owned(), "other".to_owned()]);
     let log = ScaleKind::Log { lo: 1.0, hi: 100.0 };
     for is_y in [true, false] {
@@ -142,7 +142,7 @@ fn marks_that_coincide_on_a_step_stand_side_by_side() {
 }
 
 #[test]
-fn labels_of_ticks_are_round_and_stand_at_their_values() {
+fn labels_of_ticks_are_round_and_at_their_values() {
     let domains =
         [(0.9, 1.3), (0.5, 2.0), (0.2, 5.5), (1e-3, 0.4), (1e-4, 30.0), (1e-9, 1e12), (3.0, 7.0), (0.011, 0.019)];
     for (lo, hi) in domains {
@@ -187,7 +187,7 @@ fn labels_of_ticks_are_round_and_stand_at_their_values() {
 }
 
 #[test]
-fn words_of_people_are_only_words() {
+fn user_text_in_a_figure_stays_text() {
     let figure = hostile();
     for width in WIDTHS {
         let text = svg(&figure, width);
@@ -249,7 +249,7 @@ fn an_svg_is_the_same_each_time_short_and_of_few_digits() {
 }
 
 #[test]
-fn figures_without_anything_are_drawn() {
+fn empty_and_degenerate_figures_are_drawn() {
     let empty =
         Figure { title: String::new(), note: String::new(), panels: Vec::new(), series: Vec::new(), ramp: None };
     let odd = [

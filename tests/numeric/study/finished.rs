@@ -54,7 +54,7 @@ fn damaged_tables_are_refused_by_name() {
 }
 
 #[test]
-fn what_cannot_be_read_is_no_record() {
+fn unreadable_records_are_ignored() {
     let dir = tempfile::tempdir().unwrap();
     let run = whole(dir.path());
     std::fs::write(run.join("cells/0009.json"), "{").unwrap();

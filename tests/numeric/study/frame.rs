@@ -13,7 +13,7 @@ fn flat(axes: &str) -> Finished {
 }
 
 #[test]
-fn a_row_stands_in_every_group_that_it_does_not_contradict() {
+fn a_row_is_in_every_group_that_it_does_not_contradict() {
     let run = flat("method = [\"sampled\", \"split-sum\"]\nsamples = [1, 4, 16]\nalpha = [0.1, 0.5]\n");
     let frame = Frame::new(&run, None);
     let rows: Vec<&Row> = frame.rows.iter().collect();
@@ -70,7 +70,7 @@ fn each_image_counts_once() {
 }
 
 #[test]
-fn of_equal_images_the_one_with_a_score_stands() {
+fn of_equal_images_the_one_with_a_score_is_kept() {
     let axes = "albedo = [0]\nmetallic = [1]\nf0 = [0.04, 0.9]\nmethod = [\"split-sum\"]\n";
     let is_broken = |point: &Point| *point.get("f0") == Value::Color([0.04; 3]);
     let run = finished(axes, |point| (!is_broken(point)).then(|| Made::error(0.5)));
@@ -99,7 +99,7 @@ fn clips_above_the_peak_are_one_light() {
 }
 
 #[test]
-fn of_many_tone_curves_the_plain_one_counts() {
+fn of_several_tone_curves_the_plain_one_counts() {
     let run = finished("exposure = [10, 1, 5]\nalpha = [0.1, 0.5]\nmethod = [\"split-sum\"]\n", |point| {
         Some(Made { flip: point.get("exposure").number(), ..Made::error(0.3) })
     });

@@ -27,7 +27,7 @@ fn a_bin_has_the_median_of_what_sees_it() {
 }
 
 #[test]
-fn what_the_curve_hides_is_told_by_exposure_and_contrast() {
+fn visible_differences_are_listed_by_exposure_and_contrast() {
     let mut paper = Paper::new(&["alpha", "method", "samples", "exposure", "contrast"]);
     for contrast in ["1", "5"] {
         for (exposure, flip) in [("0.1", 0.04), ("1", 0.2), ("500", 0.01)] {
@@ -77,7 +77,7 @@ fn furnace(reference: &str, f0: &str) -> Paper {
 }
 
 #[test]
-fn a_furnace_tells_what_is_lost_and_what_creates() {
+fn a_furnace_shows_energy_lost_and_created() {
     let finding = furnace("none", "1").finding("energy");
     let last = only(&finding.table, &[("brdf", "phong"), ("alpha", "1")]);
     let of = |names: &[&str]| -> Vec<f64> { names.iter().flat_map(|name| numbers(&last, name)).collect() };

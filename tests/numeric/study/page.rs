@@ -25,7 +25,7 @@ fn json_in_a_script_element_cannot_end_it() {
 }
 
 /// What the page does: base64, inflate, sum the differences.
-fn decoded(text: &str, plane: usize) -> Vec<u8> {
+pub fn decoded(text: &str, plane: usize) -> Vec<u8> {
     let mut bytes = Vec::new();
     DeflateDecoder::new(BASE64_STANDARD.decode(text).unwrap().as_slice()).read_to_end(&mut bytes).unwrap();
     for plane in bytes.chunks_mut(plane) {

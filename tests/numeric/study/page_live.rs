@@ -2,9 +2,7 @@
 
 use crate::gltf_files::{png, textured};
 use crate::scene::gltf::quad;
-use crate::study::page::{finished_run, read};
-use base64::Engine;
-use base64::prelude::BASE64_STANDARD;
+use crate::study::page::{decoded, finished_run, read};
 use glam::{DVec3, Vec3};
 use serde_json::json;
 use splitsum::brdf::MODELS;
@@ -21,7 +19,6 @@ use splitsum::scene::Scene;
 use splitsum::shade::METHODS;
 use std::f64::consts::{PI, TAU};
 use std::fmt::Write;
-use std::io::Read;
 use std::path::Path;
 
 fn record(run: &Path) -> LiveRecord {
@@ -69,13 +66,8 @@ fn the_page_has_a_shader_of_every_method_that_its_tables_serve() {
 
 /// The words of a packed text, a triple each.
 fn unpacked(text: &str, count: usize) -> Vec<[u16; 3]> {
-    let mut bytes = Vec::new();
-    let packed = BASE64_STANDARD.decode(text).unwrap();
-    flate2::read::DeflateDecoder::new(packed.as_slice()).read_to_end(&mut bytes).unwrap();
+    let bytes = decoded(text, count);
     assert_eq!(bytes.len(), 6 * count);
-    for plane in bytes.chunks_exact_mut(count) {
-        (1..count).for_each(|i| plane[i] = plane[i].wrapping_add(plane[i - 1]));
-    }
     let word = |i: usize, c: usize| u16::from_be_bytes([bytes[2 * c * count + i], bytes[(2 * c + 1) * count + i]]);
     (0..count).map(|i| [0, 1, 2].map(|c| word(i, c))).collect()
 }

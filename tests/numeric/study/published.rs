@@ -18,7 +18,7 @@ fn text(name: &str) -> String {
 }
 
 #[test]
-fn pages_show_what_the_published_runs_say() {
+fn published_pages_match_their_runs() {
     let dir = tempfile::tempdir().unwrap();
     std::fs::create_dir(dir.path().join("docs")).unwrap();
     std::os::unix::fs::symlink(file("results"), dir.path().join("results")).unwrap();
@@ -69,7 +69,7 @@ fn blocks_choose_rows_and_columns_and_name_their_faults() {
 }
 
 #[test]
-fn the_page_of_columns_is_that_of_the_lists() {
+fn the_page_of_columns_is_made_from_the_lists() {
     assert!(
         text("docs/columns.md") == columns::page(),
         "docs/columns.md is old; `splitsum list columns > docs/columns.md` writes it"

@@ -1,7 +1,7 @@
 //! What every question keeps to, asked of made runs. A new question is tested by being listed.
 
 use super::paper::scaled;
-use super::told::{sentences, unfounded, word_count};
+use super::sentences::{sentences, unfounded, word_count};
 use crate::run::runs::{finished, plan};
 use crate::scratch::scratch;
 use splitsum::experiment::axis::{Named, Point};
@@ -13,14 +13,13 @@ use splitsum::study::questions::{Finding, QUESTIONS, Question, SENTENCES_MAX, WO
 use std::path::Path;
 use std::sync::OnceLock;
 
-/// Experiments that together serve every question. Seven environments are enough for intervals.
-const EXPERIMENTS: &[&str] = &[
-    r#"
-name = "methods"
-size = [16, 16]
-reference = { samples = 64 }
-[axes]
-environment = ["builtin:constant", "builtin:sky", "builtin:studio", "builtin:checker", "builtin:cap", "builtin:gradient", "builtin:sky:elevation_deg=8"]
+/// Experiments that together serve every question: the name, what stands before the axes, the axes and what follows. Seven environments are
+/// enough for intervals.
+const EXPERIMENTS: [[&str; 3]; 8] = [
+    [
+        "methods",
+        REFERENCE,
+        r#"environment = ["builtin:constant", "builtin:sky", "builtin:studio", "builtin:checker", "builtin:cap", "builtin:gradient", "builtin:sky:elevation_deg=8"]
 method = ["sampled", "split-sum"]
 samples = [1, 4, 16]
 alpha = [0.1, 0.5]
@@ -30,14 +29,12 @@ diffuse = ["none"]
 repeats = 2
 [timing]
 warmup = 1
-rounds = 7
-"#,
-    r#"
-name = "parameters"
-size = [16, 16]
-reference = { samples = 64 }
-[axes]
-environment = ["builtin:sky"]
+rounds = 7"#,
+    ],
+    [
+        "parameters",
+        REFERENCE,
+        r#"environment = ["builtin:sky"]
 environment_clip_log2 = [0, 3]
 method = ["sampled", "split-sum", "sampled-unfiltered"]
 samples = [4, 16]
@@ -49,75 +46,60 @@ dfg_size = [16, 32]
 diffuse = ["none"]
 [timing]
 warmup = 1
-rounds = 7
-"#,
-    r#"
-name = "one-case"
-size = [16, 16]
-reference = { samples = 64 }
-[axes]
-method = ["sampled", "split-sum"]
+rounds = 7"#,
+    ],
+    [
+        "one-case",
+        REFERENCE,
+        r#"method = ["sampled", "split-sum"]
 samples = [1, 4, 16]
-diffuse = ["none"]
-"#,
-    r#"
-name = "diffuse"
-size = [16, 16]
-reference = { samples = 64 }
-[axes]
-environment = ["builtin:sky", "builtin:studio"]
+diffuse = ["none"]"#,
+    ],
+    [
+        "diffuse",
+        REFERENCE,
+        r#"environment = ["builtin:sky", "builtin:studio"]
 method = ["none"]
 diffuse = ["sh9", "irradiance-map"]
 irradiance_size = [[16, 16], [32, 32]]
 prefilter = ["sampled"]
-irradiance_sample_count = [[32, 8], [64, 16]]
-"#,
-    r#"
-name = "tables"
-size = [16, 16]
-reference = { method = "ladder-view", samples = 64 }
-[axes]
-environment = ["builtin:sky", "builtin:studio"]
+irradiance_sample_count = [[32, 8], [64, 16]]"#,
+    ],
+    [
+        "tables",
+        "reference = { method = \"ladder-view\", samples = 64 }",
+        r#"environment = ["builtin:sky", "builtin:studio"]
 method = ["split-sum", "reference"]
 samples = [64]
 alpha = [0.1, 0.5]
 prefilter_size = [[64, 64], [128, 128]]
 level_mapping = ["linear", "quadratic"]
 dfg_size = [16, 32]
-diffuse = ["none"]
-"#,
-    r#"
-name = "ladder"
-size = [16, 16]
-scene = "design"
-reference = { samples = 64 }
-[ladder]
-samples = 64
-[axes]
-environment = ["builtin:constant", "builtin:sky", "builtin:studio", "builtin:checker", "builtin:cap", "builtin:gradient"]
+diffuse = ["none"]"#,
+    ],
+    [
+        "ladder",
+        "scene = \"design\"\nreference = { samples = 64 }\n[ladder]\nsamples = 64",
+        r#"environment = ["builtin:constant", "builtin:sky", "builtin:studio", "builtin:checker", "builtin:cap", "builtin:gradient"]
 method = ["split-sum"]
 alpha = [0.1, 0.5]
-diffuse = ["none"]
-"#,
-    r#"
-name = "split-sums"
-size = [16, 16]
-reference = { samples = 64 }
-[axes]
-environment = ["builtin:constant", "builtin:sky", "builtin:studio", "builtin:checker", "builtin:cap", "builtin:gradient"]
+diffuse = ["none"]"#,
+    ],
+    [
+        "split-sums",
+        REFERENCE,
+        r#"environment = ["builtin:constant", "builtin:sky", "builtin:studio", "builtin:checker", "builtin:cap", "builtin:gradient"]
 method = ["split-sum", "split-sum-relative", "split-sum-parted", "sampled"]
 samples = [4, 16]
 f0 = [0.04, 1]
 alpha = [0.1, 0.5]
 diffuse = ["none"]
-compensation = ["turquin"]
-"#,
-    r#"
-name = "furnace"
-size = [16, 16]
-reference = { method = "none", samples = 64, terms = "all" }
-[axes]
-environment = ["builtin:constant"]
+compensation = ["turquin"]"#,
+    ],
+    [
+        "furnace",
+        "reference = { method = \"none\", samples = 64, terms = \"all\" }",
+        r#"environment = ["builtin:constant"]
 brdf = ["ggx", "phong"]
 masking = ["separable", "correlated"]
 method = ["reference"]
@@ -126,21 +108,22 @@ alpha = [0.1, 0.5]
 f0 = [1]
 albedo = [1]
 metallic = [0]
-diffuse = ["none"]
-"#,
+diffuse = ["none"]"#,
+    ],
 ];
 
-/// The runs of the experiments, and each again with errors that hang on alpha, environment and method.
+const REFERENCE: &str = "reference = { samples = 64 }";
+
+/// The runs of the experiments, and each again with errors that depend on alpha, environment and method.
 fn runs() -> &'static [Finished] {
     static RUNS: OnceLock<Vec<Finished>> = OnceLock::new();
     RUNS.get_or_init(|| {
         let mut runs = Vec::new();
         let folder = scratch();
-        for (i, text) in EXPERIMENTS.iter().enumerate() {
+        for [name, head, axes] in EXPERIMENTS {
             // Some questions read the images of their run, which must outlive this.
-            let dir = folder.join(format!("{i}"));
-            let plan = plan(text);
-            finished(&plan, &dir);
+            let dir = folder.join(name);
+            finished(&plan(&format!("name = \"{name}\"\nsize = [16, 16]\n{head}\n[axes]\n{axes}\n")), &dir);
             runs.push(Finished::read(&dir).unwrap());
             let mut varied = Finished::read(&dir).unwrap();
             scaled(&mut varied, factor);
@@ -192,7 +175,7 @@ fn every_question_is_served_by_a_made_run() {
 }
 
 #[test]
-fn what_an_experiment_serves_is_known_before_it_runs() {
+fn questions_an_experiment_serves_are_known_before_it_runs() {
     for run in runs() {
         let written = Shape::of_config(run.config.as_ref().unwrap());
         let rendered = Frame::new(run, None).shape;

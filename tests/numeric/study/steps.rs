@@ -46,7 +46,7 @@ fn noise_alone_is_attributed_to_no_step() {
 }
 
 #[test]
-fn shares_are_means_over_maps_and_formulas_stand_beside_them() {
+fn shares_are_means_over_maps_with_formulas_apart() {
     let shares = [0.1, 0.2, 0.3, 0.1, 0.2, 0.3];
     let maps = MAPS.iter().zip(shares).map(|(map, share)| (*map, share, 0.7));
     let finding = run(&maps.chain([("builtin:sky", 0.9, 0.9)]).collect::<Vec<_>>());
@@ -65,7 +65,7 @@ fn shares_are_means_over_maps_and_formulas_stand_beside_them() {
 }
 
 #[test]
-fn shares_of_both_signs_are_told_by_their_range() {
+fn shares_of_both_signs_are_given_as_a_range() {
     let maps = MAPS.iter().enumerate().map(|(i, map)| (*map, if i % 2 == 0 { -0.2 } else { 0.25 }, 0.1));
     let finding = run(&maps.collect::<Vec<_>>());
     let digest = finding.digest.unwrap();
@@ -102,7 +102,7 @@ fn tables_are_judged_in_every_band_of_the_view() {
 
 /// Beside a design, pictures tell nothing in a metric of radiance: their errors are not averaged with its own.
 #[test]
-fn a_design_speaks_for_metrics_of_radiance() {
+fn a_design_alone_answers_for_metrics_of_radiance() {
     let mut paper = Paper::new(&["scene", "environment", "method", "alpha"]);
     for (method, error) in [("split-sum", 0.5), ("split-sum-unity", 0.1)] {
         paper.add(&["design", "builtin:sky", method, "0.5"], error);

@@ -19,7 +19,7 @@ fn judged_by(method: &str) -> Paper {
 }
 
 /// Columns of the digest in the row of an alpha.
-fn told<const N: usize>(finding: &Finding, alpha: &str, names: [&str; N]) -> [String; N] {
+fn shown<const N: usize>(finding: &Finding, alpha: &str, names: [&str; N]) -> [String; N] {
     let row = only(finding.digest.as_ref().unwrap(), &[("alpha", alpha)]);
     names.map(|name| column(&row, name).concat())
 }
@@ -50,11 +50,11 @@ fn tables_are_enough_where_they_err_by_a_tenth_of_the_split() {
     let finding = run().finding("tables");
     // 2 x 0.19 is 0.38 of 1 and 0.095 of 4; of equal sizes the better mapping leads, though both are enough.
     assert_eq!(
-        told(&finding, "0.5", ["tables", "share at most", "where"]),
+        shown(&finding, "0.5", ["tables", "share at most", "where"]),
         ["16x16, 64 samples, linear mapping", "9.5 %", "sky"]
     );
-    assert_eq!(told(&finding, "0.1", ["tables", "share at most"]), ["32x32, 64 samples, linear mapping", "0.10 %"]);
-    assert_eq!(told(&finding, "all", ["tables", "share at most"]), ["64x64, 64 samples, quadratic mapping", "6.0 %"]);
+    assert_eq!(shown(&finding, "0.1", ["tables", "share at most"]), ["32x32, 64 samples, linear mapping", "0.10 %"]);
+    assert_eq!(shown(&finding, "all", ["tables", "share at most"]), ["64x64, 64 samples, quadratic mapping", "6.0 %"]);
     let own = [("alpha", "0.5"), ("environment", "builtin:sky"), ("prefilter_size", "16x16")];
     let row = only(&finding.table, &own);
     let found = ["error", "split_error", "share"].map(|name| numbers(&row, name)[0]);
@@ -72,8 +72,8 @@ fn where_no_tables_are_enough_the_best_are_named() {
         }
     }
     let finding = paper.finding("tables");
-    assert_eq!(told(&finding, "0.1", ["tables", "share at most"]), ["none; best 256 samples", "50.0 %"]);
-    assert_eq!(told(&finding, "0.5", ["tables"]), ["64 samples"]);
+    assert_eq!(shown(&finding, "0.1", ["tables", "share at most"]), ["none; best 256 samples", "50.0 %"]);
+    assert_eq!(shown(&finding, "0.5", ["tables"]), ["64 samples"]);
     // What can be shipped comes first.
     let said = &finding.sentence;
     assert!(said.starts_with("At alpha 0.5 (roughness 0.71), ship **64 samples**: at most 2.0 %"), "{said}");

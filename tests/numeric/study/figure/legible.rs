@@ -98,7 +98,7 @@ fn ink(name: &str) -> [&'static str; 2] {
 }
 
 #[test]
-fn series_and_words_stand_out_on_both_grounds() {
+fn series_and_words_have_contrast_on_both_grounds() {
     for side in [0, 1] {
         let ground = ink(".fig-ground")[side];
         for series in SERIES {
@@ -115,7 +115,7 @@ fn series_and_words_stand_out_on_both_grounds() {
 }
 
 #[test]
-fn words_on_tiles_stand_out() {
+fn words_on_tiles_have_contrast() {
     let mut count = 0;
     for figure in hard().iter().filter(|figure| figure.ramp.is_some()) {
         let drawn = Drawn::new(&svg(figure, WIDTHS[0]));
