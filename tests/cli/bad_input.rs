@@ -107,7 +107,6 @@ fn wrong_experiments_and_folders_are_refused() {
             "run x.toml --out errors.csv",
             "run x.toml --shard 1/2",
             "run x.toml --shard 3/2 --out x",
-            "run x.toml --shard 1/2 --out x --trace",
             "merge x",
             "merge",
             "answers nowhere",

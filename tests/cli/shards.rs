@@ -74,6 +74,8 @@ fn long_work_shows_signs_of_life() {
     child.wait().unwrap();
     assert!(found.is_some_and(|line| line.contains("second")), "no line");
     // Short work says nothing.
+    let begun = std::time::Instant::now();
     let output = splitsum(dir.path(), &["render", "--size", "8x8", "--method", "split-sum", "--out", "x.exr"]);
-    assert!(output.status.success() && stderr(&output).is_empty(), "{}", stderr(&output));
+    let is_short = begun.elapsed().as_secs_f64() < 1.0;
+    assert!(output.status.success() && (stderr(&output).is_empty() || !is_short), "{}", stderr(&output));
 }

@@ -1,10 +1,9 @@
 //! Two methods timed together, of times that are known.
 
 use splitsum::run::timing::TimingRecord;
-use splitsum::run::timing_ratios::{Ratio, ratios};
+use splitsum::run::timing_ratios::ratios;
 use splitsum::study::finished::Finished;
 use splitsum::table::csv::Table;
-use std::collections::BTreeSet;
 use std::path::Path;
 
 const AXES: [&str; 7] = ["brdf", "method", "diffuse", "samples", "masking", "storage_format", "prefilter_sample_count"];
