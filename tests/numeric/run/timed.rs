@@ -1,6 +1,6 @@
 //! Timings of runs with a renderer whose times are known.
 
-use super::runs::{invoke, log, plan, read, snapshot};
+use super::runs::{invoke, log, plan, snapshot};
 use super::whole::EXPERIMENT;
 use splitsum::table::csv::Table;
 use std::collections::BTreeMap;
