@@ -174,7 +174,8 @@ fn view_figure(frame: &Frame, views: &[View], tried: &[u32]) -> Option<Figure> {
     let line = |key: &Key| {
         let dot = |(x, one): (usize, &View)| {
             let median = one.median(key)?;
-            let tip = format!("{}: {} samples · {}", view(one.seen), counted(median, tried), frame.names.label(&of, key));
+            let tip =
+                format!("{}: {} samples · {}", view(one.seen), counted(median, tried), frame.names.label(&of, key));
             let at = [x as f64, up(median, tried).min(2.0 * largest)];
             Some(Mark::new(Form::Dot(at), step(&series, &line_of(key)) as usize).tip(tip))
         };

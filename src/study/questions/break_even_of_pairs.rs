@@ -3,7 +3,9 @@
 //! The break-even of `break_even`, for every pair of methods, by width of the lobe: the median over environments with its interval. On the
 //! scene `design` also by bands of n·v; for pictures also in FLIP.
 
-use super::break_even::{SURFACE, by_condition, conditions, counted, counted_words, lacks as lacks_pair, numbers, pairs, tried, up};
+use super::break_even::{
+    SURFACE, by_condition, conditions, counted, counted_words, lacks as lacks_pair, numbers, pairs, tried, up,
+};
 use super::numbers::middle_marks;
 use super::prelude::*;
 use super::{FIXED, SAMPLED};
@@ -167,9 +169,8 @@ fn figure(frame: &Frame, axes: &[usize], all: &[Middle]) -> Option<Figure> {
     let (of, names) = (frame.row_axis(), &frame.names);
     let widths = frame.shape.values[of].clone();
     let series = distinct_in_order(all.iter().map(|own| own.names[1].clone()));
-    let title = |own: &&Middle| {
-        commas([own.metric, &names.label_where(axes, &own.key, |axis| axis != of), &own.names[0]])
-    };
+    let title =
+        |own: &&Middle| commas([own.metric, &names.label_where(axes, &own.key, |axis| axis != of), &own.names[0]]);
     let largest = f64::from(*all.first()?.tried.last()?);
     let panel = |(name, own): (String, Vec<&Middle>)| {
         let line = |(fixed, own): (String, Vec<&Middle>)| {

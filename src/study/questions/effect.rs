@@ -150,7 +150,9 @@ fn sentence(frame: &Frame, of: &OfAxis, best: Option<&Best>) -> String {
             format!("{among}, {name} errs least: it has {times} times{interval} the `{metric}` of {base}{wins}.")
         }
         _ => {
-            format!("{among}, the base {base} errs least; the next, {name}, has {times} times{interval} its `{metric}`.")
+            format!(
+                "{among}, the base {base} errs least; the next, {name}, has {times} times{interval} its `{metric}`."
+            )
         }
     }
 }

@@ -31,7 +31,10 @@ pub const QUESTION: Question = Question {
         column("share_hi", "Upper end of that interval."),
         column("first_in", "`relmse` that the step adds if it comes first, after the steps that it needs."),
         column("last_out", "`relmse` that goes if this step alone becomes exact, with the steps that need it."),
-        column("shapley", "Mean of the `relmse` that the step adds over all orders; the steps' numbers sum to the error."),
+        column(
+            "shapley",
+            "Mean of the `relmse` that the step adds over all orders; the steps' numbers sum to the error.",
+        ),
         column("error", "`relmse` after all steps. With `environment` all, all numbers are arithmetic means."),
         column("step_error", "Relative standard error of the step: see `steps.csv`."),
     ],
@@ -43,12 +46,12 @@ pub const QUESTION: Question = Question {
 fn lacks(shape: &Shape) -> Option<&'static str> {
     match () {
         () if !shape.has_ladder => Some("the experiment has no section [ladder]"),
-        () if !has_ladder(shape) => Some(
-            "axes.method has no split-sum, and axes.diffuse neither sh9 nor irradiance-map: only these have steps",
-        ),
-        () if !shape.values[SCENE].iter().any(|scene| is_design(&scene.to_string())) => Some(
-            "no scene is design, where every view sees the whole map; add it beside pictures: design,my.obj",
-        ),
+        () if !has_ladder(shape) => {
+            Some("axes.method has no split-sum, and axes.diffuse neither sh9 nor irradiance-map: only these have steps")
+        }
+        () if !shape.values[SCENE].iter().any(|scene| is_design(&scene.to_string())) => {
+            Some("no scene is design, where every view sees the whole map; add it beside pictures: design,my.obj")
+        }
         () if shape.reference_method != REFERENCE => {
             Some("reference.method is not reference: steps lead from the integral")
         }

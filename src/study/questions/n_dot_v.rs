@@ -117,10 +117,9 @@ fn sentence(frame: &Frame, all: &[Place]) -> Option<String> {
     let (scope, end) = match () {
         () if is_design => ("On the scene `design`", ""),
         () if turns => ("In these views", ""),
-        () => (
-            "In this view",
-            " Each n·v sees one part of the map, so the places of lamps matter as much as the method.",
-        ),
+        () => {
+            ("In this view", " Each n·v sees one part of the map, so the places of lamps matter as much as the method.")
+        }
     };
     Some(format!(
         "{scope}, `{lead}` errs most at {}: {} {}{over}. It errs least at {}: {}.{end}",

@@ -165,9 +165,7 @@ fn figure(frame: &Frame, methods: &[Vec<Curve>]) -> Option<Figure> {
     let names = |i: usize| (AXES[DISPLAY[i]].name, steps[i].iter().map(Value::to_string).collect());
     tiles(
         "The difference after the tone curve",
-        format!(
-            "mean FLIP, median over the rest; a difference from {VISIBLE_FROM} counts as visible (a convention)"
-        ),
+        format!("mean FLIP, median over the rest; a difference from {VISIBLE_FROM} counts as visible (a convention)"),
         [0, 1].map(names),
         methods.iter().flatten().filter_map(tile).collect(),
         ("mean FLIP", Some(VISIBLE_FROM)),
