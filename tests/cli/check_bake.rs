@@ -88,7 +88,7 @@ fn bakes_for_every_engine_score_as_exact() {
     assert_ends(&splitsum(dir.path(), &arguments), 1, &["seems to be a bake of another map"]);
     let arguments =
         ["check-bake", "bevy", "--environment", "builtin:sky", "--fail-above", "1e-3", "--axes=-x+y+z", "--no-image"];
-    assert_ends(&splitsum(dir.path(), &arguments), 1, &["fit it far better than -x+y+z"]);
+    assert_ends(&splitsum(dir.path(), &arguments), 1, &["fit far better than -x+y+z"]);
     assert_refusals(
         "commands_of_bake_that_are_refused",
         dir.path(),

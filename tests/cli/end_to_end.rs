@@ -140,7 +140,7 @@ fn answers_of_a_run_under_way_are_printed_and_not_written() {
     let publish = ["answers", "runs/other", "--publish", "results"];
     let output = splitsum(dir.path(), &publish);
     assert_eq!(output.status.code(), Some(2), "{}", stderr(&output));
-    assert!(stderr(&output).starts_with("results/tiny: holds the published run of plan "), "{}", stderr(&output));
+    assert!(stderr(&output).starts_with("results/tiny: contains the published run of plan "), "{}", stderr(&output));
     ok(dir.path(), &[publish.as_slice(), &["--replace"]].concat());
 }
 

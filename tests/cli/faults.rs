@@ -30,7 +30,7 @@ fn a_lost_device_ends_a_run_that_resumes_to_the_same_bytes() {
         let out = format!("lost-{submit}");
         let arguments = ["run", "tiny.toml", "--out", &out];
         let output = with_fault(dir.path(), &arguments, &format!("submit:{submit}:device-lost"));
-        assert_ends(&output, 75, &["the device was lost", "run the same command again to go on"]);
+        assert_ends(&output, 75, &["the device was lost", "run the same command again to continue"]);
         ok(dir.path(), &arguments);
         assert!(errors(dir.path(), &out) == errors(dir.path(), "whole"), "lost at submission {submit}");
     }
@@ -124,7 +124,7 @@ fn a_missing_layer_of_the_environment_stops_nothing() {
 fn a_slip_in_the_test_switch_is_no_silent_success() {
     let Some(dir) = folder() else { return };
     let output = with_fault(dir.path(), &RENDER, "submit:x:device-lost");
-    assert_ends(&output, 2, &["SPLITSUM_TEST_FAULTS: 'submit:x:device-lost'"]);
+    assert_ends(&output, 2, &["SPLITSUM_TEST_FAULTS: unknown fault 'submit:x:device-lost'"]);
 }
 
 /// A driver below the floor: the real one behind a layer (`layer.c`) that takes something away.
