@@ -123,7 +123,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     if let Some(map) = &bake.specular {
         judging.convention.alphas(map.levels.len()).map_err(|fault| Failure::input(format!("--alphas: {fault}")))?;
     }
-    let judged = judging.judge_saying(&environment, &bake, |words| progress::doing(words)).map_err(Failure::input)?;
+    let judged = judging.judge_saying(&environment, &bake, progress::doing).map_err(Failure::input)?;
     if arguments.json {
         let text = serde_json::to_string_pretty(&as_json(&arguments.environment, preset.name, &judged))
             .map_err(Failure::failed)?;

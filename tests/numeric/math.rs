@@ -91,7 +91,7 @@ fn error_function_and_its_inverse_match_published_digits() {
     }
     // The tail keeps its relative precision.
     for (x, value) in
-        [(3.0, 2.209_049_699_858_544_1e-5), (5.0, 1.537_459_794_428_034_9e-12), (26.0, 5.663_192_408_856_143e-296)]
+        [(3.0, 2.209_049_699_858_544e-5), (5.0, 1.537_459_794_428_035e-12), (26.0, 5.663_192_408_856_143e-296)]
     {
         assert!((erfc(x) / value - 1.0).abs() < 5e-16, "erfc({x}) = {}", erfc(x));
     }

@@ -205,7 +205,7 @@ impl Model<'_> {
             Some(axis.values.iter().position(|value| *value == text))
         };
         let places = axes.iter().filter_map(place).map(|place| json!(place));
-        let scores = metrics.iter().map(|metric| number(score(cell, *metric)));
+        let scores = metrics.iter().map(|metric| number(score(cell, metric)));
         own.into_iter().chain(places).chain(scores).collect()
     }
 }
@@ -231,7 +231,7 @@ pub fn field(cell: &Cell) -> Json {
 /// Metrics with a score of some cell.
 pub fn metrics(runs: &[Told]) -> Vec<&'static Metric> {
     let cells = runs.iter().flat_map(|run| &run.finished.cells);
-    METRICS.iter().copied().filter(|metric| cells.clone().any(|cell| score(cell, *metric).is_some())).collect()
+    METRICS.iter().copied().filter(|metric| cells.clone().any(|cell| score(cell, metric).is_some())).collect()
 }
 
 /// Palettes and ranges of error maps.

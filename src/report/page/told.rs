@@ -146,7 +146,7 @@ pub fn score(cell: &FinishedCell, metric: &Metric) -> Option<f64> {
 /// Whether two runs have the same cells and scores.
 fn is_same(a: &Finished, b: &Finished) -> bool {
     let is_equal = |(a, b): (&FinishedCell, &FinishedCell)| {
-        a.id == b.id && METRICS.iter().all(|metric| score(a, *metric) == score(b, *metric))
+        a.id == b.id && METRICS.iter().all(|metric| score(a, metric) == score(b, metric))
     };
     a.cells.len() == b.cells.len() && a.cells.iter().zip(&b.cells).all(is_equal)
 }

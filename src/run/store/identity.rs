@@ -120,8 +120,7 @@ fn other_metric(provenance: &Value) -> Option<String> {
     let then: BTreeMap<&str, u64> =
         then.filter_map(|metric| Some((metric["name"].as_str()?, metric["version"].as_u64()?))).collect();
     let differs = |name: &str, version: u32| then.get(name).is_some_and(|then| *then != u64::from(version));
-    let mut now = METRICS.iter().map(|metric| metric);
-    now.find(|d| differs(d.name, d.version)).map(|d| d.name.to_owned())
+    METRICS.iter().find(|metric| differs(metric.name, metric.version)).map(|metric| metric.name.to_owned())
 }
 
 /// The reason why all cells differ, by both provenances: " (seed is 1 there and 2 here)"; else empty.
