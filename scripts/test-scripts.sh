@@ -265,6 +265,15 @@ bare() {
     runs_as full ci nothing 0 bare.sh 77 "skipped: the bare root (this machine forbids mount and process namespaces)"
 }
 
+# Without Python a workflow cannot run.
+cluster() {
+    box=$WORK/cluster
+    cp -a "$WORK/bare" "$WORK/no-python"
+    rm "$WORK/no-python/scripts/cluster-test.sh"
+    cp "$scripts/cluster-test.sh" "$scripts/slurm.sh" "$WORK/no-python/scripts/"
+    runs_as no-python ci nothing 0 cluster-test.sh 77 "skipped: the cluster test (local): Snakemake 9 needs Python 3.11"
+}
+
 # No function of setup.sh changes a variable of its caller.
 variables() (
     box=$WORK/variables
@@ -332,7 +341,7 @@ commits() (
 
 # Two at a time.
 parts user >"$WORK/user.log" 2>&1 &
-(parts ci && passes && demo && bare && variables && commits) >"$WORK/ci.log" 2>&1 || : >"$WORK/wrong"
+(parts ci && passes && demo && bare && cluster && variables && commits) >"$WORK/ci.log" 2>&1 || : >"$WORK/wrong"
 wait $! || : >"$WORK/wrong"
 cat "$WORK/user.log" "$WORK/ci.log"
 [ ! -e "$WORK/wrong" ]
