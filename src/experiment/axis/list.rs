@@ -288,7 +288,7 @@ const IMAGE_AXES: &[Axis] = &[
     },
     Axis {
         name: "compensation",
-        about: "multiple-scattering compensation, for the image and its reference; that of fdez-aguera and kulla-conty joins the diffuse term",
+        about: "multiple-scattering compensation, for the image and its reference; fdez-aguera and kulla-conty add it to the diffuse term",
         plural: "compensations",
         frames_cost: true,
         used: |u| !u.method.is_none(),
