@@ -1,13 +1,13 @@
 //! `splitsum answers`.
 
-use super::report::{known_metric, line};
+use super::report::{finished, known_metric, line};
 use super::{Failure, print, progress, tell};
 use clap::Args;
 use splitsum::report::blocks::fill_pages;
 use splitsum::report::page::{PageOptions, Told, is_page, write};
 use splitsum::report::publish::{PublishError, check, publish, write_page};
 use splitsum::report::write::Written;
-use splitsum::study::finished::{Finished, notes};
+use splitsum::study::finished::notes;
 use splitsum::study::questions::answers;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -26,6 +26,9 @@ pub struct Arguments {
     /// Answer by this metric (`splitsum list metrics`) [default: the experiment's].
     #[arg(long, value_name = "NAME", value_parser = known_metric)]
     metric: Option<String>,
+    /// Weigh views by these, first the leading one [default: the experiment's].
+    #[arg(long, value_name = "NAME", value_delimiter = ',')]
+    weights: Vec<String>,
     /// Copy each run's tables to FOLDER/NAME; update README.md and docs/ beside it.
     #[arg(long, value_name = "FOLDER")]
     publish: Option<PathBuf>,
@@ -56,7 +59,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
             tell(&format!("warning: {note}"));
         }
         progress::doing(format!("answering the questions of {}", dir.display()));
-        let run = Finished::read(dir).map_err(Failure::input)?;
+        let run = finished(dir, &arguments.weights)?;
         let answers = answers(&run, arguments.metric.as_deref());
         let written = Written::new(&run, &answers).map_err(Failure::failed)?;
         if let Some(note) = run.under_way_note() {

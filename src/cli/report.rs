@@ -29,6 +29,9 @@ pub struct Arguments {
     /// Answer by this metric (`splitsum list metrics`) [default: the experiment's].
     #[arg(long, value_name = "NAME", value_parser = known_metric)]
     metric: Option<String>,
+    /// Weigh views by these, first the leading one [default: the experiment's].
+    #[arg(long, value_name = "NAME", value_delimiter = ',')]
+    weights: Vec<String>,
     /// Write to FILE [default: report.html in the first folder].
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
@@ -62,9 +65,12 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let runs: Vec<(Finished, Vec<Answer>)> = arguments
         .dirs
         .iter()
-        .map(|dir| answered(dir, arguments.metric.as_deref()))
-        .collect::<Result<_, _>>()
-        .map_err(Failure::input)?;
+        .map(|dir| {
+            let run = finished(dir, &arguments.weights)?;
+            let answers = answers(&run, arguments.metric.as_deref());
+            Ok((run, answers))
+        })
+        .collect::<Result<_, Failure>>()?;
     let options = PageOptions { out, images, budget: BUDGET_BYTES, metric: arguments.metric.clone() };
     progress::doing("writing the report");
     print(&line(&write(&options, &Told::of_runs(&runs))?))
@@ -76,13 +82,15 @@ impl From<PageError> for Failure {
     }
 }
 
-fn answered(
-    dir: &Path,
-    metric: Option<&str>,
-) -> Result<(Finished, Vec<Answer>), splitsum::study::finished::FinishedError> {
-    let run = Finished::read(dir)?;
-    let answers = answers(&run, metric);
-    Ok((run, answers))
+/// Reads a run, to be answered by these weights of views, by default its own.
+pub fn finished(dir: &Path, weights: &[String]) -> Result<Finished, Failure> {
+    let run = Finished::read(dir).map_err(Failure::input)?;
+    match weights {
+        [] => Ok(run),
+        names => {
+            run.with_weights(names).map_err(|fault| Failure::input(format!("--weights: {}: {fault}", dir.display())))
+        }
+    }
 }
 
 /// Describes a written report.

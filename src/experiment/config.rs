@@ -6,7 +6,7 @@ use super::axis::{AXES, METHOD, Named, Point, Reference, SAMPLES, Terms, index_o
 use super::fault::{Faults, Place};
 use super::toml_tree::{at, checked, entries, parsed, raw, section, text, unknown_key};
 use super::value::{COORDINATE, Kind, Range, Raw, Value};
-use crate::metrics::{HEADLINE, Metric};
+use crate::metrics::{HEADLINE, Metric, Weight};
 use crate::scene::{CameraKind, Light, Orbit};
 use crate::shade::{METHODS, Method, NONE};
 use crate::spelling::Listed;
@@ -83,6 +83,8 @@ pub struct Config {
     /// Metric of the answers; one of [`crate::metrics::METRICS`].
     pub metric: &'static str,
     pub metric_place: Place,
+    /// Weights of views, the leading one first, each with its place; unchecked. Empty for the default.
+    pub weights: Vec<(Weight, Place)>,
     pub seed: u32,
     pub camera: CameraKind,
     pub orbit: Orbit,
@@ -132,6 +134,7 @@ pub(super) const KEYS: &[(&str, Reader)] = &[
             (config.metric, config.metric_place) = (Metric::listed(found.text()).name, at(value));
         }
     }),
+    ("weights", Config::read_weights),
     ("seed", |config, value, faults| {
         config.seed = checked(SEED, "seed", value, faults).map_or(config.seed, |v| v.count());
     }),
@@ -217,6 +220,14 @@ impl Config {
             if self.axes.iter().any(|sweep| AXES[sweep.axis].name == key) {
                 faults.add(&place, format!("{prefix}{key} is also an axis: set it in one place"));
             }
+        }
+    }
+
+    /// The weights of views to answer by, the leading one first.
+    pub fn weights(&self) -> Vec<Weight> {
+        match &self.weights[..] {
+            [] => vec![Weight::Picture, Weight::Uniform],
+            weights => weights.iter().map(|(weight, _)| weight.clone()).collect(),
         }
     }
 

@@ -5,6 +5,7 @@ use super::config::{AXIS, Ask, Config, Exclusion, Placed, Timing, Warmup, axis_n
 use super::fault::Faults;
 use super::toml_tree::{at, checked, checked_as, list, raw, section, table, text, unknown_key};
 use super::value::{Kind, Raw};
+use crate::metrics::Weight;
 use crate::shade::reference_pass::pair_count;
 use toml::Spanned;
 use toml::de::DeValue;
@@ -45,6 +46,22 @@ impl Config {
                 faults.add(&ask.place, format!("asks: {} is listed twice", ask.question));
             } else if !ask.question.is_empty() {
                 self.asks.push(ask);
+            }
+        }
+    }
+
+    pub(super) fn read_weights(&mut self, value: &Spanned<DeValue>, faults: &mut Faults) {
+        let Some(items) = value.get_ref().as_array().filter(|items| !items.is_empty()) else {
+            faults.add(&at(value), format!("weights: {} is not a list of at least one name", raw(value)));
+            return;
+        };
+        for item in items {
+            let name = text("weights", item, faults);
+            let weight = Weight::of_name(&name);
+            if self.weights.iter().any(|(known, _)| *known == weight) {
+                faults.add(&at(item), format!("weights: {name} is listed twice"));
+            } else if !name.is_empty() {
+                self.weights.push((weight, at(item)));
             }
         }
     }

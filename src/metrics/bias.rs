@@ -1,10 +1,11 @@
-//! Relative bias: light gained or lost in total.
+//! Signed error of the mean brightness: light gained or lost in total.
 
-use super::{Better, Metric};
+use super::{Better, Metric, Pooling};
 
 /// `sum d / sum r`, positive if the test is too bright. A black reference gives 0 for a black test, else infinity.
 pub static BIAS: Metric = Metric {
     better: Better::NearerZero,
+    pooling: Pooling::OverReference,
     // Standard error of the sum over the sum. Pixels count as independent, channels as fully correlated, which raises
     // the floor by at most sqrt(3).
     noise_floor: |noise| {
@@ -15,15 +16,19 @@ pub static BIAS: Metric = Metric {
         }
         Some(ratio(variance.sqrt(), energy))
     },
-    ..Metric::linear("bias_rel", "sum d / sum r: energy gained (+) or lost (-)", |comparison, pixels| {
-        let (mut difference, mut energy) = (0.0, 0.0);
-        for &pixel in pixels {
-            let [t, r] = comparison.radiance(pixel);
-            difference += (0..3).map(|c| t[c] - r[c]).sum::<f64>();
-            energy += r.iter().sum::<f64>();
-        }
-        ratio(difference, energy)
-    })
+    ..Metric::linear(
+        "bias_rel",
+        "sum d / sum r: error of the mean brightness, energy gained (+) or lost (-)",
+        |comparison, pixels| {
+            let (mut difference, mut energy) = (0.0, 0.0);
+            for &pixel in pixels {
+                let [t, r] = comparison.radiance(pixel);
+                difference += (0..3).map(|c| t[c] - r[c]).sum::<f64>();
+                energy += r.iter().sum::<f64>();
+            }
+            ratio(difference, energy)
+        },
+    )
 };
 
 /// Divides, with 0/0 = 0.

@@ -19,6 +19,8 @@ pub struct BinRow {
     pub lo: f64,
     pub hi: f64,
     pub pixel_count: usize,
+    /// RGB mean of the reference; 0 without pixels.
+    pub reference_mean: f64,
     /// By metric; empty without pixels.
     pub values: Vec<(&'static str, f64)>,
 }
@@ -32,6 +34,19 @@ impl Comparison<'_> {
         edges: &[f64],
         metrics: &[&Metric],
     ) -> Result<Vec<BinRow>, MetricsError> {
+        let bins = self.bin_pixels(n_dot_v, edges)?.into_iter().zip(edges.windows(2));
+        let row = |(pixels, edge): (Vec<usize>, &[f64])| BinRow {
+            lo: edge[0],
+            hi: edge[1],
+            pixel_count: pixels.len(),
+            reference_mean: self.reference_mean(&pixels),
+            values: if pixels.is_empty() { Vec::new() } else { self.evaluate_pixels(metrics, &pixels) },
+        };
+        Ok(bins.map(row).collect())
+    }
+
+    /// Returns the row-major indices of the masked pixels of each bin.
+    pub fn bin_pixels(&self, n_dot_v: &GrayImage, edges: &[f64]) -> Result<Vec<Vec<usize>>, MetricsError> {
         check_size("n_dot_v image", n_dot_v, self.size())?;
         let increasing = edges.windows(2).all(|pair| pair[0] < pair[1]);
         if edges.len() < 2 || !increasing || !edges.iter().all(|edge| edge.is_finite()) {
@@ -48,15 +63,6 @@ impl Comparison<'_> {
             let edges_passed = edges.partition_point(|&edge| edge <= f64::from(value));
             bins[edges_passed.clamp(1, bin_count) - 1].push(pixel);
         }
-        Ok(bins
-            .into_iter()
-            .zip(edges.windows(2))
-            .map(|(pixels, edge)| BinRow {
-                lo: edge[0],
-                hi: edge[1],
-                pixel_count: pixels.len(),
-                values: if pixels.is_empty() { Vec::new() } else { self.evaluate_pixels(metrics, &pixels) },
-            })
-            .collect())
+        Ok(bins)
     }
 }

@@ -166,6 +166,12 @@ impl<'a> Comparison<'a> {
         [self.test, self.reference].map(|image| image.data[pixel].map(f64::from))
     }
 
+    /// RGB mean of the reference over these pixels; 0 for none.
+    pub(super) fn reference_mean(&self, pixels: &[usize]) -> f64 {
+        let sum: f64 = pixels.iter().map(|&pixel| self.radiance(pixel)[1].iter().sum::<f64>()).sum();
+        sum / (3 * pixels.len().max(1)) as f64
+    }
+
     /// RGB mean of `d² / (r² + ε)` by pixel index; 0 off the mask.
     pub(super) fn relative_squares(&self) -> &[f64] {
         self.relative_squares.get_or_init(|| {

@@ -22,6 +22,8 @@ mod rmse;
 mod smape;
 mod ssim;
 mod tail;
+mod tone_mapped;
+mod weight;
 
 use crate::spelling::Listed;
 pub use bias_variance::{BiasVariance, Repeats};
@@ -30,6 +32,7 @@ pub use comparison::{Comparison, Displayed, MetricsError, signed_step};
 pub use epsilon::Epsilon;
 pub use flip::PIXELS_PER_DEGREE;
 pub use noise::{ReferenceNoise, Verdict, noise_floor, verdict};
+pub use weight::{Part, Pooling, Weight};
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Space {
@@ -81,6 +84,7 @@ pub struct Metric {
     pub formula: &'static str,
     /// 2 for a mean square, 1 for its root; [`verdict`] compares scores and floors in units of the difference.
     pub power: f64,
+    pub pooling: Pooling,
     /// Scores row-major indices of masked pixels, at least one.
     evaluate: fn(&Comparison, &[usize]) -> f64,
     /// Converts a score to an error: lower is better, and ratios mean something.
@@ -100,6 +104,7 @@ impl Metric {
             parameters: &[],
             formula,
             power: 1.0,
+            pooling: Pooling::None,
             evaluate,
             error: f64::abs,
             noise_floor: |_| None,
@@ -128,6 +133,7 @@ pub static METRICS: &[&Metric] = &[
     &rmse::RMSE,
     &relmse::RELMSE,
     &relmse::TRIMMED,
+    &tone_mapped::TONE_MAPPED,
     &mae::MAE,
     &smape::SMAPE,
     &bias::BIAS,
@@ -141,6 +147,9 @@ pub static METRICS: &[&Metric] = &[
 
 /// Default metric of answers.
 pub const HEADLINE: &str = "relmse";
+
+/// Names of the scores of a picture: radiance, its display, what a viewer sees, and mean brightness.
+pub const PICTURE_SCORES: [&str; 4] = [HEADLINE, "tone_mapped_mse", DISPLAY_HEADLINE, "bias_rel"];
 
 /// Its counterpart after the tone curve.
 pub const DISPLAY_HEADLINE: &str = "flip";

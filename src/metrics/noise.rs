@@ -40,9 +40,13 @@ impl ReferenceNoise {
         let pixels = masked_pixels(mask, size)?;
         check_values("reference", reference, &pixels)?;
         check_values("standard error image", standard_error, &pixels)?;
-        let sample =
-            |pixel: usize| [reference, standard_error].map(|image: &RgbImage| image.data[pixel].map(f64::from));
-        Ok(Self { samples: pixels.into_iter().map(sample).collect(), epsilon })
+        Ok(Self::of_pixels([reference, standard_error], &pixels, epsilon))
+    }
+
+    /// The noise of some masked pixels of a checked reference and its standard error, by row-major index.
+    pub fn of_pixels(images: [&RgbImage; 2], pixels: &[usize], epsilon: Epsilon) -> Self {
+        let sample = |&pixel: &usize| images.map(|image| image.data[pixel].map(f64::from));
+        Self { samples: pixels.iter().map(sample).collect(), epsilon }
     }
 
     /// `[r, se]` of each masked pixel.

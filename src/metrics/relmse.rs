@@ -4,7 +4,7 @@
 //! hides rare, true errors.
 
 use super::mean::pixel_mean;
-use super::{Epsilon, Metric};
+use super::{Epsilon, Metric, Pooling};
 
 /// The trimmed form drops one pixel in this many.
 const TRIM_ONE_IN: usize = 1000;
@@ -14,6 +14,7 @@ pub static RELMSE: Metric = Metric {
     version: 2,
     parameters: &[("epsilon_share", Epsilon::SHARE)],
     power: 2.0,
+    pooling: Pooling::Mean,
     noise_floor: |noise| Some(mean(&noise.relative_squares())),
     ..Metric::linear(
         "relmse",

@@ -1,10 +1,11 @@
 //! Root mean square error.
 
-use super::Metric;
 use super::mean::{pixel_mean, rgb_mean};
+use super::{Metric, Pooling};
 
 /// `sqrt(mean d²)`, in radiance.
 pub static RMSE: Metric = Metric {
+    pooling: Pooling::RootMean,
     noise_floor: |noise| Some(noise.mean(|_, se| se * se).sqrt()),
     ..Metric::linear("rmse", "sqrt(mean d^2), in units of radiance", |comparison, pixels| {
         let square = |pixel| {

@@ -2,11 +2,12 @@
 
 use super::mean::{pixel_mean, rgb_mean};
 use super::noise::MEAN_ABS_ERROR;
-use super::{Epsilon, Metric};
+use super::{Epsilon, Metric, Pooling};
 
 /// `mean |d| / (|t| + |r| + ε)`, below 1, so a firefly moves it by at most one pixel's share.
 pub static SMAPE: Metric = Metric {
     version: 2,
+    pooling: Pooling::Mean,
     parameters: &[("epsilon_share", Epsilon::SHARE)],
     // To first order in se / r.
     noise_floor: |noise| {

@@ -42,6 +42,7 @@ pub const BINS: &[Column] = &[
     column("n_dot_v_from", "Lower end of the bin of n·v, inclusive."),
     column("n_dot_v_to", "Upper end of the bin of n·v, exclusive."),
     column("pixel_count", "Pixels in the bin."),
+    column("reference_mean", "Mean of the reference over the bin's pixels and channels."),
 ];
 
 /// `steps.csv`, beside the cell.
@@ -123,7 +124,12 @@ pub const TABLES: &[(&str, &[Column], &str)] = &[
         ERRORS,
         "One row per cell. Further columns: every axis, every metric, and `METRIC_noise_floor`, the score of an exact image.",
     ),
-    ("errors_by_n_dot_v.csv", BINS, "One row per cell and bin of n·v. Further columns: every axis and every metric."),
+    (
+        "errors_by_n_dot_v.csv",
+        BINS,
+        "One row per cell and bin of n·v. Further columns: every axis, every metric, and `METRIC_noise_floor` of metrics whose bins \
+         determine the whole.",
+    ),
     (
         "steps.csv",
         STEPS,

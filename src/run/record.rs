@@ -147,8 +147,14 @@ pub struct BinRecord {
     pub lo: f64,
     pub hi: f64,
     pub pixel_count: usize,
+    /// RGB mean of the reference. Records of older programs lack it and the noise floors.
+    #[serde(default)]
+    pub reference_mean: Option<Exact>,
     /// Empty if the bin has no pixels.
     pub scores: Scores,
+    /// Expected scores of an exact image, of metrics that bins determine ([`crate::metrics::Pooling`]).
+    #[serde(default)]
+    pub noise_floors: Scores,
 }
 
 /// One step of a cell's error (`ladder::StepNumbers`) over the pixels with n·v in [`lo`, `hi`).

@@ -7,8 +7,8 @@ use super::tables::HEADLINE;
 use crate::experiment::plan::{Cell, Plan};
 use crate::files::content_hash;
 use crate::metrics::{
-    BiasVariance, BinRow, Comparison, Displayed, Epsilon, METRICS, Metric, MetricsError, N_DOT_V_BIN_EDGES, Space,
-    linear_metrics, noise_floor, verdict,
+    BiasVariance, BinRow, Comparison, Displayed, Epsilon, METRICS, Metric, MetricsError, N_DOT_V_BIN_EDGES, Pooling,
+    ReferenceNoise, Space, linear_metrics, noise_floor, verdict,
 };
 use crate::pipeline::{DeviceInfo, Frame, RenderRequest};
 use crate::pixels::{GrayImage, PixelsError, Rgb8Image, RgbImage, exr, png};
@@ -29,7 +29,7 @@ pub struct ReferenceImage {
     pub stop: Option<ReferenceStop>,
     /// The frame, unless the image was read back.
     pub rendered: Option<Arc<Frame>>,
-    noise_floors: OnceLock<Result<Scores, String>>,
+    noise_floors: OnceLock<Result<Floors, String>>,
     /// Its linear image, once written.
     file: Mutex<Option<Kept>>,
     /// The last few display images by tone curve.
@@ -38,6 +38,13 @@ pub struct ReferenceImage {
 
 /// Name and content hash of a file of `images/`.
 type Kept = (String, String);
+
+/// Expected scores of an exact image, over all pixels and by bin of n·v. Empty if the standard error is unknown.
+#[derive(Clone, Debug, Default)]
+struct Floors {
+    whole: Scores,
+    bins: Vec<Scores>,
+}
 
 /// Memory for a reference's display images, bytes; one is always kept.
 const DISPLAY_BYTES: usize = 64 << 20;
@@ -112,13 +119,19 @@ impl ReferenceImage {
         Ok(comparison)
     }
 
-    /// Expected scores of an exact image. Computed once.
-    fn noise_floors(&self) -> Result<Scores, String> {
+    /// Expected scores of an exact image, given the pixels of each bin. Computed once.
+    fn noise_floors(&self, bins: &[Vec<usize>]) -> Result<Floors, String> {
         let compute = || {
-            let Some(standard_error) = &self.standard_error else { return Ok(Scores::default()) };
+            let Some(standard_error) = &self.standard_error else { return Ok(Floors::default()) };
             let floors = noise_floor(&self.radiance, standard_error, &self.mask, self.epsilon);
             let floors = floors.map_err(|error| error.to_string())?;
-            Ok(by_name(floors.into_iter().filter_map(|(name, floor)| Some((name, floor?))).collect()))
+            let whole = by_name(floors.into_iter().filter_map(|(name, floor)| Some((name, floor?))).collect());
+            let of_bin = |pixels: &Vec<usize>| {
+                let noise = ReferenceNoise::of_pixels([&self.radiance, standard_error], pixels, self.epsilon);
+                let pooled = METRICS.iter().filter(|metric| metric.pooling != Pooling::None && !pixels.is_empty());
+                by_name(pooled.filter_map(|metric| Some((metric.name, metric.noise_floor(&noise)?))).collect())
+            };
+            Ok(Floors { whole, bins: bins.iter().map(of_bin).collect() })
         };
         self.noise_floors.get_or_init(compute).clone()
     }
@@ -189,8 +202,14 @@ impl Rendered<'_> {
         let bins_of = |metrics: &[&Metric]| -> Result<Vec<BinRecord>, CellFault> {
             let bins = comparison.evaluate_bins(&self.frame.n_dot_v, &N_DOT_V_BIN_EDGES, metrics);
             let bins = bins?.into_iter();
-            let record =
-                |b: BinRow| BinRecord { lo: b.lo, hi: b.hi, pixel_count: b.pixel_count, scores: by_name(b.values) };
+            let record = |b: BinRow| BinRecord {
+                lo: b.lo,
+                hi: b.hi,
+                pixel_count: b.pixel_count,
+                reference_mean: (b.pixel_count > 0).then_some(Exact(b.reference_mean)),
+                scores: by_name(b.values),
+                noise_floors: Scores::default(),
+            };
             Ok(bins.map(record).collect())
         };
         let linear = {
@@ -212,7 +231,10 @@ impl Rendered<'_> {
         scores.extend(by_name(comparison.evaluate(&display_metrics)));
         let of_display = bins_of(&display_metrics)?.into_iter();
         bins.iter_mut().zip(of_display).for_each(|(bin, display)| bin.scores.extend(display.scores));
-        let noise_floors = reference.noise_floors().map_err(CellFault::Cell)?;
+        let bin_pixels = comparison.bin_pixels(&self.frame.n_dot_v, &N_DOT_V_BIN_EDGES)?;
+        let floors = reference.noise_floors(&bin_pixels).map_err(CellFault::Cell)?;
+        bins.iter_mut().zip(floors.bins).for_each(|(bin, own)| bin.noise_floors = own);
+        let noise_floors = floors.whole;
         let [test, of_reference] = &self.pictures;
         files.extend([keep(store, images::picture_name(cell), |path| png::write_rgb8(path, test))?]);
         // Shared by cells and written once.

@@ -10,7 +10,7 @@ use super::timing::{TimingRecord, summarize};
 use crate::experiment::axis::named::{columns, fields};
 use crate::experiment::axis::{AXES, SIZE};
 use crate::experiment::plan::{Cell, Plan};
-use crate::metrics::{BiasVariance, METRICS, linear_metrics};
+use crate::metrics::{BiasVariance, METRICS, Pooling, linear_metrics};
 use crate::table::csv::Cell as Field;
 use std::collections::BTreeMap;
 
@@ -114,11 +114,16 @@ pub fn errors_by_n_dot_v(
     store: &Store,
 ) -> (Vec<String>, impl Iterator<Item = Result<Vec<Field>, StoreError>>) {
     let (names, columns) = (metric_names(), CellColumns::new(plan));
-    let heads = columns.names(names_of(BINS).chain(names.iter().map(|name| name.to_string())));
+    let pooled: Vec<&str> =
+        METRICS.iter().filter(|metric| metric.pooling != Pooling::None).map(|metric| metric.name).collect();
+    let own = names.iter().map(|name| name.to_string()).chain(pooled.iter().map(|name| format!("{name}_noise_floor")));
+    let heads = columns.names(names_of(BINS).chain(own));
     let rows = move |cell: &Cell, record: CellRecord| {
         let row = |bin: &BinRecord| {
-            let head = [bin.lo.into(), bin.hi.into(), Field::from(bin.pixel_count)];
-            columns.row(cell, head.into_iter().chain(score_fields(&bin.scores, &names)))
+            let reference_mean = bin.reference_mean.map(|mean| mean.0).into();
+            let head = [bin.lo.into(), bin.hi.into(), Field::from(bin.pixel_count), reference_mean];
+            let scores = score_fields(&bin.scores, &names).chain(score_fields(&bin.noise_floors, &pooled));
+            columns.row(cell, head.into_iter().chain(scores))
         };
         record.bins.iter().filter(|bin| bin.pixel_count > 0).map(row).collect()
     };

@@ -1,6 +1,6 @@
 //! The text of docs/columns.md, from the lists of axes, metrics, tables and questions.
 
-use super::questions::QUESTIONS;
+use super::questions::{QUESTIONS, WEIGHT};
 use crate::experiment::axis::Named;
 use crate::metrics::METRICS;
 use crate::run::columns::{CELL, Column, TABLES};
@@ -28,21 +28,22 @@ pub fn page() -> String {
     text += "\n## Tables of a run\n";
     for (file, columns, about) in TABLES {
         let _ = write!(text, "\n### {file}\n\n{about}\n\n");
-        text += &of_columns(columns);
+        text += &of_columns(*columns);
     }
     text += "\n## Tables of answers\n\nEach answered question has a table in `answers/`. Its first columns are the axes that distinguish its \
              rows; `environment`, `brdf`, `alpha` and `f0` are included even with one value if rows are single cases.\n";
     for question in QUESTIONS {
         let _ = write!(text, "\n### answers/{}.csv\n\n{}\n\n", question.name, question.asks);
-        text += &of_columns(question.columns);
+        let weight = question.is_weighted.then_some(&WEIGHT);
+        text += &of_columns(weight.into_iter().chain(question.columns));
     }
     text += "\n## Counts of compiled code\n\n`splitsum cost --out` writes one row per pass and family.\n\n";
     text += &table(crate::cost::table::columns().iter().map(|(name, about)| (name.as_str(), about.clone())));
     text
 }
 
-fn of_columns(columns: &[Column]) -> String {
-    table(columns.iter().map(|column| (column.name, column.about.to_owned())))
+fn of_columns<'c>(columns: impl IntoIterator<Item = &'c Column>) -> String {
+    table(columns.into_iter().map(|column| (column.name, column.about.to_owned())))
 }
 
 fn table<'n>(rows: impl Iterator<Item = (&'n str, String)>) -> String {

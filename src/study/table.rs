@@ -7,9 +7,10 @@ use crate::experiment::axis::named::columns;
 use crate::experiment::value::Value;
 use crate::table::csv::{self, Cell};
 use crate::table::markdown::{Align, MarkdownTable, significant};
+use indexmap::IndexSet;
 
 /// Rows under named columns.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Table {
     pub columns: Vec<String>,
     pub rows: Vec<Vec<Cell>>,
@@ -52,6 +53,22 @@ impl Table {
 
     pub fn with_names(columns: impl IntoIterator<Item: Into<String>>) -> Self {
         Self { columns: columns.into_iter().map(Into::into).collect(), rows: Vec::new() }
+    }
+
+    /// The rows of several tables under the names of all their columns, each after the name of its table in a column `head`.
+    pub fn united(head: &str, tables: Vec<(&str, Self)>) -> Self {
+        let names = tables.iter().flat_map(|(_, table)| table.columns.clone());
+        let names: IndexSet<String> = std::iter::once(head.to_owned()).chain(names).collect();
+        let mut all = Self::with_names(names);
+        for (name, table) in tables {
+            let places: Vec<Option<usize>> =
+                all.columns.iter().skip(1).map(|column| table.columns.iter().position(|own| own == column)).collect();
+            for row in table.rows {
+                let cells = places.iter().map(|place| place.map_or(Cell::Missing, |place| row[place].clone()));
+                all.rows.push(std::iter::once(name.into()).chain(cells).collect());
+            }
+        }
+        all
     }
 
     /// Adds a row, as long as the columns.

@@ -61,10 +61,13 @@ fn linear_metrics_of_two_by_two_pixels() {
     let reference = RgbImage::new(2, 2, vec![[1.0; 3], [1.0, 2.0, 0.0], [0.5; 3], [1.0; 3]]);
     let test = RgbImage::new(2, 2, vec![[1.0; 3], [2.0, 2.0, 0.0], [0.0; 3], [900.0; 3]]);
     let mask = GrayImage::new(2, 2, vec![1.0, 1.0, 1.0, 0.0]);
+    let shown = |l: f64| (0.5 * l / (0.5 * l + 1.0)).powf(1.0 / 2.2);
     let expected = [
         ("rmse", ((1.0 + 3.0 * 0.25) / 9.0f64).sqrt()),
         ("relmse", (1.0 / 1.01 + 3.0 * 0.25 / 0.26) / 9.0),
         ("relmse_trimmed", (1.0 / 1.01 + 3.0 * 0.25 / 0.26) / 9.0),
+        // Exposure 1/2: radiance 2, 1, 1/2 and 0 show as the power 1/2.2 of 1/2, 1/3, 1/5 and 0.
+        ("tone_mapped_mse", ((shown(2.0) - shown(1.0)).powi(2) + 3.0 * shown(0.5).powi(2)) / 9.0),
         ("mae", (1.0 + 1.5) / 9.0),
         ("smape", (1.0 / 3.01 + 3.0 * 0.5 / 0.51) / 9.0),
         ("bias_rel", (1.0 - 1.5) / (3.0 + 3.0 + 1.5)),

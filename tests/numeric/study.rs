@@ -18,3 +18,4 @@ mod steps;
 mod tables;
 mod times;
 mod under_way;
+mod weights;

@@ -2,17 +2,20 @@
 
 mod notes;
 mod read;
+mod weighted;
 
 pub use notes::notes;
 pub use read::{FinishedError, provenance};
+pub use weighted::check_weight;
 
 use crate::experiment::axis::{AXES, ENVIRONMENT, ENVIRONMENT_CLIP, ENVIRONMENT_SCALE, Point, SCENE};
 use crate::experiment::config::Config;
 use crate::experiment::value::Value;
-use crate::metrics::{Epsilon, METRICS};
+use crate::metrics::{Epsilon, METRICS, Weight};
 use crate::run::host::device_words;
 use crate::run::store::{FailureRecord, ReferenceStop};
 use crate::run::timing::TimingRecord;
+use crate::scene::is_design;
 use indexmap::IndexSet;
 use serde_json::Value as Json;
 use std::path::PathBuf;
@@ -39,7 +42,11 @@ pub struct Bin {
     pub lo: f64,
     pub hi: f64,
     pub pixel_count: u64,
+    /// RGB mean of the reference; `None` in runs of older programs, which also lack the noise floors.
+    pub reference_mean: Option<f64>,
     pub scores: MetricValues,
+    /// Of metrics whose bins determine the whole.
+    pub noise_floors: MetricValues,
 }
 
 /// One step of an error over the pixels with n·v in `seen` (`run::columns::STEP_NUMBERS`).
@@ -109,6 +116,10 @@ pub struct Finished {
     pub failures: Vec<FailureRecord>,
     /// Whether the run is in progress: only finished cells are here.
     pub is_under_way: bool,
+    /// Weights of views to answer by, the leading one first.
+    pub weights: Vec<Weight>,
+    /// The weight of the scores of designs.
+    pub weight: Weight,
 }
 
 impl Finished {
@@ -160,28 +171,9 @@ impl Finished {
         Some(format!("{}: in progress: {} of {planned} cells", self.dir.display(), self.cells.len()))
     }
 
-    /// The run scored by the pixels with n·v from `lo` to `hi` alone; `None` without bins. Bins are weighted by their pixels, so only metrics
-    /// that are means over pixels keep their meaning. There are no noise floors.
-    pub fn seen_at(&self, [lo, hi]: [f64; 2]) -> Option<Self> {
-        let cell = |cell: &FinishedCell| {
-            let own: Vec<&Bin> =
-                cell.bins.iter().filter(|bin| bin.lo >= lo && bin.hi <= hi && bin.pixel_count > 0).collect();
-            let pixels = own.iter().map(|bin| bin.pixel_count as f64).sum::<f64>();
-            let mean = |name: &str| {
-                let sum =
-                    own.iter().map(|bin| Some(bin.scores.get(name)? * bin.pixel_count as f64)).sum::<Option<f64>>()?;
-                Some(sum / pixels).filter(|mean| mean.is_finite())
-            };
-            let scores = cell.scores.as_ref().map(|_| MetricValues::of(mean));
-            FinishedCell { scores, noise_floors: MetricValues::of(|_| None), bins: Vec::new(), ..cell.clone() }
-        };
-        let has_bins = self.cells.iter().any(|cell| !cell.bins.is_empty());
-        has_bins.then(|| Self { cells: self.cells.iter().map(cell).collect(), ..self.clone() })
-    }
-
     /// Whether some image is a picture rather than a design.
     pub fn has_pictures(&self) -> bool {
-        self.cells.iter().any(|cell| !crate::scene::is_design(&cell.point[SCENE].to_string()))
+        self.cells.iter().any(|cell| !is_design(&cell.point[SCENE].to_string()))
     }
 
     /// Whether times come from a CPU driver.

@@ -6,7 +6,7 @@ use crate::experiment::fault::Faults;
 use crate::experiment::inputs::load_methods;
 use crate::experiment::value::Value;
 use crate::files::read_regular;
-use crate::metrics::BiasVariance;
+use crate::metrics::{BiasVariance, Weight};
 use crate::run::columns::FAILED;
 use crate::run::frozen::EXPERIMENT_FILE;
 use crate::run::provenance::{self, EXPERIMENT_FOLDER, PROVENANCE_FILE, ProvenanceError, SET_FOLDER};
@@ -73,8 +73,12 @@ impl Finished {
             })?;
         }
         let experiment = text(&dir.join(EXPERIMENT_FILE))?.unwrap_or_default();
+        let config = config(dir, &experiment, &provenance);
+        let weights = config.as_ref().map_or_else(|| vec![Weight::Picture, Weight::Uniform], Config::weights);
         Ok(Self {
-            config: config(dir, &experiment, &provenance),
+            config,
+            weights,
+            weight: Weight::Uniform,
             cells,
             lights: table("environments.csv")?.map_or_else(|| Ok(Vec::new()), lights)?,
             timings: of_store(dir, TIMINGS_FOLDER, Store::timing)?,
@@ -146,7 +150,14 @@ fn bins(
         if let [Some(lo), Some(hi), Some(count)] =
             ["n_dot_v_from", "n_dot_v_to", "pixel_count"].map(|name| row.number(name))
         {
-            cells[place].bins.push(Bin { lo, hi, pixel_count: count as u64, scores: metrics(&row, "") });
+            cells[place].bins.push(Bin {
+                lo,
+                hi,
+                pixel_count: count as u64,
+                reference_mean: row.number("reference_mean"),
+                scores: metrics(&row, ""),
+                noise_floors: metrics(&row, "_noise_floor"),
+            });
         }
         Ok(())
     })?;

@@ -46,7 +46,9 @@ pub struct Frame<'f> {
     pub metric: &'static Metric,
     pub names: Names,
     /// The axis of the rows of a digest, if the experiment names one.
-    by: Option<usize>,
+    pub by: Option<usize>,
+    /// Whether no other frame of the run comes before it, under another weight of views.
+    pub leads: bool,
 }
 
 /// The axis of a known name, as an index of [`AXES`].
@@ -60,17 +62,12 @@ impl<'f> Frame<'f> {
         let own = run.config.as_ref().map_or(HEADLINE, |config| config.metric);
         let metric = Metric::listed(metric_name.unwrap_or(own));
         let rows = distinct(run);
-        Self { shape: Shape::of_rows(run, &rows), run, rows, metric, names: Names::of(run), by: None }
-    }
-
-    /// Sets the axis of the rows of digests.
-    pub fn told_by(self, by: Option<usize>) -> Self {
-        Self { by, ..self }
+        Self { shape: Shape::of_rows(run, &rows), run, rows, metric, names: Names::of(run), by: None, leads: true }
     }
 
     /// A frame of another run or metric with the same rows of digests.
     pub fn like<'g>(&self, run: &'g Finished, metric: &str) -> Frame<'g> {
-        Frame::new(run, Some(metric)).told_by(self.by)
+        Frame { by: self.by, leads: self.leads, ..Frame::new(run, Some(metric)) }
     }
 
     /// The axis of the rows of digests and the steps of figures: alpha, unless the experiment names another one.

@@ -74,7 +74,7 @@ fn middles(frame: &Frame, seen: [f64; 2]) -> Vec<Middle> {
 fn answer(frame: &Frame) -> Option<Finding> {
     let images = frame.images();
     let mut all = middles(frame, WHOLE);
-    if frame.metric.space == Space::Linear && frame.run.has_pictures() {
+    if frame.leads && frame.metric.space == Space::Linear && frame.run.has_pictures() {
         all.extend(middles(&frame.like(frame.run, DISPLAY_HEADLINE), WHOLE));
     }
     let views = frame.views(&images).into_iter();

@@ -40,6 +40,7 @@ pub const QUESTION: Question = Question {
     ],
     lacks,
     answer,
+    is_weighted: false,
     ..Question::PLAIN
 };
 

@@ -4,12 +4,13 @@
 mod chart;
 mod numbers;
 mod prelude;
+mod weights;
 pub mod words;
 
-use super::finished::Finished;
+use super::finished::{Finished, check_weight};
 use super::frame::{Frame, Shape};
 use super::table::{Column, Table, column};
-use crate::experiment::axis::{AXES, ENVIRONMENT, METHOD, Part};
+use crate::experiment::axis::{AXES, ENVIRONMENT, METHOD, Part, SCENE};
 use crate::experiment::config::{Ask, Config};
 use crate::experiment::fault::ConfigError;
 use crate::figure::Figure;
@@ -27,6 +28,11 @@ const BIAS_SHARE: Column = column(
 );
 pub const SEEN_FROM: Column = column("n_dot_v_from", "Lower end of n·v.");
 pub const SEEN_TO: Column = column("n_dot_v_to", "Upper end of n·v.");
+/// The first column of weighted answers.
+pub const WEIGHT: Column = column(
+    "weight",
+    "What a view counts on the scene `design`: `picture` is 2 n·v, `uniform` all alike, a scene its own pixels. A picture's own rows have `picture`.",
+);
 const UPPER: &str = "Upper end of that interval.";
 /// Declares and lists the modules of the questions.
 macro_rules! questions {
@@ -64,6 +70,8 @@ pub struct Question {
     pub columns: &'static [Column],
     /// Whether the answer depends on measured times.
     pub uses_times: bool,
+    /// Whether the weight of views changes its answer for the scene `design`.
+    pub is_weighted: bool,
     /// Whether `by` can name the axis of the rows of its digest.
     pub has_rows: bool,
     /// What an experiment lacks, as the end of "cannot be answered: ...".
@@ -73,8 +81,16 @@ pub struct Question {
 }
 
 impl Question {
-    const PLAIN: Self =
-        Self { name: "", asks: "", columns: &[], uses_times: false, has_rows: true, lacks: |_| None, answer: |_| None };
+    const PLAIN: Self = Self {
+        name: "",
+        asks: "",
+        columns: &[],
+        uses_times: false,
+        is_weighted: true,
+        has_rows: true,
+        lacks: |_| None,
+        answer: |_| None,
+    };
 
     /// Whether the answer depends on times of a CPU driver, which say nothing about a GPU.
     pub fn rests_on_cpu_times(&self, run: &Finished) -> bool {
@@ -104,7 +120,11 @@ pub fn question(name: &str) -> Option<&'static Question> {
 /// Answers the questions of the experiment, by default every question that its axes can answer. `metric` replaces the experiment's own.
 pub fn answers(run: &Finished, metric: Option<&str>) -> Vec<Answer> {
     let asked = run.config.as_ref().map_or(&[][..], |config| &config.asks);
-    let mut frame = Frame::new(run, metric);
+    let plain = Frame::new(run, metric);
+    let (own_weight, runs) = (weights::own(&plain), weights::runs(&plain));
+    // The run as it is, then under each weight.
+    let mut frames = vec![plain];
+    frames.extend(runs.iter().enumerate().map(|(place, run)| Frame { leads: place == 0, ..Frame::new(run, metric) }));
     let questions: Vec<(&'static Question, Option<usize>)> = match asked {
         [] => QUESTIONS.iter().map(|question| (*question, None)).collect(),
         asked => {
@@ -113,10 +133,19 @@ pub fn answers(run: &Finished, metric: Option<&str>) -> Vec<Answer> {
     };
     let mut answers = Vec::new();
     for (question, by) in questions {
-        frame = frame.told_by(by);
-        let is_served = (question.lacks)(&frame.shape).is_none();
-        let Some(mut finding) = is_served.then(|| (question.answer)(&frame)).flatten() else { continue };
-        finding.sentence += if frame.has_no_picture() { NO_PICTURE } else { "" };
+        frames.iter_mut().for_each(|frame| frame.by = by);
+        if (question.lacks)(&frames[0].shape).is_some() {
+            continue;
+        }
+        let finding = match &frames[1..] {
+            _ if !question.is_weighted => (question.answer)(&frames[0]),
+            [] => (question.answer)(&frames[0]).map(|own| weights::marked(own, own_weight)),
+            weighted => weights::united(
+                weighted.iter().filter_map(|frame| Some((&frame.run.weight, (question.answer)(frame)?))).collect(),
+            ),
+        };
+        let Some(mut finding) = finding else { continue };
+        finding.sentence += if frames[0].has_no_picture() { NO_PICTURE } else { "" };
         answers.push(Answer { question, finding });
     }
     answers
@@ -127,6 +156,11 @@ pub fn check(config: &Config) -> Result<(), ConfigError> {
     let shape = Shape::of_config(config);
     let names: Vec<&str> = QUESTIONS.iter().map(|question| question.name).collect();
     let mut faults = config.faults();
+    for (weight, place) in &config.weights {
+        if let Err(fault) = check_weight(weight, &shape.values[SCENE]) {
+            faults.add(place, format!("weights: {fault}"));
+        }
+    }
     for Ask { question: name, place, by } in &config.asks {
         let Some(question) = question(name) else {
             faults.add(place, format!("asks: {name:?} is not a question{}", suggestion(name, &names)));

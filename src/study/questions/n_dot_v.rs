@@ -22,6 +22,7 @@ pub const QUESTION: Question = Question {
     ],
     lacks,
     answer,
+    is_weighted: false,
     ..Question::PLAIN
 };
 

@@ -33,6 +33,7 @@ pub const QUESTION: Question = Question {
         column("device_type", "Its type; times of a `cpu` say nothing about a GPU."),
     ],
     uses_times: true,
+    is_weighted: false,
     has_rows: false,
     lacks: |shape| (!shape.has_timing).then_some("the experiment has no [timing]"),
     answer,

@@ -19,6 +19,7 @@ pub const QUESTION: Question = Question {
     has_rows: false,
     lacks,
     answer,
+    is_weighted: false,
     ..Question::PLAIN
 };
 

@@ -5,7 +5,7 @@ use super::paper::{Made, Paper, column, finding, finished, numbers, only};
 use crate::run::fake::{ERROR_AT_ONE, SPLIT_SUM_ERROR};
 use crate::run::runs;
 use splitsum::figure::{Mark, Panel, Shape};
-use splitsum::study::finished::{Bin, Finished, MetricValues};
+use splitsum::study::finished::Finished;
 
 #[test]
 fn a_run_has_the_break_even_of_its_error_model() {
@@ -117,12 +117,7 @@ fn design_of_two_bands(fixed: &[(&str, [f64; 2])]) -> Paper {
     let fixed = fixed.iter().map(|(method, errors)| (*method, "", *errors));
     for light in ["builtin:sky", "builtin:studio"] {
         for (method, samples, error) in sampled.into_iter().chain(fixed.clone()) {
-            let bin = |lo: f64, error: f64| Bin {
-                lo,
-                hi: lo + 0.2,
-                pixel_count: 8,
-                scores: MetricValues::of(|_| Some(error)),
-            };
+            let bin = |lo: f64, error: f64| super::paper::bin([lo, lo + 0.2], |_| Some(error));
             paper.add(&["design", light, method, samples], 0.5 * (error[0] + error[1])).bins =
                 vec![bin(0.0, error[0]), bin(0.8, error[1])];
         }

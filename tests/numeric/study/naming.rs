@@ -4,6 +4,7 @@ use super::asked::digest;
 use super::paper::{Made, column, finished, numbers};
 use splitsum::experiment::axis::Point;
 use splitsum::study::finished::Finished;
+use splitsum::study::frame::Frame;
 use splitsum::study::questions::{Finding, QUESTIONS, answers};
 
 /// Errors that grow with alpha and are a quarter for dielectrics.
@@ -69,8 +70,8 @@ fn the_rows_of_an_answer_are_values_of_the_axis_it_names() {
     // Every question with such rows takes the axis.
     for question in QUESTIONS.iter().filter(|question| question.has_rows) {
         let run = finished(&format!("{METHODS}{axes}"), made);
-        let frame = splitsum::study::frame::Frame::new(&run, None);
-        let by = frame.told_by(splitsum::experiment::axis::index_of("f0"));
+        let frame = Frame::new(&run, None);
+        let by = Frame { by: splitsum::experiment::axis::index_of("f0"), ..frame };
         let is_served = (question.lacks)(&by.shape).is_none();
         if let Some(found) = is_served.then(|| (question.answer)(&by)).flatten() {
             let found = found.digest.unwrap();
@@ -86,7 +87,8 @@ fn columns_of_answers_do_not_come_and_go() {
     let (_, swept) =
         told("asks = [\"effect\"]\n", "alpha = [0.25, 0.5]\nf0 = [1, 0.04]\nbrdf = [\"ggx\", \"phong\"]\n");
     assert_eq!(one.table.columns, swept.table.columns);
-    assert_eq!(one.table.columns[..5], ["environment", "brdf", "alpha", "perceptual_roughness", "f0"]);
+    let always = ["weight", "environment", "brdf", "alpha", "perceptual_roughness", "f0"];
+    assert_eq!(one.table.columns[..6], always);
     assert_eq!(column(&one.table, "brdf"), ["ggx"]);
     assert_eq!([numbers(&one.table, "alpha"), numbers(&one.table, "perceptual_roughness")], [[0.25], [0.5]]);
 }

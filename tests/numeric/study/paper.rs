@@ -4,7 +4,7 @@ use crate::run::runs;
 use splitsum::experiment::Plan;
 use splitsum::experiment::axis::{AXES, Point, index_of};
 use splitsum::experiment::value::Value;
-use splitsum::metrics::METRICS;
+use splitsum::metrics::{METRICS, Weight};
 use splitsum::run::tables::HEADLINE;
 use splitsum::study::finished::{Bin, Finished, FinishedCell, MetricValues};
 use splitsum::study::frame::Frame;
@@ -27,6 +27,8 @@ fn empty(name: &str) -> Finished {
         timings: Vec::new(),
         failures: Vec::new(),
         is_under_way: false,
+        weights: vec![Weight::Picture, Weight::Uniform],
+        weight: Weight::Uniform,
     }
 }
 
@@ -156,13 +158,22 @@ pub fn finding(run: &Finished, name: &str) -> Finding {
 /// Bins of a third each, with these values in a metric.
 pub fn bins(metric: &str, values: &[f64]) -> Vec<Bin> {
     let width = 1.0 / values.len() as f64;
-    let bin = |(i, value): (usize, &f64)| Bin {
-        lo: i as f64 * width,
-        hi: (i + 1) as f64 * width,
-        pixel_count: 100,
-        scores: MetricValues::of(|name| (name == metric).then_some(*value)),
+    let of = |(i, value): (usize, &f64)| {
+        bin([i as f64 * width, (i + 1) as f64 * width], |name| (name == metric).then_some(*value))
     };
-    values.iter().enumerate().map(bin).collect()
+    values.iter().enumerate().map(of).collect()
+}
+
+/// A bin of 100 pixels with these scores.
+pub fn bin([lo, hi]: [f64; 2], scores: impl Fn(&'static str) -> Option<f64>) -> Bin {
+    Bin {
+        lo,
+        hi,
+        pixel_count: 100,
+        reference_mean: None,
+        scores: MetricValues::of(scores),
+        noise_floors: MetricValues::of(|_| None),
+    }
 }
 
 /// The cells of a column.

@@ -1,7 +1,7 @@
 //! The steps of the split sum's error as told, of runs whose shares are written down; and whose word counts for how much.
 
 use super::paper::{F64, Paper, column, numbers, only};
-use splitsum::study::finished::{Bin, MetricValues, StepRow};
+use splitsum::study::finished::{Bin, StepRow};
 use splitsum::study::questions::Finding;
 
 /// Shares of the steps `masking` and `view`, which together make the error.
@@ -78,8 +78,7 @@ fn tables_are_judged_in_every_band_of_the_view() {
     paper.run.provenance["reference"]["method"] = "ladder-view".into();
     // Over all n·v both tables err by less than a tenth of the split; facing the viewer only the larger one does.
     let bands = |grazing: f64, facing: f64| -> Vec<Bin> {
-        let bin =
-            |lo: f64, error: f64| Bin { lo, hi: lo + 0.2, pixel_count: 8, scores: MetricValues::of(|_| Some(error)) };
+        let bin = |lo: f64, error: f64| super::paper::bin([lo, lo + 0.2], |_| Some(error));
         vec![bin(0.0, grazing), bin(0.8, facing)]
     };
     paper.add(&["design", "a.hdr", "0.1", "reference", ""], 1.0).bins = bands(1.0, 0.1);

@@ -1,0 +1,213 @@
+//! Scores of the scene `design` under a weight of views, against integrals over n·v.
+
+use super::paper::{F64, Made, Paper, bin, column, finished_of, numbers, only};
+use crate::run::runs::{Bench, plan};
+use splitsum::math::design::frame;
+use splitsum::metrics::{Comparison, Epsilon, METRICS, Metric, N_DOT_V_BIN_EDGES, Pooling, ReferenceNoise, Weight};
+use splitsum::pixels::{GrayImage, RgbImage};
+use splitsum::run::statistics::Random;
+use splitsum::spelling::Listed;
+use splitsum::study::finished::{Bin, Finished, MetricValues};
+use splitsum::study::questions::{answers, check};
+use splitsum::tonemap::ToneCurve;
+
+const SIZE: u32 = 128;
+
+/// n·v of the pixels of the scene `design`.
+fn n_dot_v() -> GrayImage {
+    GrayImage::from_fn(SIZE, SIZE, |x, y| {
+        let [n, v] = frame(y * SIZE + x, SIZE * SIZE);
+        n.dot(v) as f32
+    })
+}
+
+/// An image of one value by n·v.
+fn image(value: impl Fn(f64) -> f64) -> RgbImage {
+    n_dot_v().map(|cosine| [value(f64::from(cosine)) as f32; 3])
+}
+
+/// A run of one cell of `design` with the bins of this test, reference and standard error.
+fn run(test: &RgbImage, reference: &RgbImage, standard_error: &RgbImage) -> Finished {
+    let (n_dot_v, mask) = (n_dot_v(), GrayImage::filled(SIZE, SIZE, 1.0));
+    let comparison = Comparison::new(test, reference, &mask, ToneCurve::default(), Epsilon::ABSOLUTE).unwrap();
+    let rows = comparison.evaluate_bins(&n_dot_v, &N_DOT_V_BIN_EDGES, METRICS).unwrap();
+    let pixels = comparison.bin_pixels(&n_dot_v, &N_DOT_V_BIN_EDGES).unwrap();
+    let bins = rows.iter().zip(pixels).map(|(row, pixels)| {
+        let noise = ReferenceNoise::of_pixels([reference, standard_error], &pixels, Epsilon::ABSOLUTE);
+        let score = |name: &str| row.values.iter().find(|(own, _)| *own == name).map(|(_, value)| *value);
+        Bin {
+            pixel_count: row.pixel_count as u64,
+            reference_mean: Some(row.reference_mean),
+            noise_floors: MetricValues::of(|name| Metric::listed(name).noise_floor(&noise)),
+            ..bin([row.lo, row.hi], score)
+        }
+    });
+    let mut paper = Paper::new(&["scene", "method"]);
+    let scores = comparison.evaluate_all();
+    let cell = paper.add(&["design", "split-sum"], 1.0);
+    cell.bins = bins.collect();
+    cell.scores = Some(MetricValues::of(|name| scores.iter().find(|(own, _)| *own == name).map(|(_, value)| *value)));
+    paper.run
+}
+
+fn score(run: &Finished, weight: &Weight, name: &str) -> Option<f64> {
+    run.weighted(weight).cells[0].scores.as_ref().unwrap().get(name)
+}
+
+#[test]
+fn the_picture_weight_integrates_an_error_over_2_n_dot_v() {
+    // Reference 1, error a + b μ. With the density 2 μ the mean of its square is a² + 4/3 ab + b²/2, of the error itself a + 2/3 b.
+    let (a, b) = (0.6, -0.5);
+    let run = run(&image(|cosine| 1.0 + a + b * cosine), &image(|_| 1.0), &image(|_| 0.0));
+    let square = a * a + 4.0 / 3.0 * a * b + b * b / 2.0;
+    let even = a * a + a * b + b * b / 3.0;
+    // A weight that is constant within bins of h errs by at most h²/6 of the change of the error, and 16,384 points by 0.1 %.
+    let bound = |change: f64, truth: f64| 0.01 / 6.0 * change.abs() + 1e-3 * truth;
+    for (name, truth, change) in [
+        ("relmse", square / 1.01, (a * a - (a + b).powi(2)) / 1.01),
+        ("rmse", square.sqrt(), (a * a - (a + b).powi(2)) / (2.0 * square.sqrt())),
+        ("bias_rel", a + 2.0 / 3.0 * b, b),
+        ("mae", a + 2.0 / 3.0 * b, b),
+    ] {
+        let found = score(&run, &Weight::Picture, name).unwrap();
+        assert!((found - truth).abs() < bound(change, truth), "{name}: {found} instead of {truth}");
+    }
+    let found = score(&run, &Weight::Uniform, "relmse").unwrap();
+    assert!((found - even / 1.01).abs() < 1e-3 * even, "{found} instead of {}", even / 1.01);
+    // Order statistics and displays have no weighted score.
+    for metric in METRICS.iter().filter(|metric| metric.pooling == Pooling::None) {
+        assert_eq!(score(&run, &Weight::Picture, metric.name), None, "{}", metric.name);
+    }
+}
+
+/// The noise floor under a weight is the expected score of an exact image, as without one.
+#[test]
+fn weighted_noise_floors_are_what_an_exact_image_scores() {
+    let sigma = |cosine: f64| 0.02 * (1.2 - cosine);
+    let (exact, error) = (image(|cosine| 0.5 + cosine), image(sigma));
+    let mut random = Random::new(3);
+    let rounds = 60;
+    let pooled = || METRICS.iter().filter(|metric| metric.pooling != Pooling::None);
+    let (mut sums, mut floors) = (vec![0.0; METRICS.len()], vec![0.0; METRICS.len()]);
+    for _ in 0..rounds {
+        // The error of a pixel is uniform, as `metrics::noise` says of one stated standard error.
+        let noisy = RgbImage::from_fn(SIZE, SIZE, |x, y| {
+            let deviate = 3f64.sqrt() * (2.0 * random.below(1 << 32) as f64 / (1u64 << 32) as f64 - 1.0);
+            exact.get(x, y).map(|value| value + (deviate * f64::from(error.get(x, y)[0])) as f32)
+        });
+        let run = run(&exact, &noisy, &error).weighted(&Weight::Picture);
+        let cell = &run.cells[0];
+        for (place, metric) in pooled().enumerate() {
+            let square = |value: f64| if metric.name == "bias_rel" { value * value } else { value };
+            sums[place] += square(cell.scores.as_ref().unwrap().get(metric.name).unwrap());
+            floors[place] += square(cell.noise_floors.get(metric.name).unwrap());
+        }
+    }
+    for (place, metric) in pooled().enumerate() {
+        // The square of one number has a standard error of √(2/60) = 18 %; means over pixels of 0.2 %.
+        let tolerance = if metric.name == "bias_rel" { 0.4 } else { 0.01 };
+        let ratio = floors[place] / sums[place];
+        assert!((ratio - 1.0).abs() < tolerance, "{}: {ratio}", metric.name);
+    }
+}
+
+/// A run as it is written and read: its bins together are the whole.
+#[test]
+fn recorded_bins_determine_scores_and_floors() {
+    let bench = Bench::finished(
+        "name = \"bins\"\nscene = \"design\"\nsize = [24, 24]\nreference = { samples = 64 }\n[axes]\nmethod = [\"split-sum\"]\ndiffuse = [\"none\"]\n",
+    );
+    let run = Finished::read(bench.dir.path()).unwrap();
+    let (whole, pooled) = (&run.cells[0], run.seen_at([0.0, 1.0]).unwrap());
+    for metric in METRICS.iter().filter(|metric| metric.pooling != Pooling::None) {
+        let [a, b] = [whole, &pooled.cells[0]].map(|cell| cell.scores.as_ref().unwrap().get(metric.name).unwrap());
+        let [c, d] = [whole, &pooled.cells[0]].map(|cell| cell.noise_floors.get(metric.name).unwrap());
+        assert!((a / b - 1.0).abs() < F64 && (c / d - 1.0).abs() < F64, "{}: {a} {b}, {c} {d}", metric.name);
+    }
+}
+
+/// Two methods of a design with an error at grazing and at steep views, and a picture with a fifth of its pixels at grazing ones.
+fn two_views() -> Paper {
+    let mut paper = Paper::new(&["scene", "method"]);
+    for (method, errors) in [("split-sum", [1.0, 0.2]), ("split-sum-relative", [0.1, 0.3])] {
+        let [low, high] = errors;
+        paper.add(&["design", method], 0.5 * (low + high)).bins = vec![
+            bin([0.0, 0.5], |name| (name == "relmse").then_some(low)),
+            bin([0.5, 1.0], |name| (name == "relmse").then_some(high)),
+        ];
+        let picture = paper.add(&["sphere", method], 9.0);
+        picture.bins = vec![
+            Bin { pixel_count: 20, ..bin([0.0, 0.5], |_| Some(7.0)) },
+            Bin { pixel_count: 80, ..bin([0.5, 1.0], |_| Some(8.0)) },
+        ];
+    }
+    paper
+}
+
+fn ratios(run: &Finished) -> Vec<(String, f64)> {
+    let answers = answers(run, None);
+    let effect = answers.iter().find(|answer| answer.question.name == "effect").unwrap();
+    column(&effect.finding.table, "weight").into_iter().zip(numbers(&effect.finding.table, "ratio")).collect()
+}
+
+#[test]
+fn answers_have_the_rows_of_each_weight() {
+    let run = two_views().run;
+    // Under 2 n·v the halves count 1/4 and 3/4: 0.4 and 0.25; evenly 0.6 and 0.2.
+    let found = ratios(&run);
+    assert_eq!(found.iter().map(|(weight, _)| &**weight).collect::<Vec<_>>(), ["picture", "uniform"]);
+    assert!((found[0].1 - 0.25 / 0.4).abs() < F64 && (found[1].1 - 0.2 / 0.6).abs() < F64, "{found:?}");
+    // As the sphere shows them, 1/5 and 4/5: 0.36 and 0.26.
+    let of_scene = run.clone().with_weights(&["sphere".to_owned()]).unwrap();
+    let [(name, ratio)] = &ratios(&of_scene)[..] else { panic!() };
+    assert!(name == "sphere" && (ratio - 0.26 / 0.36).abs() < F64, "{ratio}");
+    // The order of cells and bins changes nothing.
+    let mut turned = run.clone();
+    turned.cells.iter_mut().for_each(|cell| cell.bins.reverse());
+    turned.cells.swap(1, 3);
+    assert_eq!(ratios(&turned), found);
+    // The sentence and both tables say so.
+    let answers = answers(&run, None);
+    let effect = answers.iter().find(|answer| answer.question.name == "effect").unwrap();
+    assert!(effect.finding.sentence.ends_with(" Views count as in pictures."), "{}", effect.finding.sentence);
+    let digest = effect.finding.digest.as_ref().unwrap();
+    assert!(!only(digest, &[("weight", "picture")]).rows.is_empty());
+    assert!(!only(digest, &[("weight", "uniform")]).rows.is_empty());
+}
+
+#[test]
+fn runs_without_bins_or_floors_keep_what_they_have() {
+    // Older programs record no floor by bin: that of the whole image stays.
+    let run = two_views().run;
+    assert_eq!(run.weighted(&Weight::Picture).cells[0].noise_floors.get("relmse"), Some(1e-9));
+    let mut bare = run;
+    bare.cells.iter_mut().for_each(|cell| cell.bins.clear());
+    let found = ratios(&bare);
+    assert!(found.len() == 1 && found[0].0 == "uniform" && (found[0].1 - 0.2 / 0.6).abs() < F64, "{found:?}");
+    assert!(bare.with_weights(&["picture".to_owned()]).unwrap_err().contains("errors_by_n_dot_v.csv"));
+    // A picture's pixels count as they are.
+    let axes = "environment = [\"builtin:sky\"]\nmethod = [\"split-sum\", \"split-sum-relative\"]\n";
+    let run = finished_of(&format!("{}{axes}", super::paper::HEAD), |_| Some(Made::error(0.5)));
+    assert_eq!(ratios(&run), [("picture".to_owned(), 1.0)]);
+}
+
+#[test]
+fn unknown_weights_are_refused() {
+    let faults = |weights: &str| {
+        let text = format!(
+            "name = \"x\"\nweights = [{weights}]\n[axes]\nscene = [\"design\", \"sphere\"]\nmethod = [\"split-sum\"]\n"
+        );
+        check(&plan(&text).config).err().map_or_else(Vec::new, |error| error.lines())
+    };
+    assert_eq!(faults(r#""picture", "sphere", "uniform""#), [""; 0]);
+    for (weights, fault) in [
+        (r#""pictur""#, "tiny.toml:2:12: weights: \"pictur\" is not a weight; did you mean \"picture\"?"),
+        (r#""spheres""#, "tiny.toml:2:12: weights: the scene spheres is not rendered; add it to axes.scene"),
+        (r#""uniform", "design""#, "tiny.toml:2:23: weights: the scene design is not a picture; write uniform"),
+    ] {
+        let found = faults(weights);
+        assert!(found.len() == 1 && found[0].starts_with(fault), "{found:?}");
+    }
+    let fault = two_views().run.with_weights(&["cube".to_owned()]).unwrap_err();
+    assert!(fault.contains("\"cube\" is not a weight") && fault.contains("picture, uniform, sphere"), "{fault}");
+}
