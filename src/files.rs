@@ -2,7 +2,7 @@
 
 use std::fs::File;
 use std::io::{Error, ErrorKind, Read, Result};
-use std::path::Path;
+use std::path::{Component, Path, PathBuf};
 
 /// Largest text from a user, an experiment or table of queries: a million rows.
 pub const TEXT_BYTES_MAX: u64 = 1 << 26;
@@ -48,6 +48,18 @@ fn read_at_most(file: File, most_bytes: u64) -> Result<Vec<u8>> {
     })?;
     file.take(most_bytes + 1).read_to_end(&mut bytes)?;
     if bytes.len() as u64 > most_bytes { Err(too_large()) } else { Ok(bytes) }
+}
+
+/// Resolves a name that a file gives for another in its folder; a downloaded file must not reach files elsewhere.
+pub fn inside(folder: &Path, name: &str) -> std::result::Result<PathBuf, String> {
+    let slashes = name.replace('\\', "/");
+    let is_inside =
+        Path::new(&slashes).components().all(|part| matches!(part, Component::Normal(_) | Component::CurDir));
+    if is_inside {
+        Ok(folder.join(name))
+    } else {
+        Err(format!("{name:?} lies outside the file's folder; move it there"))
+    }
 }
 
 /// Lists the names in a folder, sorted; empty if it cannot be read.

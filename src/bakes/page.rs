@@ -14,10 +14,10 @@ pub struct Row {
     pub name: String,
     pub size: [u32; 2],
     pub alpha: String,
-    pub relmse: String,
+    /// Error in percent, as are errors between texels and the bias.
+    pub rms: String,
     /// log10 of relmse, for the length of a bar.
     pub log: f64,
-    /// relmse between texels.
     pub between: String,
     pub bias: String,
     pub worst: String,

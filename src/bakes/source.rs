@@ -8,7 +8,7 @@ use super::parts::{Bake, Manifest, Map};
 use super::sh;
 use crate::brdf::MODELS;
 use crate::environment::layout::{LAYOUTS, MapLayout};
-use crate::files::{RECORD_BYTES_MAX, names_in, read_text};
+use crate::files::{RECORD_BYTES_MAX, inside, names_in, read_text};
 use crate::pixels::{Fault, Pixels, PixelsError, RgbImage};
 use crate::spelling::Listed;
 use std::path::{Path, PathBuf};
@@ -281,9 +281,12 @@ fn read_engines(path: &Path, file: Manifest, reading: Reading, bake: &mut Bake) 
     }
     let maps = [(Some(&file.specular), Part::Specular), (file.irradiance.as_ref(), Part::Irradiance)];
     let maps = maps.into_iter().filter_map(|(name, part)| Some((name?, part)));
+    let named = |name: &str| {
+        inside(path, name).map_err(|what| Fault::new(what, "files beside bake.json").at(&path.join(MANIFEST)))
+    };
     // One table format is enough.
     for (name, part) in maps.chain(file.tables.first().map(|name| (name, Part::Dfg))) {
-        let path = path.join(name);
+        let path = named(name)?;
         if !path.is_dir() {
             add_texture(bake, read_texture(&path)?, Some(part), reading, &path)?;
             continue;
@@ -295,7 +298,7 @@ fn read_engines(path: &Path, file: Manifest, reading: Reading, bake: &mut Bake) 
         }
     }
     if let Some(name) = &file.sh {
-        once(&mut bake.sh, sh::read(&path.join(name))?, "SH", path)?;
+        once(&mut bake.sh, sh::read(&named(name)?)?, "SH", path)?;
     }
     Ok(())
 }

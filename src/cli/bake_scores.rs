@@ -1,9 +1,10 @@
 //! Output of `splitsum check-bake`: text, JSON and rows of a page.
 
+use clap::Args;
 use glam::DVec3;
 use serde_json::{Value, json};
 use splitsum::bakes::check::level::LevelScore;
-use splitsum::bakes::check::{Judged, guess, image};
+use splitsum::bakes::check::{GOOD, Judged, guess, image};
 use splitsum::bakes::page::Row;
 use splitsum::table::markdown::{Align, MarkdownTable};
 
@@ -24,17 +25,20 @@ pub fn as_text(judged: &Judged, is_guessed: bool) -> String {
             ("level", Align::Left),
             ("size", Align::Right),
             ("alpha", Align::Right),
-            ("relmse", Align::Right),
+            ("rms %", Align::Right),
             ("between texels", Align::Right),
             ("bias %", Align::Right),
-            ("worst direction: found for exact", Align::Left),
-            ("verdict", Align::Left),
         ]);
         for row in rows(judged) {
             let size = format!("{}x{}", row.size[0], row.size[1]);
-            table.row(&[row.name, size, row.alpha, row.relmse, row.between, row.bias, row.worst, row.verdict]);
+            table.row(&[row.name, size, row.alpha, row.rms, row.between, row.bias]);
         }
         text += &format!("{table}");
+    }
+    let maps = rows(judged).into_iter().zip(judged.levels.iter().chain(&judged.irradiance));
+    let worst = maps.max_by(|(_, a), (_, b)| a.errors.relmse.total_cmp(&b.errors.relmse));
+    if let Some((row, _)) = worst.filter(|(_, score)| score.errors.relmse > GOOD) {
+        text += &format!("Worst direction, level {}: {}\n", row.name, row.worst);
     }
     if let Some(off) = judged.spot_check {
         text += &format!(
@@ -43,17 +47,15 @@ pub fn as_text(judged: &Judged, is_guessed: bool) -> String {
     }
     if let Some(dfg) = &judged.dfg {
         text += &format!(
-            "DFG table: max error {:.2e}, rms {:.1e}, worst at n·v {:.3}, perceptual roughness {:.3} of {} texels: {}\n",
-            dfg.max_error, dfg.rms, dfg.worst.x, dfg.worst.y, dfg.count, dfg.verdict
+            "DFG table: max error {:.2e}, rms {:.1e}, worst at n·v {:.3}, roughness {:.3}\n",
+            dfg.max_error, dfg.rms, dfg.worst.x, dfg.worst.y
         );
     }
     if let Some(sh) = &judged.sh {
         text += &format!(
-            "SH: relmse {:.2e} of its irradiance, bias {:+.2} %, largest error of a coefficient {:.2e} of the largest: {}\n",
-            sh.errors.relmse,
-            100.0 * sh.errors.bias_rel,
-            sh.max_error,
-            sh.verdict
+            "SH: {:.2} % rms in irradiance, bias {:+.2} %\n",
+            100.0 * sh.errors.relmse.sqrt(),
+            100.0 * sh.errors.bias_rel
         );
     }
     if let Some(words) = image::in_words(&judged.image) {
@@ -66,7 +68,10 @@ pub fn as_text(judged: &Judged, is_guessed: bool) -> String {
         }
         text += &format!("relmse of an image, with one more given table per column:\n{table}{words}.\n");
     }
-    text
+    for (name, verdict) in judged.parts() {
+        text += &format!("{name}: {verdict}\n");
+    }
+    text + &format!("Verdict: {}\n", judged.verdict())
 }
 
 /// Formats the scores of maps.
@@ -74,6 +79,7 @@ pub fn rows(judged: &Judged) -> Vec<Row> {
     let numbered = judged.levels.iter().enumerate().map(|(k, score)| (k.to_string(), score));
     let all = numbered.chain(judged.irradiance.iter().map(|score| ("irradiance".to_owned(), score)));
     let mean = |rgb: DVec3| rgb.element_sum() / 3.0;
+    let rms = |relmse: f64| format!("{:.2}", 100.0 * relmse.sqrt());
     let row = |(name, score): (String, &LevelScore)| {
         let worst = &score.worst;
         let ([x, y, z], [face, column, row]) = (worst.direction.to_array(), worst.texel);
@@ -82,8 +88,8 @@ pub fn rows(judged: &Judged) -> Vec<Row> {
             name,
             size: score.size,
             alpha: format!("{:.4}", score.alpha),
-            relmse: format!("{:.2e}", score.errors.relmse),
-            between: score.between.map_or_else(String::new, |relmse| format!("{relmse:.2e}")),
+            rms: rms(score.errors.relmse),
+            between: score.between.map_or_else(String::new, rms),
             log: score.errors.relmse.max(1e-6).log10(),
             bias: format!("{:+.2}", 100.0 * score.errors.bias_rel),
             worst: format!("({x:.2}, {y:.2}, {z:.2}), face {face} texel {column},{row}: {values}"),
@@ -93,7 +99,54 @@ pub fn rows(judged: &Judged) -> Vec<Row> {
     all.map(row).collect()
 }
 
-pub fn as_json(environment: &str, preset: &str, judged: &Judged) -> Value {
+/// Largest scores that pass; none by default.
+#[derive(Args, Clone, Copy, Debug)]
+pub struct Limits {
+    /// Exit 1 if the relmse of a level, of irradiance or of SH is above X.
+    #[arg(long, value_name = "X", value_parser = threshold)]
+    pub fail_above: Option<f64>,
+    /// Exit 1 if the relmse between the texels of a level is above X.
+    #[arg(long, value_name = "X", value_parser = threshold)]
+    pub fail_between_above: Option<f64>,
+    /// Exit 1 if the largest error of the DFG table is above X.
+    #[arg(long, value_name = "X", value_parser = threshold)]
+    pub fail_table_above: Option<f64>,
+    /// Exit 1 if the axes or the environment seem wrong.
+    #[arg(long)]
+    pub fail_on_warning: bool,
+}
+
+fn threshold(text: &str) -> Result<f64, String> {
+    let number = text.parse::<f64>().ok().filter(|x| x.is_finite() && *x >= 0.0);
+    number.ok_or_else(|| "expected a number of at least 0; an error of 1 % rms is a relmse of 1e-4".to_owned())
+}
+
+impl Limits {
+    /// Lists what does not pass, a line each.
+    pub fn failures(&self, judged: &Judged) -> Vec<String> {
+        let levels = || judged.levels.iter().enumerate().map(|(k, score)| (format!("level {k}"), score));
+        let relmse = levels().map(|(name, score)| (name, "relmse", score.errors.relmse));
+        let irradiance = judged.irradiance.iter().map(|score| ("irradiance".to_owned(), "relmse", score.errors.relmse));
+        let sh = judged.sh.iter().map(|score| ("SH".to_owned(), "relmse", score.errors.relmse));
+        let maps = relmse.chain(irradiance).chain(sh).map(|own| (own, self.fail_above));
+        let between = levels().filter_map(|(name, score)| Some((name, "relmse between texels", score.between?)));
+        let between = between.map(|own| (own, self.fail_between_above));
+        let table = judged.dfg.iter().map(|score| ("DFG table".to_owned(), "max error", score.max_error));
+        let table = table.map(|own| (own, self.fail_table_above));
+        // NaN does not pass.
+        let is_above = |value: f64, limit: f64| value.is_nan() || value > limit;
+        let scores = maps.chain(between).chain(table).filter_map(|((name, what, value), limit)| {
+            let limit = limit.filter(|limit| is_above(value, *limit))?;
+            Some(format!("{name}: {what} {value:.2e} is above {limit:.2e}"))
+        });
+        let doubts =
+            judged.axes.iter().filter_map(|(what, fits)| Some(format!("{what}: {}", judged.doubt(what, fits)?)));
+        scores.chain(doubts.filter(|_| self.fail_on_warning)).collect()
+    }
+}
+
+pub fn as_json(environment: &str, preset: &str, limits: &Limits, judged: &Judged) -> Value {
+    let failures = limits.failures(judged);
     let level = |score: &LevelScore| {
         let worst = &score.worst;
         json!({
@@ -110,6 +163,7 @@ pub fn as_json(environment: &str, preset: &str, judged: &Judged) -> Value {
                 "found": worst.found.to_array(),
                 "exact": worst.exact.to_array(),
             },
+            "slip": score.slip.as_ref().map(|slip| json!({ "words": slip.words, "left": slip.left })),
             "fit": score.fit.map(|fit| json!({ "alpha": fit.alpha, "gain": fit.gain, "left": fit.left })),
             "verdict": score.verdict,
         })
@@ -125,6 +179,16 @@ pub fn as_json(environment: &str, preset: &str, judged: &Judged) -> Value {
     json!({
         "environment": environment,
         "preset": preset,
+        "verdict": judged.verdict(),
+        "chain": judged.chain,
+        "limits": {
+            "fail_above": limits.fail_above,
+            "fail_between_above": limits.fail_between_above,
+            "fail_table_above": limits.fail_table_above,
+            "fail_on_warning": limits.fail_on_warning,
+        },
+        "failures": failures,
+        "passes": failures.is_empty(),
         "axes": judged.convention.axes.to_string(),
         "axes_fits": axes.collect::<Vec<_>>(),
         "levels": judged.levels.iter().map(level).collect::<Vec<_>>(),

@@ -1,14 +1,14 @@
 //! `splitsum check-bake`: how wrong a bake is.
 
-use super::bake_scores::{as_json, as_text, rows};
-use super::shared::{InputFlags, folder_of};
+use super::bake_scores::{Limits, as_json, as_text, rows};
+use super::shared::{InputFlags, check_out};
 use super::{Failure, print, print_data, progress};
 use clap::Args;
-use splitsum::bakes::check::{Judged, Judging};
+use splitsum::bakes::Told;
+use splitsum::bakes::check::Judging;
 use splitsum::bakes::convention::{Axes, PRESETS, Preset, TableAxes, TableChannels};
 use splitsum::bakes::page;
 use splitsum::bakes::source::{Reading, read};
-use splitsum::bakes::{Bake, Told};
 use splitsum::brdf::{Brdf, MaskingShadowing};
 use splitsum::environment::layout::MapLayout;
 use splitsum::precompute::prefilter::{LevelMapping, Weight};
@@ -24,8 +24,10 @@ use std::path::{Path, PathBuf};
     after_help = "FILES belong to one bake: .ktx2, .ktx or .dds cubes, a folder of faces (m0_px.exr, m0_nx.exr, ...), lat-long .exr or .hdr \
     levels in order, a folder of `splitsum bake`, a square .png, .exr or .dds DFG table, and SH as .txt or .json. Name ambiguous files: \
     irradiance=FILE, specular=FILE, dfg=FILE, sh=FILE.\n\n\
-    A relmse of 0.001 is an error of about 3 % rms. For a larger error the verdict states a width and a gain that explain it. Level 0, the \
-    mirror, is compared with the environment averaged over each texel.\n\n\
+    A good level is within 3 % rms (relmse 0.001). For a larger error the verdict names the slip that explains it: a width, a gain, swapped \
+    or turned faces, channels, an encoding, a cut, another weight, missing levels. Level 0, the mirror, is compared with the environment \
+    averaged over each texel.\n\n\
+    Exit codes: 0, or 1 if a --fail flag is not met, 2 for wrong input.\n\n\
     Unsure of a convention? --guess tries them all.\n\n\
     Examples:\n  splitsum check-bake studio_ibl.ktx studio_sh.txt --environment studio.hdr --preset cmgen\n  \
     splitsum check-bake specular.ktx2 lut_ggx.png --environment studio.hdr --preset khronos --guess\n  \
@@ -35,9 +37,9 @@ pub struct Arguments {
     /// Check the files and folders of one bake.
     #[arg(required = true, value_name = "FILES")]
     files: Vec<String>,
-    /// Compare with the baked map: builtin:NAME, or an .hdr or .exr file.
+    /// Compare with the baked map: builtin:NAME, or an .hdr or .exr file. A DFG table needs none.
     #[arg(long, value_name = "MAP")]
-    environment: String,
+    environment: Option<String>,
     /// Use the conventions of a tool; the flags below override them.
     #[arg(long, value_name = "NAME", long_help = presets_help(), value_parser = Preset::parse)]
     preset: Option<&'static Preset>,
@@ -86,12 +88,8 @@ pub struct Arguments {
     /// Write the scores as a page, too.
     #[arg(long, value_name = "FILE")]
     html: Option<PathBuf>,
-    /// Exit 1 if the relmse of a level, of irradiance or of SH is above X.
-    #[arg(long, value_name = "X", value_parser = threshold)]
-    fail_above: Option<f64>,
-    /// Exit 1 if the largest error of the DFG table is above X.
-    #[arg(long, value_name = "X", value_parser = threshold)]
-    fail_table_above: Option<f64>,
+    #[command(flatten)]
+    limits: Limits,
     #[command(flatten)]
     inputs: InputFlags,
 }
@@ -107,40 +105,49 @@ fn presets_help() -> String {
 
 pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     if let Some(path) = &arguments.html {
-        writable(path)?;
+        check_out("--html", path, &["html", "htm"], arguments.environment.iter().map(PathBuf::from))?;
+        check_page(path)?;
     }
     progress::doing("reading the bake");
     let reading = Reading { layout: arguments.layout, brdf: arguments.brdf.name() };
     let bake = read(&arguments.files, reading).map_err(Failure::input)?;
-    thresholds(arguments, &bake)?;
+    let has_map = bake.specular.is_some() || bake.irradiance.is_some() || bake.sh.is_some();
+    check_limits(&arguments.limits, has_map, bake.dfg.is_some())?;
+    // The light does not reach a DFG table.
+    let light = match &arguments.environment {
+        Some(light) => light,
+        None if has_map => {
+            return Err(Failure::input("--environment: maps and SH need the map that they were baked from"));
+        }
+        None => "builtin:constant",
+    };
     let told = &bake.told;
     let preset = match (arguments.preset, &told.preset) {
         (Some(preset), _) => preset,
         (None, name) => name.as_deref().map_or(Ok(&PRESETS[0]), Preset::parse).map_err(Failure::input)?,
     };
     let judging = judging(arguments, preset, told)?;
-    let environment = arguments.inputs.environment(&arguments.environment)?;
+    let environment = arguments.inputs.environment(light)?;
     if let Some(map) = &bake.specular {
         judging.convention.alphas(map.levels.len()).map_err(|fault| Failure::input(format!("--alphas: {fault}")))?;
     }
     let judged = judging.judge_saying(&environment, &bake, progress::doing).map_err(Failure::input)?;
+    let scores = as_json(light, preset.name, &arguments.limits, &judged);
     if arguments.json {
-        let text = serde_json::to_string_pretty(&as_json(&arguments.environment, preset.name, &judged))
-            .map_err(Failure::failed)?;
-        print_data(&(text + "\n"))?;
+        print_data(&(serde_json::to_string_pretty(&scores).map_err(Failure::failed)? + "\n"))?;
     } else {
         print(&as_text(&judged, arguments.guess))?;
     }
     if let Some(path) = &arguments.html {
-        page::write(path, &arguments.files, &as_json(&arguments.environment, preset.name, &judged), &rows(&judged))
+        page::write(path, &arguments.files, &scores, &rows(&judged))
             .map_err(|error| Failure::input(format!("--html: {error}")))?;
     }
-    judge(arguments, &judged)
+    let failures = arguments.limits.failures(&judged);
+    if failures.is_empty() { Ok(()) } else { Err(Failure::failed(failures.join("\n"))) }
 }
 
-/// Refuses targets that cannot be written, and files that are not pages of this command.
-fn writable(path: &Path) -> Result<(), Failure> {
-    folder_of("--html", path)?;
+/// Refuses to replace a file that is not a page of this command.
+fn check_page(path: &Path) -> Result<(), Failure> {
     let Ok(mut file) = File::open(path) else { return Ok(()) };
     let mut start = [0; page::START.len()];
     match file.read_exact(&mut start) {
@@ -152,15 +159,15 @@ fn writable(path: &Path) -> Result<(), Failure> {
     }
 }
 
-/// Refuses thresholds for parts that the bake lacks.
-fn thresholds(arguments: &Arguments, bake: &Bake) -> Result<(), Failure> {
-    let has_map = bake.specular.is_some() || bake.irradiance.is_some() || bake.sh.is_some();
-    let given = [(arguments.fail_above, has_map), (arguments.fail_table_above, bake.dfg.is_some())];
-    let judge = |(limit, is_there): (Option<f64>, bool)| limit.map(|_| is_there);
-    let mut judges = given.into_iter().filter_map(judge).peekable();
-    if judges.peek().is_some() && !judges.any(|is_there| is_there) {
+/// Refuses limits of which none applies to a part of the bake.
+fn check_limits(limits: &Limits, has_map: bool, has_table: bool) -> Result<(), Failure> {
+    let given = [
+        (limits.fail_above.is_some() || limits.fail_between_above.is_some(), has_map),
+        (limits.fail_table_above.is_some(), has_table),
+    ];
+    if given.iter().any(|(is_given, _)| *is_given) && !given.iter().any(|(is_given, is_there)| *is_given && *is_there) {
         return Err(Failure::input(
-            "nothing to judge: --fail-above is for maps and SH, --fail-table-above for a DFG table",
+            "nothing to judge: --fail-above and --fail-between-above are for maps and SH, --fail-table-above for a DFG table",
         ));
     }
     Ok(())
@@ -188,31 +195,6 @@ fn judging(arguments: &Arguments, preset: &'static Preset, told: &Told) -> Resul
         is_guessed: arguments.guess,
         has_image: !arguments.no_image,
     })
-}
-
-/// Fails if a score is above `--fail-above` or `--fail-table-above`.
-fn judge(arguments: &Arguments, judged: &Judged) -> Result<(), Failure> {
-    let levels = judged.levels.iter().enumerate().map(|(k, score)| (format!("level {k}"), score.errors.relmse));
-    let irradiance = judged.irradiance.iter().map(|score| ("irradiance".to_owned(), score.errors.relmse));
-    let sh = judged.sh.iter().map(|score| ("SH".to_owned(), score.errors.relmse));
-    let of_maps = levels.chain(irradiance).chain(sh).map(|(name, value)| (name, "relmse", value, arguments.fail_above));
-    let table = judged
-        .dfg
-        .iter()
-        .map(|score| ("DFG table".to_owned(), "max error", score.max_error, arguments.fail_table_above));
-    let failed: Vec<String> = of_maps
-        .chain(table)
-        .filter_map(|(name, what, value, limit)| Some((name, what, value, limit?)))
-        // NaN does not pass.
-        .filter(|(_, _, value, limit)| value.is_nan() || value > limit)
-        .map(|(name, what, value, limit)| format!("{name}: {what} {value:.2e} is above {limit:.2e}"))
-        .collect();
-    if failed.is_empty() { Ok(()) } else { Err(Failure::failed(failed.join("\n"))) }
-}
-
-fn threshold(text: &str) -> Result<f64, String> {
-    let number = text.parse::<f64>().ok().filter(|x| x.is_finite() && *x >= 0.0);
-    number.ok_or_else(|| "expected a number of at least 0; an error of 1 % rms is a relmse of 1e-4".to_owned())
 }
 
 fn positive(text: &str) -> Result<f64, String> {

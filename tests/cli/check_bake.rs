@@ -89,6 +89,12 @@ fn bakes_for_every_engine_score_as_exact() {
     let arguments =
         ["check-bake", "bevy", "--environment", "builtin:sky", "--fail-above", "1e-3", "--axes=-x+y+z", "--no-image"];
     assert_ends(&splitsum(dir.path(), &arguments), 1, &["fit far better than -x+y+z"]);
+    // A manifest that names a file elsewhere.
+    let manifest = std::fs::read_to_string(dir.path().join("bevy/bake.json")).unwrap();
+    let elsewhere = manifest.replace("\"specular.ktx2\"", "\"../bevy/specular.ktx2\"");
+    assert_ne!(elsewhere, manifest);
+    std::fs::create_dir(dir.path().join("odd")).unwrap();
+    std::fs::write(dir.path().join("odd/bake.json"), elsewhere).unwrap();
     assert_refusals(
         "commands_of_bake_that_are_refused",
         dir.path(),
@@ -103,6 +109,7 @@ fn bakes_for_every_engine_score_as_exact() {
             "bake builtin:sky --out x --device -1",
             // A threshold that judges nothing passes nothing.
             "check-bake khronos/lut_ggx.png --environment builtin:sky --fail-above 0.1",
+            "check-bake odd --environment builtin:sky",
             "check-bake bevy --environment builtin:sky --no-image --html bevy/specular.ktx2",
             "check-bake bevy --environment builtin:sky --no-image --html none/x.html",
         ],

@@ -4,6 +4,7 @@ pub mod files;
 mod make;
 mod rungs;
 mod scores;
+mod slips;
 
 use files::Level;
 use half::f16;

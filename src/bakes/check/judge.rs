@@ -1,8 +1,9 @@
 //! Judges a whole bake: every part against its integral.
 
+use super::chain;
 use super::guess::{self, AxesFit};
 use super::image::{self, ImageScore};
-use super::level::{self, LevelScore};
+use super::level::{self, GOOD_WORDS, LevelScore};
 use super::sh::{self, ShScore};
 use super::table::{self, TableScore};
 use super::{GOOD, Truth};
@@ -35,6 +36,8 @@ pub struct Judged {
     pub table_way: Option<String>,
     /// Finest level first.
     pub levels: Vec<LevelScore>,
+    /// What the widths of all levels say of the chain, if it is not the assumed one.
+    pub chain: Option<String>,
     pub irradiance: Option<LevelScore>,
     pub dfg: Option<TableScore>,
     pub sh: Option<ShScore>,
@@ -114,6 +117,7 @@ impl Judging {
             worst.map(|level| truth.spot_check(level.alpha, &[level.worst.direction, DVec3::X, -DVec3::Z]));
         doing("scoring diffuse maps and the DFG table");
         let mut judged = Judged {
+            chain: chain::slip(&convention, &levels),
             irradiance: bake.irradiance.as_ref().map(|map| level::score_irradiance(truth, map, &convention)),
             dfg: bake.dfg.as_ref().map(|image| table::score(image, self.brdf, &convention)),
             sh: bake.sh.as_ref().map(|found| sh::score(truth, found, convention.axes)),
@@ -143,21 +147,60 @@ impl Judged {
         let used: Axes = self.convention.axes;
         let hint =
             if what == IRRADIANCE { "; a cube of one level that holds the map itself is specular=FILE" } else { "" };
-        // A good level proves the light. With a constant light nothing correlates.
-        let is_wrong = self.levels.iter().chain(&self.irradiance).all(|score| score.errors.relmse > GOOD);
-        if is_wrong && fits[0].correlation < guess::SAME_LIGHT {
+        // A good level proves the light, as does one that a slip explains. With a constant light nothing correlates.
+        let mut levels = self.levels.iter().chain(&self.irradiance);
+        let is_wrong = levels.all(|score| score.errors.relmse > GOOD && score.slip.is_none());
+        let is_like = fits[0].correlation >= guess::SAME_LIGHT;
+        if is_wrong && !is_like {
             let (axes, correlation) = (fits[0].axes, fits[0].correlation);
             return Some(format!(
                 "seems to be a bake of another map: the best axes, {axes}, only have correlation {correlation:.2}{hint}"
             ));
         }
         let own = *fits.iter().find(|fit| fit.axes == used)?;
-        let is_doubtful = fits[0].axes != used && guess::is_clear(fits[0], own);
+        let is_explained = !is_like && !is_wrong;
+        let is_doubtful = fits[0].axes != used && guess::is_clear(fits[0], own) && !is_explained;
         is_doubtful.then(|| {
             format!(
                 "axes {} fit far better than {used} (correlation {:.4}, not {:.4}): --axes={} or --guess{hint}",
                 fits[0].axes, fits[0].correlation, own.correlation, fits[0].axes
             )
         })
+    }
+
+    /// Names each part and what is wrong with it, neighbouring levels of one verdict together.
+    pub fn parts(&self) -> Vec<(String, &str)> {
+        let mut parts: Vec<(String, &str)> = Vec::new();
+        let mut first = 0;
+        for (level, score) in self.levels.iter().enumerate() {
+            if level > 0 && self.levels[level - 1].verdict == score.verdict {
+                parts.pop();
+            } else {
+                first = level;
+            }
+            let name = if first == level { format!("level {level}") } else { format!("levels {first} to {level}") };
+            parts.push((name, &score.verdict));
+        }
+        let one = |name: &str, verdict| (name.to_owned(), verdict);
+        parts.extend(self.irradiance.iter().map(|score| one("irradiance", score.verdict.as_str())));
+        parts.extend(self.sh.iter().map(|score| one("SH", score.verdict.as_str())));
+        parts.extend(self.dfg.iter().map(|score| one("DFG table", score.verdict.as_str())));
+        parts
+    }
+
+    /// Sums up in one line what is wrong, the cause of the most levels first.
+    pub fn verdict(&self) -> String {
+        let doubt = self.axes.iter().find_map(|(what, fits)| self.doubt(what, fits));
+        if let Some(cause) = doubt.or_else(|| self.chain.clone()) {
+            return format!("wrong: {cause}");
+        }
+        let wrong: Vec<_> = self.parts().into_iter().filter(|(_, verdict)| !verdict.starts_with(GOOD_WORDS)).collect();
+        match &wrong[..] {
+            [] => "good: every part is within 3 % rms of its integral".to_owned(),
+            _ => {
+                let said: Vec<String> = wrong.iter().map(|(name, verdict)| format!("{name}: {verdict}")).collect();
+                format!("wrong: {}", said.join("; "))
+            }
+        }
     }
 }

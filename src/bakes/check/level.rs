@@ -2,6 +2,7 @@
 
 use super::directions::{Directions, texels};
 use super::fit::{self, Fit};
+use super::slip::{self, Slip};
 use super::{Errors, GOOD, Truth, errors, has_width, relative_square};
 use crate::bakes::convention::{Axes, Convention};
 use crate::bakes::parts::Map;
@@ -10,6 +11,7 @@ use crate::math::harmonics::SmoothMap;
 use crate::pixels::RgbImage;
 use glam::DVec3;
 use rayon::prelude::*;
+use std::cell::LazyCell;
 use std::f64::consts::PI;
 
 /// The direction of a level's largest relative error.
@@ -34,23 +36,36 @@ pub struct LevelScore {
     pub worst: Worst,
     /// Set if the level is not [`GOOD`].
     pub fit: Option<Fit>,
+    /// What explains the error, if not the fit.
+    pub slip: Option<Slip>,
     pub verdict: String,
 }
 
 pub fn score(truth: &Truth, map: &Map, convention: &Convention) -> Result<Vec<LevelScore>, String> {
     let alphas = convention.alphas(map.levels.len())?;
+    // The same map cut at 1, if a level needs an explanation.
+    let cut = LazyCell::new(|| truth.environment.clipped(1.0));
+    let of_cut = LazyCell::new(|| Truth::new(&cut, truth.kernel, &alphas));
     let of = |(faces, &alpha): (&Vec<RgbImage>, &f64)| {
         let (directions, found) = level_texels(map, faces, convention.axes, convention.scale);
         let exact = exact(truth, &directions, alpha);
         let (errors, worst) = errors_and_worst(truth, &directions, &found, &exact);
         let is_wrong = errors.relmse > GOOD;
         let fit = is_wrong.then(|| fit::fit(truth, &directions, &found, alpha)).flatten();
+        let level =
+            |of_cut| slip::Level { truth, of_cut, directions: &directions, found: &found, exact: &exact, alpha };
+        let slip = is_wrong.then(|| level(&of_cut).slip()).flatten();
+        // Width and gain explain what they explain as well.
+        let slip = slip.filter(|slip| fit.is_none_or(|fit| slip.left < 0.5 * fit.left));
         let between = has_width(alpha).then(|| between_texels(truth, map.layout, faces, convention, alpha));
-        let mut verdict = verdict(errors, fit, alpha, |alpha| level_of(convention, &alphas, alpha));
+        let mut verdict = match &slip {
+            Some(slip) => slip.words.clone(),
+            None => verdict(errors, fit, alpha, |alpha| level_of(convention, &alphas, alpha)),
+        };
         if let Some(relmse) = between.filter(|relmse| !is_wrong && *relmse > GOOD) {
-            verdict += &format!("; too few texels: {:.1} % rms between them", 100.0 * relmse.sqrt());
+            verdict = format!("too few texels: {:.1} % rms between them", 100.0 * relmse.sqrt());
         }
-        LevelScore { size: [faces[0].width, faces[0].height], alpha, errors, between, worst, fit, verdict }
+        LevelScore { size: [faces[0].width, faces[0].height], alpha, errors, between, worst, fit, slip, verdict }
     };
     Ok(map.levels.iter().zip(&alphas).map(of).collect())
 }
@@ -80,11 +95,20 @@ pub fn score_irradiance(truth: &Truth, map: &Map, convention: &Convention) -> Le
     let left = errors(&directions, &found, &exact, truth.epsilon(), 1.0 / gain).relmse / own.relmse;
     let fit = (own.relmse > GOOD).then_some(Fit { alpha: 1.0, gain, left });
     let verdict = match fit {
-        None => good(own),
+        None => GOOD_WORDS.to_owned(),
         Some(fit) if fit.left <= EXPLAINED => gain_in_words(fit.gain),
-        Some(_) => unexplained(own, "no gain explains it"),
+        Some(_) => UNEXPLAINED.to_owned(),
     };
-    LevelScore { size: [faces[0].width, faces[0].height], alpha: 1.0, errors: own, between: None, worst, fit, verdict }
+    LevelScore {
+        size: [faces[0].width, faces[0].height],
+        alpha: 1.0,
+        errors: own,
+        between: None,
+        worst,
+        fit,
+        slip: None,
+        verdict,
+    }
 }
 
 /// Returns exact texels of a level: prefiltered radiance, or the averaged environment for a mirror level.
@@ -152,10 +176,10 @@ pub(super) const EXPLAINED: f64 = 0.25;
 
 fn verdict(errors: Errors, fit: Option<Fit>, alpha: f64, level_of: impl Fn(f64) -> Option<f64>) -> String {
     let Some(fit) = fit else {
-        return good(errors);
+        return if errors.relmse <= GOOD { GOOD_WORDS } else { UNEXPLAINED }.to_owned();
     };
     if fit.left > EXPLAINED {
-        return unexplained(errors, &format!("no width or gain explains it, the best leave {:.0} %", 100.0 * fit.left));
+        return UNEXPLAINED.to_owned();
     }
     let mut parts = Vec::new();
     let shift = level_of(fit.alpha).zip(level_of(alpha)).map(|(found, own)| found - own);
@@ -176,24 +200,18 @@ fn verdict(errors: Errors, fit: Option<Fit>, alpha: f64, level_of: impl Fn(f64) 
 /// Smallest shift in levels that a verdict mentions.
 const SHIFT: f64 = 0.05;
 
-pub(super) const DOUBT: &str = "its axes or its light do not fit, see the warning";
+pub(super) const DOUBT: &str = "its axes or its light do not fit";
+/// Verdict of a part within [`GOOD`].
+pub(super) const GOOD_WORDS: &str = "good";
+const UNEXPLAINED: &str = "wrong, and no known slip explains it";
 
 impl LevelScore {
     /// Removes width and gain from the verdict because the axes or the light do not fit.
     pub fn doubt(&mut self) {
-        if self.errors.relmse > GOOD {
-            self.verdict = unexplained(self.errors, DOUBT);
+        if self.errors.relmse > GOOD && self.slip.is_none() {
+            self.verdict = DOUBT.to_owned();
         }
     }
-}
-
-fn good(errors: Errors) -> String {
-    let rms = format!("{:.2} % rms", 100.0 * errors.relmse.sqrt());
-    if errors.relmse <= GOOD { format!("good: {rms}") } else { rms }
-}
-
-pub(super) fn unexplained(errors: Errors, why: &str) -> String {
-    format!("{:.1} % rms: {why}", 100.0 * errors.relmse.sqrt())
 }
 
 /// Describes a gain, as a forgotten factor if it is near one.

@@ -3,13 +3,16 @@
 //! Prefiltered radiance and irradiance are convolutions, computed in spherical harmonics (relMSE below 1e-6). Means
 //! weight each texel by its solid angle.
 
+mod chain;
 mod directions;
+mod faces;
 mod fit;
 pub mod guess;
 pub mod image;
 mod judge;
 pub mod level;
 pub mod sh;
+pub mod slip;
 pub mod table;
 
 pub use directions::Directions;
@@ -62,7 +65,11 @@ impl<'a> Truth<'a> {
 
     /// Convolves the light for a width that [`has_width`].
     pub fn prefiltered(&self, alpha: f64) -> SmoothMap {
-        self.harmonics.convolved(&self.factors(self.kernel, alpha, self.harmonics.degree()))
+        self.prefiltered_by(self.kernel, alpha)
+    }
+
+    fn prefiltered_by(&self, kernel: Kernel, alpha: f64) -> SmoothMap {
+        self.harmonics.convolved(&self.factors(kernel, alpha, self.harmonics.degree()))
     }
 
     /// Evaluates each degree of the light at directions.

@@ -1,7 +1,7 @@
 //! The score of SH, by the irradiance of its coefficients.
 
 use super::directions::Directions;
-use super::level::{DOUBT, EXPLAINED, gain_in_words, unexplained};
+use super::level::{DOUBT, EXPLAINED, GOOD_WORDS, gain_in_words};
 use super::{Errors, GOOD, Truth, errors};
 use crate::bakes::convention::Axes;
 use crate::bakes::sh::{Coefficients, turned};
@@ -51,7 +51,7 @@ pub fn score(truth: &Truth, found: &Coefficients, axes: Axes) -> ShScore {
         turned.iter().zip(&exact).zip(DEGREE).map(|((own, exact), l)| (*own - *exact * window[l]).length_squared());
     let off = turned.iter().zip(&exact).map(|(own, exact)| (*own - *exact).length_squared()).sum::<f64>();
     let verdict = match better {
-        _ if errors.relmse <= GOOD => format!("good: {:.2} % rms", 100.0 * errors.relmse.sqrt()),
+        _ if errors.relmse <= GOOD => GOOD_WORDS.to_owned(),
         Some((relmse, axes)) => format!("axes {axes} fit better: relmse {relmse:.1e}"),
         _ if left.sum::<f64>() > EXPLAINED * off => "wrong, and no factor a degree explains it".to_owned(),
         _ if (window[0] - 1.0).abs() < 0.05 => {
@@ -66,7 +66,7 @@ impl ShScore {
     /// Removes factors from the verdict because the axes or the light do not fit.
     pub fn doubt(&mut self) {
         if self.errors.relmse > GOOD && self.better.is_none() {
-            self.verdict = unexplained(self.errors, DOUBT);
+            self.verdict = DOUBT.to_owned();
         }
     }
 }

@@ -123,7 +123,7 @@ fn a_fit_finds_the_width_and_the_gain_that_were_baked() {
     for score in level::score(&truth, &noisy, &convention).unwrap() {
         // d = 0.3 r where r² is far above ε.
         assert!(score.errors.relmse > 0.04 && score.errors.relmse < 0.09, "{score:?}");
-        assert!(score.verdict.contains("no width or gain explains it"), "{}", score.verdict);
+        assert!(score.verdict.contains("no known slip explains it"), "{}", score.verdict);
     }
     let lost = exact_map(&truth, 0, Axes::SAME, |alpha| (alpha, 1.0 / std::f64::consts::PI));
     let score = &level::score(&truth, &lost, &convention).unwrap()[0];

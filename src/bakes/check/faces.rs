@@ -1,0 +1,103 @@
+//! Finds faces of a cube that are black, swapped, turned or flipped.
+
+use super::level::EXPLAINED;
+use super::relative_square;
+use super::slip::{Level, Slip};
+use crate::bakes::container::FACE_COUNT;
+use glam::DVec3;
+
+/// Largest side of the compared faces, blocks of texels.
+const SIDE: usize = 32;
+
+/// Faces in the order of a cube map.
+const NAMES: [&str; FACE_COUNT] = ["+x", "-x", "+y", "-y", "+z", "-z"];
+
+/// The symmetries of a square.
+const TURNS: [&str; 8] = [
+    "",
+    "turned by 90° clockwise",
+    "turned by 180°",
+    "turned by 90° counter-clockwise",
+    "flipped left to right",
+    "flipped top to bottom",
+    "transposed",
+    "transposed across the other diagonal",
+];
+
+/// Returns the place in the right face of the texel at (x, y) of a turned one.
+fn turned(turn: usize, x: usize, y: usize, last: usize) -> (usize, usize) {
+    let (u, v) = (last - x, last - y);
+    [(x, y), (y, u), (u, v), (v, x), (u, y), (x, v), (y, x), (v, u)][turn]
+}
+
+/// Returns the slip in the faces; `None` if all of them are right, or wrong in another way.
+pub fn slip(level: &Level) -> Option<Slip> {
+    let [width, height] = level.directions.size.map(|side| side as usize);
+    let side = width.min(SIDE);
+    if level.directions.layout.face_count as usize != FACE_COUNT || width != height || width % side > 0 {
+        return None;
+    }
+    let [found, exact] = [level.found, level.exact].map(|texels| blocks(texels, width, side));
+    let epsilon = level.truth.epsilon();
+    let off = |face: usize, of: usize, turn: usize| -> f64 {
+        let square = |index: usize| {
+            let (x, y) = turned(turn, index % side, index / side, side - 1);
+            relative_square(found[face][index], exact[of][y * side + x], epsilon)
+        };
+        (0..side * side).map(square).sum()
+    };
+    let is_black = |face: usize| found[face].iter().all(|texel| *texel == DVec3::ZERO);
+    let (mut own, mut left, mut held) = (0.0, 0.0, [None; FACE_COUNT]);
+    for (face, held) in held.iter_mut().enumerate() {
+        let as_it_is = off(face, face, 0);
+        own += as_it_is;
+        if is_black(face) {
+            continue;
+        }
+        let all = (0..FACE_COUNT).flat_map(|of| (0..TURNS.len()).map(move |turn| (of, turn)));
+        let best = all.map(|(of, turn)| (of, turn, off(face, of, turn))).min_by(|a, b| a.2.total_cmp(&b.2))?;
+        // A face that resembles another is right where it is.
+        let best = if best.2 > EXPLAINED * as_it_is { (face, 0, as_it_is) } else { best };
+        left += best.2;
+        *held = Some((best.0, best.1));
+    }
+    let words = words(held)?;
+    Some(Slip { words, left: left / own })
+}
+
+/// Describes what each face holds: which face, and its turn. `None` for a black face.
+fn words(held: [Option<(usize, usize)>; FACE_COUNT]) -> Option<String> {
+    let moved = |face: usize| held[face] != Some((face, 0));
+    let odd: Vec<usize> = (0..FACE_COUNT).filter(|face| moved(*face)).collect();
+    let first = held[0].map(|(_, turn)| turn);
+    let is_one_turn =
+        first.is_some_and(|turn| turn > 0 && (0..FACE_COUNT).all(|face| held[face] == Some((face, turn))));
+    if is_one_turn {
+        return Some(format!("every face is {}", TURNS[first?]));
+    }
+    if let [a, b] = odd[..]
+        && [held[a], held[b]] == [Some((b, 0)), Some((a, 0))]
+    {
+        return Some(format!("faces {} and {} are swapped", NAMES[a], NAMES[b]));
+    }
+    let one = |face: &usize| match held[*face] {
+        None => format!("face {} is black", NAMES[*face]),
+        Some((of, turn)) if of == *face => format!("face {} is {}", NAMES[*face], TURNS[turn]),
+        Some((of, 0)) => format!("face {} holds {}", NAMES[*face], NAMES[of]),
+        Some((of, turn)) => format!("face {} holds {}, {}", NAMES[*face], NAMES[of], TURNS[turn]),
+    };
+    (!odd.is_empty()).then(|| odd.iter().map(one).collect::<Vec<_>>().join("; "))
+}
+
+/// Averages the texels of each face over blocks.
+fn blocks(texels: &[DVec3], width: usize, side: usize) -> Vec<Vec<DVec3>> {
+    let block = width / side;
+    let face = |texels: &[DVec3]| {
+        let mut means = vec![DVec3::ZERO; side * side];
+        for (index, texel) in texels.iter().enumerate() {
+            means[index / width / block * side + index % width / block] += *texel / (block * block) as f64;
+        }
+        means
+    };
+    texels.chunks(width * width).map(face).collect()
+}

@@ -1,0 +1,149 @@
+//! Slips put into an exact bake are named by the judge.
+
+use super::scores::marked_light;
+use glam::{DVec2, DVec3};
+use splitsum::bakes::check::{Judged, Judging, Truth};
+use splitsum::bakes::{Bake, Map, Told};
+use splitsum::brdf::Ggx;
+use splitsum::environment::Environment;
+use splitsum::environment::layout::LAYOUTS;
+use splitsum::pixels::RgbImage;
+use splitsum::precompute::prefilter::{Kernel, WEIGHTS};
+use std::f64::consts::PI;
+
+const SIDE: u32 = 24;
+const ALPHAS: [f64; 3] = [0.1, 0.2, 0.6];
+
+/// The exact cube of these widths, along turned directions.
+fn cube(truth: &Truth, alphas: &[f64], turn: impl Fn(DVec3) -> DVec3) -> Map {
+    let layout = &LAYOUTS[0];
+    let level = |alpha: &f64| {
+        let map = (*alpha > 0.0).then(|| truth.prefiltered(*alpha));
+        let texel = |face: u32, x: u32, y: u32| {
+            let uv = (DVec2::new(x.into(), y.into()) + 0.5) / f64::from(SIDE);
+            let direction = turn((layout.direction)(face, uv));
+            let value = map.as_ref().map_or_else(|| truth.environment.radiance(direction), |map| map.value(direction));
+            value.as_vec3().to_array()
+        };
+        (0..6).map(|face| RgbImage::from_fn(SIDE, SIDE, |x, y| texel(face, x, y))).collect()
+    };
+    Map { layout, levels: alphas.iter().map(level).collect() }
+}
+
+fn judged(light: &Environment, map: Map, alphas: Option<&[f64]>) -> Judged {
+    let mut judging = Judging::stated(&Told::default()).unwrap();
+    judging.convention.alphas = alphas.map(<[f64]>::to_vec);
+    judging.judge(light, &Bake { specular: Some(map), ..Bake::default() }).unwrap()
+}
+
+fn each_texel(map: &mut Map, change: impl Fn([f32; 3]) -> [f32; 3]) {
+    map.levels.iter_mut().flatten().flat_map(|face| &mut face.data).for_each(|texel| *texel = change(*texel));
+}
+
+fn each_face(map: &mut Map, change: impl Fn(&mut Vec<RgbImage>)) {
+    map.levels.iter_mut().for_each(change);
+}
+
+fn largest(texel: [f32; 3]) -> f32 {
+    texel.into_iter().fold(0.0, f32::max)
+}
+
+#[test]
+fn slips_of_faces_and_texels_are_named() {
+    let light = marked_light();
+    let truth = Truth::new(&light, Kernel::cosine(&Ggx), &ALPHAS);
+    let right = cube(&truth, &ALPHAS, |direction| direction);
+    type Slip = fn(&mut Map);
+    let slips: &[(&str, Slip)] = &[
+        ("good: every part", |_| ()),
+        ("levels 0 to 2: face -z is black", |map| each_face(map, |faces| faces[5].data.fill([0.0; 3]))),
+        ("faces +x and -z are swapped", |map| each_face(map, |faces| faces.swap(0, 5))),
+        ("every face is flipped top to bottom", |map| {
+            each_face(map, |faces| {
+                for face in faces {
+                    *face = RgbImage::from_fn(SIDE, SIDE, |x, y| face.get(x, SIDE - 1 - y));
+                }
+            });
+        }),
+        // The top left texel of a face that was turned clockwise was at the bottom left.
+        ("face +y is turned by 90° clockwise", |map| {
+            each_face(map, |faces| faces[2] = RgbImage::from_fn(SIDE, SIDE, |x, y| faces[2].get(y, SIDE - 1 - x)));
+        }),
+        ("every texel is black", |map| each_texel(map, |_| [0.0; 3])),
+        ("in the order B, G, R", |map| each_texel(map, |[r, g, b]| [b, g, r])),
+        ("in the order G, B, R", |map| each_texel(map, |[r, g, b]| [g, b, r])),
+        ("encoded with gamma 2.2", |map| each_texel(map, |rgb| rgb.map(|x| x.powf(1.0 / 2.2)))),
+        ("decoded with gamma 2.2", |map| each_texel(map, |rgb| rgb.map(|x| x.powf(2.2)))),
+        ("levels 0 to 2: pi times", |map| each_texel(map, |rgb| rgb.map(|x| x * PI as f32))),
+        ("cut at 1.000", |map| each_texel(map, |rgb| rgb.map(|x| x.min(1.0)))),
+        ("RGBM read", |map| {
+            each_texel(map, |rgb| {
+                let shared = (255.0 * (largest(rgb) / 6.0).min(1.0)).ceil() / 255.0;
+                rgb.map(|x| (x / 6.0 / shared).min(1.0))
+            });
+        }),
+        ("RGBD read", |map| {
+            each_texel(map, |rgb| {
+                let divisor = (255.0 / largest(rgb)).floor().clamp(1.0, 255.0) / 255.0;
+                rgb.map(|x| x * divisor)
+            });
+        }),
+        // Bytes of Radiance's format.
+        ("RGBE read", |map| {
+            each_texel(map, |rgb| {
+                let exponent = largest(rgb).log2().floor() as i32 + 1;
+                rgb.map(|x| (x * 256.0 / 2.0_f32.powi(exponent)).floor() / 255.0)
+            });
+        }),
+    ];
+    for (words, slip) in slips {
+        let mut map = right.clone();
+        slip(&mut map);
+        let verdict = judged(&light, map, Some(&ALPHAS)).verdict();
+        assert!(verdict.contains(words), "{words}: {verdict}");
+    }
+}
+
+#[test]
+fn slips_of_the_light_and_of_the_kernel_are_named() {
+    let light = marked_light();
+    let truth = Truth::new(&light, Kernel::cosine(&Ggx), &ALPHAS);
+    let turn = glam::DQuat::from_rotation_y(37.0_f64.to_radians());
+    let verdict = judged(&light, cube(&truth, &ALPHAS, |direction| turn * direction), Some(&ALPHAS)).verdict();
+    assert!(verdict.contains("turned by 37° about y: an offset of 0.103"), "{verdict}");
+    let cut = light.clipped(1.0);
+    let cut = Truth::new(&cut, Kernel::cosine(&Ggx), &ALPHAS);
+    let verdict = judged(&light, cube(&cut, &ALPHAS, |direction| direction), Some(&ALPHAS)).verdict();
+    assert!(verdict.contains("an LDR source"), "{verdict}");
+    let other = WEIGHTS.iter().find(|weight| weight.name == "none").unwrap();
+    let kernel = Kernel::new(&Ggx, other, Default::default());
+    let of_other = Truth::new(&light, kernel, &ALPHAS);
+    let verdict = judged(&light, cube(&of_other, &ALPHAS, |direction| direction), Some(&ALPHAS)).verdict();
+    assert!(verdict.contains("--weight none"), "{verdict}");
+    // Another light altogether.
+    let mut image = light.image.clone();
+    image.data.rotate_left(128 * 20 + 40);
+    let another = Environment::from_image("another", image);
+    let verdict = judged(&another, cube(&truth, &ALPHAS, |direction| direction), Some(&ALPHAS)).verdict();
+    assert!(verdict.contains("another map"), "{verdict}");
+}
+
+/// Linear chains have the widths `(k/(n - 1))²`, quadratic ones `(1 - √(1 - k/(n - 1)))²`.
+#[test]
+fn chains_of_other_levels_are_named() {
+    let light = marked_light();
+    let linear = |k: u32, n: u32| (f64::from(k) / f64::from(n - 1)).powi(2);
+    let quadratic = |k: u32, n: u32| (1.0 - (1.0 - f64::from(k) / f64::from(n - 1)).sqrt()).powi(2);
+    let of = |alphas: Vec<f64>| {
+        let truth = Truth::new(&light, Kernel::cosine(&Ggx), &alphas);
+        judged(&light, cube(&truth, &alphas, |direction| direction), None).verdict()
+    };
+    let right = of((0..5).map(|k| linear(k, 5)).collect());
+    assert!(!right.contains("missing") && !right.contains("mapping"), "{right}");
+    let last = of((0..4).map(|k| linear(k, 6)).collect());
+    assert!(last.contains("the last 2 of 6 levels missing"), "{last}");
+    let first = of((2..6).map(|k| linear(k, 6)).collect());
+    assert!(first.contains("the first 2 of 6 levels missing"), "{first}");
+    let bent = of((0..5).map(|k| quadratic(k, 5)).collect());
+    assert!(bent.contains("--level-mapping quadratic"), "{bent}");
+}
