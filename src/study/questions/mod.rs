@@ -60,8 +60,6 @@ questions! {
 pub const SENTENCES_MAX: usize = 3;
 pub const WORDS_MAX: usize = 25;
 
-const NO_PICTURE: &str = " The scene `design` is not a picture: this metric needs another scene.";
-
 pub struct Question {
     /// The file's stem with hyphens.
     pub name: &'static str,
@@ -144,8 +142,7 @@ pub fn answers(run: &Finished, metric: Option<&str>) -> Vec<Answer> {
                 weighted.iter().filter_map(|frame| Some((&frame.run.weight, (question.answer)(frame)?))).collect(),
             ),
         };
-        let Some(mut finding) = finding else { continue };
-        finding.sentence += if frames[0].has_no_picture() { NO_PICTURE } else { "" };
+        let Some(finding) = finding else { continue };
         answers.push(Answer { question, finding });
     }
     answers

@@ -9,8 +9,9 @@
 //! - `share`: the first over the second.
 //!
 //! A *combination* is one value of each swept setting of tables. It is *enough* at an alpha if its share is at most [`enough`] in every
-//! condition: the split itself then causes the error. The answer is the combination with the fewest texels that is enough at every alpha; among
-//! equal ones the one with the fewest samples, then the smallest worst share.
+//! condition: the split itself then causes the error. The answer is the combination with the fewest texels that is
+//! enough from some alpha on, down to the smallest alpha where one is; among equal ones the one with the fewest samples,
+//! then the smallest worst share.
 
 use super::prelude::*;
 use crate::metrics::ALL_VIEWS;
@@ -18,11 +19,10 @@ use crate::precompute::PrecomputeSettings;
 use crate::shade::{EXACT_SPLIT, REFERENCE};
 use crate::table::markdown::significant;
 use std::collections::HashMap;
-use std::ops::Range;
 
 pub const QUESTION: Question = Question {
     name: "tables",
-    asks: "Which tables should a renderer ship, and from which roughness do better tables not help?",
+    asks: "Which tables should a renderer ship, and from which roughness on are they good enough?",
     columns: &[
         SEEN_FROM,
         SEEN_TO,
@@ -134,8 +134,10 @@ impl Combination<'_, '_, '_> {
         self.own.iter().max_by(|a, b| a.share().total_cmp(&b.share())).expect("a group has a row")
     }
 
-    fn numbers(&self, of: fn(&Tried) -> f64) -> Numbers<'_, '_> {
-        let all_views = self.own.iter().filter(|one| one.seen == ALL_VIEWS);
+    /// Numbers over all views, at one value of an axis.
+    fn numbers(&self, at: &Value, axis: usize, of: fn(&Tried) -> f64) -> Numbers<'_, '_> {
+        let is_here = |one: &&&Tried| one.seen == ALL_VIEWS && one.row.point[axis] == *at;
+        let all_views = self.own.iter().filter(is_here);
         Numbers::new(all_views.map(|one| (one.row, of(one))), Middle::GeometricMean)
     }
 }
@@ -192,147 +194,89 @@ fn answer(frame: &Frame) -> Option<Finding> {
     }
     let all: Vec<&Tried> = tried.iter().collect();
     let rows = grouped_ascending(all.iter().copied(), frame.row_axis(), |one| one.row);
-    let by_width: Vec<_> = rows.iter().map(|(width, own)| (width.clone(), combinations(own.iter().copied()))).collect();
-    let whole = combinations(all.iter().copied());
+    let tails: Vec<Tail> = (0..rows.len())
+        .map(|place| Tail {
+            from: rows[place].0.clone(),
+            all: combinations(rows[place..].iter().flat_map(|(_, own)| own.iter().copied())),
+        })
+        .collect();
     Some(Finding {
-        sentence: sentence(frame, &parameters, &rows, &by_width, &whole)?,
-        digest: Some(digest(frame, &parameters, &scope, &by_width, &whole)),
+        sentence: sentence(frame, &parameters, &tails)?,
+        digest: Some(digest(frame, &parameters, &scope, &tails)),
         figure: figure(frame, &parameters, &all),
         table,
     })
 }
 
-type ByWidth<'t, 'r, 'f> = [(Value, Vec<Combination<'t, 'r, 'f>>)];
-type Rows<'t, 'r, 'f> = [(Value, Vec<&'t Tried<'r, 'f>>)];
-
-/// The longest run of neighbouring values of [`Frame::row_axis`] with one combination that is enough; of equally long runs the last.
-fn longest<'t, 'r, 'f>(enough: f64, rows: &Rows<'t, 'r, 'f>) -> Option<(Range<usize>, Combination<'t, 'r, 'f>)> {
-    let ranges =
-        (1..=rows.len()).rev().flat_map(|length| (length..=rows.len()).rev().map(move |end| end - length..end));
-    ranges.into_iter().find_map(|range| {
-        let all = combinations(rows[range.clone()].iter().flat_map(|(_, own)| own.iter().copied()));
-        Some((range, all.into_iter().find(|one| one.worst().share() <= enough)?))
-    })
+/// Combinations over one value of [`Frame::row_axis`] and all greater ones. A renderer ships one set of tables for all
+/// widths, and a level that happens to lie at one width must not decide.
+struct Tail<'t, 'r, 'f> {
+    from: Value,
+    all: Vec<Combination<'t, 'r, 'f>>,
 }
 
-/// "From alpha 0.25 (roughness 0.5) on".
-fn range_words(frame: &Frame, rows: &Rows, range: &Range<usize>) -> String {
-    let (of, names) = (frame.row_axis(), &frame.names);
-    let [first, last] = [range.start, range.end - 1].map(|place| names.heading(of, &rows[place].0));
-    let end = |place: usize| names.one(of, &rows[place].0);
-    match (range.len(), range.start == 0, range.end == rows.len()) {
-        (1, ..) => format!("At {first}"),
-        (_, _, true) => format!("From {first} on"),
-        (_, true, _) => format!("Up to {last}"),
-        _ => format!("From {} to {}", end(range.start), end(range.end - 1)),
-    }
-}
-
-fn sentence(
-    frame: &Frame,
-    parameters: &[usize],
-    rows: &Rows,
-    by_width: &ByWidth,
-    whole: &[Combination],
-) -> Option<String> {
+fn sentence(frame: &Frame, parameters: &[usize], tails: &[Tail]) -> Option<String> {
     let (metric, enough) = (frame.metric_name(), enough(frame));
-    let (of, best) = (frame.row_axis(), chosen(enough, whole)?);
-    let words = |tables: &Key| words(frame, parameters, tables);
-    let place = |one: &Tried| place(frame, one, &distinct_in_order([ENVIRONMENT, of]));
+    let best = chosen(enough, &tails.first()?.all)?;
+    let words = |one: &Combination| words(frame, parameters, &one.tables);
     // A share within the reference's noise is an upper bound.
-    let share = |one: &Tried| {
-        let bound = if frame.is_resolved(one.row) { "" } else { "at most " };
-        format!("{bound}{}", told_share(enough, one.share()))
+    let reached = |one: &Combination| {
+        let worst = one.worst();
+        let bound = if frame.is_resolved(worst.row) { "" } else { "at most " };
+        let place = place(frame, worst, &distinct_in_order([ENVIRONMENT, frame.row_axis()]));
+        format!("{bound}{} ({place})", told_share(enough, worst.share()))
     };
-    let mut text = match longest(enough, rows) {
-        Some((range, one)) if range.len() < rows.len() => {
-            let ship = format!(
-                "{}, ship **{}**: at most {} of the split's `{metric}`.",
-                range_words(frame, rows, &range),
-                words(&one.tables),
-                told_share(enough, one.worst().share()),
-            );
-            let outside = by_width.iter().enumerate().filter(|(place, _)| !range.contains(place));
-            let best = outside.filter_map(|(_, (width, all))| Some((width, chosen(enough, all)?.worst())));
-            let (do_too, fail): (Vec<_>, Vec<_>) = best.partition(|(_, worst)| worst.share() <= enough);
-            let at = |widths: &[(&Value, &Tried)]| {
-                let widths: Vec<String> = widths.iter().map(|(width, _)| frame.names.short(of, width)).collect();
-                format!("{} {}", frame.names.name(of), widths.join(", "))
-            };
-            let fail_worst = fail.iter().map(|(_, worst)| *worst).max_by(|a, b| a.share().total_cmp(&b.share()));
-            let none = fail_worst.map(|worst| {
-                format!(
-                    " At {}, no tables are enough. The best, {}, reach {}: a `{metric}` of {} under {}.",
-                    at(&fail),
-                    words(&worst.tables),
-                    share(worst),
-                    with_rms(frame, worst.error),
-                    place(worst),
-                )
-            });
-            let others =
-                (!do_too.is_empty()).then(|| format!(" At {}, other tables are enough: see the rows.", at(&do_too)));
-            [Some(ship), none, others].into_iter().flatten().collect()
+    let shipped = |tail: &Tail| tail.all.iter().position(|one| one.worst().share() <= enough);
+    let first = tails.iter().enumerate().find_map(|(place, tail)| Some((place, &tail.all[shipped(tail)?])));
+    let (text, ship) = match first {
+        Some((0, one)) => {
+            (format!("Ship **{}**: their `{metric}` is at most {} of the split's own.", words(one), reached(one)), one)
         }
-        Some((_, one)) => format!(
-            "Ship **{}**: their `{metric}` is at most {} of the split's own ({}).",
-            words(&one.tables),
-            told_share(enough, one.worst().share()),
-            place(one.worst())
-        ),
-        None => format!(
-            "No tried tables err by {} of the split's own `{metric}` or less. The best, {}, reach {} ({}).",
-            if frame.metric.power == 2.0 { "a tenth" } else { "a third" },
-            words(&best.tables),
-            share(best.worst()),
-            place(best.worst())
-        ),
+        Some((place, one)) => {
+            let from = frame.names.heading(frame.row_axis(), &tails[place].from);
+            let share = told_share(enough, one.worst().share());
+            let ship = format!("From {from} on, ship **{}**: at most {share} of the split's `{metric}`.", words(one));
+            (format!("{ship} Below, the best, {}, reach {}.", words(best), reached(best)), one)
+        }
+        None => {
+            let part = if frame.metric.power == 2.0 { "a tenth" } else { "a third" };
+            let none = format!("No tried tables err by {part} of the split's own `{metric}` or less.");
+            (format!("{none} The best, {}, reach {}.", words(best), reached(best)), best)
+        }
     };
-    // The values from which on the smallest tables are enough.
-    let is_enough = |all: &[Combination]| all.first().is_some_and(|least| least.worst().share() <= enough);
-    let rest = by_width.iter().rposition(|(_, all)| !is_enough(all)).map_or(0, |last| last + 1);
-    if let Some((width, all)) = by_width.get(rest)
-        && *width != Value::Unset
-        && by_width.len() > 1
-    {
-        let from = match rest {
-            0 => format!("At every {}", frame.names.name(of)),
-            _ => format!("From {} on", frame.names.heading(of, width)),
-        };
-        let own = all[0].numbers(|one| one.split).estimate().map_or(String::new(), |mean| with_rms(frame, mean.value));
-        text += &format!(
-            " {from}, the smallest tables are enough: the split itself has a `{metric}` of {own} at {}.",
-            frame.names.one(of, width)
-        );
-    }
-    Some(text)
+    Some(format!("{text} To bake them: {}.", command(parameters, &ship.tables)))
 }
 
-/// One row per value of [`Frame::row_axis`], the last over all: the smallest tables that are enough, their error, and the split's error.
-fn digest(frame: &Frame, parameters: &[usize], scope: &[usize], by_width: &ByWidth, whole: &[Combination]) -> Table {
+/// "`splitsum bake MAP --out DIR --set prefilter_size=64x64`".
+fn command(parameters: &[usize], tables: &Key) -> String {
+    let set = parameters.iter().zip(tables).filter(|(axis, value)| AXES[**axis].tables_cost && **value != Value::Unset);
+    let set: String = set.map(|(&axis, value)| format!(" --set {}={value}", AXES[axis].name)).collect();
+    format!("`splitsum bake MAP --out DIR{set}`")
+}
+
+/// One row per value of [`Frame::row_axis`]: the smallest tables that are enough there and at all greater values, their
+/// error and the split's there, and their largest share.
+fn digest(frame: &Frame, parameters: &[usize], scope: &[usize], tails: &[Tail]) -> Table {
     let of = frame.row_axis();
     let heads = frame.names.heads(&[of]);
     let names = [
-        "tables",
-        "their error, geometric mean over all n·v",
+        "smallest tables that are enough from here on",
+        "their error here, geometric mean over all n·v",
         "the split's own error, the same mean",
-        "share at most",
+        "share at most, from here on",
         "where",
     ];
     let mut table = Table::with_names(heads.iter().copied().chain(names));
     let enough = enough(frame);
-    let rows = by_width.iter().filter(|(width, _)| *width != Value::Unset);
-    let rows = rows.map(|(width, all)| (Some(width), &all[..]));
-    for (width, all) in rows.chain([(None, whole)]) {
+    for Tail { from, all } in tails {
         let Some(best) = chosen(enough, all) else { continue };
         let worst = best.worst();
-        let told = |of| best.numbers(of).estimate().map(|mean| with_rms(frame, mean.value));
+        let told = |number| best.numbers(from, of, number).estimate().map(|mean| with_rms(frame, mean.value));
         let tables = words(frame, parameters, &best.tables);
         let tables = if worst.share() <= enough { tables } else { format!("none; best {tables}") };
-        let place: Vec<usize> = scope.iter().copied().filter(|axis| width.is_none() || *axis != of).collect();
         let errors = cells![told(|one| one.error), told(|one| one.split)];
-        let worst = cells![told_share(enough, worst.share()), self::place(frame, worst, &place)];
-        let head = width.map_or_else(|| all_head(&heads), |width| frame.names.head_of(of, width));
+        let worst = cells![told_share(enough, worst.share()), self::place(frame, worst, scope)];
+        let head = if *from == Value::Unset { all_head(&heads) } else { frame.names.head_of(of, from) };
         table.row([head, cells![tables], errors, worst].concat());
     }
     table

@@ -3,6 +3,8 @@
 use super::paper::{F64, Paper, column, numbers, only};
 use splitsum::study::questions::Finding;
 
+const FROM_HERE: &str = "smallest tables that are enough from here on";
+
 /// A run that is judged by this method.
 fn judged_by(method: &str) -> Paper {
     let mut paper = Paper::new(&[
@@ -49,12 +51,18 @@ fn run() -> Paper {
 fn tables_are_enough_where_they_err_by_a_tenth_of_the_split() {
     let finding = run().finding("tables");
     // 2 x 0.19 is 0.38 of 1 and 0.095 of 4; of equal sizes the better mapping leads, though both are enough.
-    assert_eq!(
-        shown(&finding, "0.5", ["tables", "share at most", "where"]),
-        ["16x16, 64 samples, linear mapping", "9.5 %", "sky"]
-    );
-    assert_eq!(shown(&finding, "0.1", ["tables", "share at most"]), ["32x32, 64 samples, linear mapping", "0.10 %"]);
-    assert_eq!(shown(&finding, "all", ["tables", "share at most"]), ["64x64, 64 samples, quadratic mapping", "6.0 %"]);
+    let [tables, share, error] =
+        [FROM_HERE, "share at most, from here on", "their error here, geometric mean over all n·v"];
+    let at_half = shown(&finding, "0.5", [tables, share, "where"]);
+    assert_eq!(at_half, ["16x16, 64 samples, linear mapping", "9.5 %", "sky · alpha 0.5"]);
+    // Tables that were tried at one alpha are not enough from it on.
+    let on = shown(&finding, "0.1", [tables, share, "where"]);
+    assert_eq!(on, ["64x64, 64 samples, quadratic mapping", "6.0 %", "sky · alpha 0.1"]);
+    // The geometric mean of 0.03 and 0.06.
+    assert!(shown(&finding, "0.1", [error])[0].starts_with("0.042"), "{:?}", shown(&finding, "0.1", [error]));
+    assert!(finding.sentence.starts_with("Ship **64x64, 64 samples, quadratic mapping**"), "{}", finding.sentence);
+    let set = "--set prefilter_size=64x64 --set prefilter_sample_count=64 --set level_mapping=quadratic`";
+    assert!(finding.sentence.contains(set), "{}", finding.sentence);
     let own = [("alpha", "0.5"), ("environment", "builtin:sky"), ("prefilter_size", "16x16")];
     let row = only(&finding.table, &own);
     let found = ["error", "split_error", "share"].map(|name| numbers(&row, name)[0]);
@@ -72,13 +80,14 @@ fn where_no_tables_are_enough_the_best_are_named() {
         }
     }
     let finding = paper.finding("tables");
-    assert_eq!(shown(&finding, "0.1", ["tables", "share at most"]), ["none; best 256 samples", "50.0 %"]);
-    assert_eq!(shown(&finding, "0.5", ["tables"]), ["64 samples"]);
+    let shown = |alpha| shown(&finding, alpha, [FROM_HERE, "share at most, from here on"]);
+    assert_eq!(shown("0.1"), ["none; best 256 samples", "50.0 %"]);
+    // Enough at 0.5, where nothing was enough at 0.1.
+    assert_eq!(shown("0.5"), ["64 samples", "2.0 %"]);
     // What can be shipped comes first.
     let said = &finding.sentence;
-    assert!(said.starts_with("At alpha 0.5 (roughness 0.71), ship **64 samples**: at most 2.0 %"), "{said}");
-    assert!(said.contains("At alpha 0.1, no tables are enough. The best, 256 samples, reach 50.0 %"), "{said}");
-    assert!(said.contains("under sky · alpha 0.1"), "{said}");
+    assert!(said.starts_with("From alpha 0.5 (roughness 0.71) on, ship **64 samples**: at most 2.0 %"), "{said}");
+    assert!(said.contains("Below, the best, 256 samples, reach 50.0 % (sky · alpha 0.1)"), "{said}");
 }
 
 #[test]
