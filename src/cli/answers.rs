@@ -1,6 +1,6 @@
 //! `splitsum answers`.
 
-use super::report::{finished, known_metric, line};
+use super::report::{answered, known_metric, line};
 use super::{Failure, print, progress, tell};
 use clap::Args;
 use splitsum::report::blocks::fill_pages;
@@ -8,7 +8,6 @@ use splitsum::report::page::{PageOptions, Told, is_page, write};
 use splitsum::report::publish::{PublishError, check, publish, write_page};
 use splitsum::report::write::Written;
 use splitsum::study::finished::notes;
-use splitsum::study::questions::answers;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
@@ -59,8 +58,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
             tell(&format!("warning: {note}"));
         }
         progress::doing(format!("answering the questions of {}", dir.display()));
-        let run = finished(dir, &arguments.weights)?;
-        let answers = answers(&run, arguments.metric.as_deref());
+        let (run, answers) = answered(dir, arguments.metric.as_deref(), &arguments.weights)?;
         let written = Written::new(&run, &answers).map_err(Failure::failed)?;
         if let Some(note) = run.under_way_note() {
             if arguments.publish.is_some() {

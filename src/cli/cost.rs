@@ -1,6 +1,7 @@
 //! `splitsum cost`, and the hidden command of its child.
 
 use super::flags::flag;
+use super::shared::check_out;
 use super::{Failure, print, tell};
 use clap::builder::ValueParser;
 use clap::{ArgAction, ArgMatches, Args, Command, FromArgMatches};
@@ -149,6 +150,9 @@ fn family(text: &str) -> Result<Asked, String> {
 }
 
 pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
+    if let Some(out) = &arguments.out {
+        check_out("--out", out, &["csv"], [])?;
+    }
     let passes = compiled(arguments)?;
     if let Some(out) = &arguments.out {
         std::fs::write(out, csv(&passes))

@@ -75,7 +75,7 @@ pub struct Given {
     pub flag: String,
     /// Index into [`AXES`].
     pub axis: usize,
-    value: Value,
+    pub value: Value,
 }
 
 impl AxisFlags {

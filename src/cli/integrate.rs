@@ -1,6 +1,6 @@
 //! `splitsum integrate`: exact answers to a table of queries, without a device.
 
-use super::shared::{InputFlags, folder_of};
+use super::shared::{InputFlags, check_out};
 use super::{Failure, print_data, progress, tell};
 use clap::Args;
 use splitsum::brdf::Brdf;
@@ -74,7 +74,7 @@ fn either(names: Vec<&str>) -> String {
 
 pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     if let Some(out) = &arguments.out {
-        folder_of("--out", out)?;
+        check_out("--out", out, &["csv"], [arguments.queries.clone()])?;
     }
     let queries =
         Queries::read(&arguments.queries, arguments.kind, &arguments.inputs.options()).map_err(Failure::input)?;

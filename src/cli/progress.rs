@@ -126,7 +126,11 @@ impl Shown {
         match &self.steps {
             None => format!("{}: {}", self.words, HumanDuration(gone)),
             Some(Steps { total, done, ahead, updated }) => {
-                let left = Duration::from_secs_f64(ahead.seconds.clamp(0.0, 1e9)).saturating_sub(updated.elapsed());
+                // A step that overruns takes no time from the steps behind it.
+                let open = total.saturating_sub(*done).max(1) as f64;
+                let behind = ahead.seconds * (open - 1.0) / open;
+                let seconds = (ahead.seconds - updated.elapsed().as_secs_f64()).max(behind);
+                let left = Duration::from_secs_f64(seconds.clamp(0.0, 1e9));
                 let percent = 100.0 * ahead.share;
                 format!("[{done}/{total}] {percent:.0} %, about {} left: {}", HumanDuration(left), self.words)
             }

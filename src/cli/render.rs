@@ -1,7 +1,7 @@
 //! `splitsum render`: one image.
 
 use super::flags::{AxisFlags, Given, SeenFlags};
-use super::shared::folder_of;
+use super::shared::check_out;
 use super::{Failure, print, progress, tell};
 use clap::Args;
 use splitsum::bakes::given;
@@ -44,15 +44,11 @@ pub struct Arguments {
     axes: AxisFlags,
 }
 
-enum Output {
-    LinearExr,
-    DisplayPng,
-}
-
 pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
-    let output = output(&arguments.out)?;
+    check_out("--out", &arguments.out, &["exr", "png"], inputs(arguments))?;
+    let is_linear = arguments.out.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("exr"));
     let point = point(arguments)?;
-    check_used(arguments, &point, &output)?;
+    check_used(arguments, &point, is_linear)?;
     let settings = point.settings();
     settings.shading.precompute.validate().map_err(Failure::input)?;
     let seen = &arguments.seen;
@@ -91,15 +87,23 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
             term.term, term.sample_count, term.relative_error
         ));
     }
-    match output {
-        Output::LinearExr => write_radiance(&arguments.out, &frame).map_err(Failure::failed)?,
-        Output::DisplayPng => {
-            let picture = pipeline.tonemap(&frame.radiance, curve);
-            let (picture, _) = picture.map_err(|error| Failure::rendering(RenderFault::from(error)))?;
-            png::write_rgb8(&arguments.out, &picture).map_err(Failure::failed)?;
-        }
+    if is_linear {
+        write_radiance(&arguments.out, &frame).map_err(Failure::failed)?;
+    } else {
+        let picture = pipeline.tonemap(&frame.radiance, curve);
+        let (picture, _) = picture.map_err(|error| Failure::rendering(RenderFault::from(error)))?;
+        png::write_rgb8(&arguments.out, &picture).map_err(Failure::failed)?;
     }
     print(&format!("{}\n", arguments.out.display()))
+}
+
+/// Returns the files that the command reads.
+fn inputs(arguments: &Arguments) -> impl Iterator<Item = PathBuf> {
+    let given = arguments.axes.iter().filter_map(|given| {
+        let text = given.value.to_string();
+        AXES[given.axis].kind.path_in(&text).map(PathBuf::from)
+    });
+    given.chain(arguments.method_shader.clone())
 }
 
 /// Builds the point and compiles a method in a file. The reference has a default sample count of its own.
@@ -118,7 +122,7 @@ fn point(arguments: &Arguments) -> Result<Point, Failure> {
 }
 
 /// Refuses flags without effect.
-fn check_used(arguments: &Arguments, point: &Point, output: &Output) -> Result<(), Failure> {
+fn check_used(arguments: &Arguments, point: &Point, is_linear: bool) -> Result<(), Failure> {
     let collapsed = point.collapsed(!arguments.seen.lights.is_empty());
     let (method, diffuse) = (point.method().name, point.diffuse().name);
     let has_reference_term = point.method().is_integrated() || point.diffuse().is_integrated();
@@ -127,7 +131,7 @@ fn check_used(arguments: &Arguments, point: &Point, output: &Output) -> Result<(
         let is_reference_count = *axis == SAMPLES && has_reference_term;
         if collapsed[*axis] == Value::Unset && !is_reference_count {
             faults.push(format!("--{flag}: has no effect with method {method} and diffuse {diffuse}; leave it out"));
-        } else if !AXES[*axis].changes_radiance() && matches!(output, Output::LinearExr) {
+        } else if !AXES[*axis].changes_radiance() && is_linear {
             faults.push(format!("--{flag}: has no effect on an .exr, which is linear; expected --out FILE.png"));
         }
     }
@@ -145,21 +149,4 @@ fn check_used(arguments: &Arguments, point: &Point, output: &Output) -> Result<(
 /// Returns the reference's samples per pixel, whichever term it computes.
 fn reference_samples(arguments: &Arguments) -> u32 {
     arguments.axes.get(SAMPLES).map_or(Reference::default().samples, Value::count)
-}
-
-/// Checks the extension and that the folder is writable, before rendering.
-fn output(path: &Path) -> Result<Output, Failure> {
-    let folder = folder_of("--out", path)?;
-    let output = match path.extension().map(|extension| extension.to_string_lossy().to_lowercase()).as_deref() {
-        Some("exr") => Output::LinearExr,
-        Some("png") => Output::DisplayPng,
-        _ => return Err(Failure::input(format!("--out: {} ends in neither .exr nor .png", path.display()))),
-    };
-    if path.is_dir() {
-        return Err(Failure::input(format!("--out: {} is a folder; expected a file", path.display())));
-    }
-    // Permission bits do not reveal read-only file systems.
-    tempfile::tempfile_in(folder)
-        .map_err(|error| Failure::input(format!("--out: cannot write to the folder {}: {error}", folder.display())))?;
-    Ok(output)
 }

@@ -1,12 +1,13 @@
 //! `splitsum report`.
 
-use super::{Failure, print, progress, tell};
+use super::{Failure, print, progress, shared, tell};
 use clap::Args;
 use splitsum::metrics::Metric;
 use splitsum::report::page::images::{BUDGET_BYTES, Choice, Window};
 use splitsum::report::page::{PAGE_FILE, PageError, PageOptions, Told, Written, check_out, write};
 use splitsum::spelling::Listed;
 use splitsum::study::finished::{Finished, notes};
+use splitsum::study::frame::Frame;
 use splitsum::study::questions::{Answer, answers};
 use std::path::{Path, PathBuf};
 
@@ -57,6 +58,9 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         (false, None) => Choice::Automatic,
     };
     let out = arguments.out.clone().unwrap_or_else(|| arguments.dirs[0].join(PAGE_FILE));
+    if let Some(out) = &arguments.out {
+        shared::check_out("--out", out, &["html", "htm"], [])?;
+    }
     check_out(&out)?;
     for note in arguments.dirs.iter().flat_map(|dir| notes(dir)) {
         tell(&format!("warning: {note}"));
@@ -65,11 +69,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let runs: Vec<(Finished, Vec<Answer>)> = arguments
         .dirs
         .iter()
-        .map(|dir| {
-            let run = finished(dir, &arguments.weights)?;
-            let answers = answers(&run, arguments.metric.as_deref());
-            Ok((run, answers))
-        })
+        .map(|dir| answered(dir, arguments.metric.as_deref(), &arguments.weights))
         .collect::<Result<_, Failure>>()?;
     let options = PageOptions { out, images, budget: BUDGET_BYTES, metric: arguments.metric.clone() };
     progress::doing("writing the report");
@@ -82,15 +82,21 @@ impl From<PageError> for Failure {
     }
 }
 
-/// Reads a run, to be answered by these weights of views, by default its own.
-pub fn finished(dir: &Path, weights: &[String]) -> Result<Finished, Failure> {
-    let run = Finished::read(dir).map_err(Failure::input)?;
-    match weights {
-        [] => Ok(run),
-        names => {
-            run.with_weights(names).map_err(|fault| Failure::input(format!("--weights: {}: {fault}", dir.display())))
-        }
+/// Reads a run and answers its questions by these weights of views, by default its own. A metric of pictures is refused
+/// for a run without pictures.
+pub fn answered(dir: &Path, metric: Option<&str>, weights: &[String]) -> Result<(Finished, Vec<Answer>), Failure> {
+    let mut run = Finished::read(dir).map_err(Failure::input)?;
+    let shown = dir.display();
+    if !weights.is_empty() {
+        run = run.with_weights(weights).map_err(|fault| Failure::input(format!("--weights: {shown}: {fault}")))?;
     }
+    if let Some(name) = metric
+        && Frame::new(&run, metric).has_no_picture()
+    {
+        return Err(Failure::input(format!("--metric {name}: scores pictures, and {shown} has only the scene design")));
+    }
+    let answers = answers(&run, metric);
+    Ok((run, answers))
 }
 
 /// Describes a written report.

@@ -5,7 +5,7 @@ use super::progress::{self, Terminal};
 use super::shared::DeviceFlag;
 use super::stop::{self, STOP};
 use super::subject::Subject;
-use super::{Failure, print};
+use super::{Failure, print, tell};
 use clap::Args;
 use splitsum::experiment::Plan;
 use splitsum::report::page::{PageOptions, Told, write};
@@ -112,15 +112,27 @@ pub fn conclude(plan: &Plan, outcome: &Outcome) -> Result<Option<Failure>, Failu
     let told = format!("{}Written to {}\n", written.summary, outcome.dir.display());
     print(&told)?;
     progress::doing("writing the report");
-    // A failed report does not fail the run.
     let options = PageOptions::in_folder(&outcome.dir);
     let report = write(&options, &Told::of_runs(&[(run, answers)]));
-    let line = report.as_ref().map_or_else(|error| format!("No report: {error}\n"), super::report::line);
+    let failed = cells_failed(outcome);
+    let line = match report {
+        Ok(written) => super::report::line(&written),
+        Err(error) => {
+            let fault = Failure::failed(format!("no report: {error}"));
+            return match failed {
+                None => Err(fault),
+                Some(failed) => {
+                    tell(&fault.text);
+                    Ok(Some(failed))
+                }
+            };
+        }
+    };
     print(&line)?;
-    if report.is_ok() && outcome.failures.is_empty() && !outcome.is_stopped {
+    if failed.is_none() && !outcome.is_stopped {
         Store::at(&outcome.dir).mark_done(plan, &(told + &line)).map_err(RunError::from)?;
     }
-    Ok(cells_failed(outcome))
+    Ok(failed)
 }
 
 fn cells_failed(outcome: &Outcome) -> Option<Failure> {

@@ -5,7 +5,7 @@ use clap::Args;
 use splitsum::environment::{Environment, LoadOptions};
 use splitsum::pipeline::{DeviceChoice, Options, Pipeline};
 use splitsum::run::RenderFault;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 #[derive(Args, Clone, Copy, Debug)]
 pub struct InputFlags {
@@ -44,11 +44,39 @@ impl DeviceFlag {
     }
 }
 
-/// Returns the folder of a file to write, which must exist.
-pub fn folder_of<'p>(flag: &str, path: &'p Path) -> Result<&'p Path, Failure> {
+/// Checks a file to write before the work: its extension, that its folder can be written, and that it is not an input.
+pub fn check_out(
+    flag: &str,
+    path: &Path,
+    extensions: &[&str],
+    inputs: impl IntoIterator<Item = PathBuf>,
+) -> Result<(), Failure> {
+    let fault = |text: String| Err(Failure::input(format!("{flag}: {text}")));
+    let shown = path.display();
+    let extension = path.extension().map(|extension| extension.to_string_lossy().to_lowercase());
+    if !extension.is_some_and(|extension| extensions.contains(&&*extension)) {
+        let extensions: Vec<String> = extensions.iter().map(|extension| format!(".{extension}")).collect();
+        return fault(format!("{shown}: expected a name that ends in {}", extensions.join(" or ")));
+    }
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     if !folder.is_dir() {
-        return Err(Failure::input(format!("{flag}: there is no folder {}", folder.display())));
+        return fault(format!("there is no folder {}", folder.display()));
     }
-    Ok(folder)
+    let Ok(file) = path.canonicalize() else {
+        // Permission bits do not reveal read-only file systems.
+        return match tempfile::tempfile_in(folder) {
+            Ok(_) => Ok(()),
+            Err(error) => fault(format!("cannot write to the folder {}: {error}", folder.display())),
+        };
+    };
+    if inputs.into_iter().any(|input| input.canonicalize().is_ok_and(|input| input == file)) {
+        return fault(format!("{shown} is an input of this command; give another name"));
+    }
+    if file.is_dir() {
+        return fault(format!("{shown} is a folder; expected a file"));
+    }
+    match std::fs::OpenOptions::new().write(true).open(&file) {
+        Ok(_) => Ok(()),
+        Err(error) => fault(format!("cannot write {shown}: {error}")),
+    }
 }

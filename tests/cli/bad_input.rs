@@ -57,6 +57,10 @@ fn wrong_flags_of_render_and_compare_are_refused() {
             "render --out x.jpg",
             "render --out no/x.png",
             "render --out folder.exr",
+            // Files that the command reads.
+            "render --environment a.exr --out a.exr",
+            "render --method-shader name.glsl --scene m.exr --out m.exr",
+            "cost --out name.glsl",
             #[cfg(target_os = "linux")]
             "render --out /proc/x.png",
             "compare a.exr b.exr",
@@ -113,6 +117,7 @@ fn wrong_experiments_and_folders_are_refused() {
             "answers errors.csv",
             "report errors.csv",
             "report run --out errors.csv",
+            "report run --out no/x.html",
             "answers run --publish errors.csv",
         ],
     );

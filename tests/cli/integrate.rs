@@ -229,6 +229,9 @@ fn wrong_tables_are_refused() {
         dir.path(),
         &[
             "integrate rows.csv --out a.csv",
+            "integrate rows.csv --out rows.csv",
+            #[cfg(target_os = "linux")]
+            "integrate rows.csv --out /proc/a.csv",
             "integrate slip.csv --out a.csv",
             "integrate columns.csv --out a.csv",
             "integrate colour.csv --out a.csv",

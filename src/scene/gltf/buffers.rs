@@ -1,5 +1,6 @@
 //! Buffers and accessors. Files state every length, so each is checked before allocation.
 
+use crate::files::inside;
 use crate::scene::source::{SceneFiles, existing};
 use ::gltf::Document;
 use ::gltf::accessor::{Accessor, DataType, Dimensions, sparse::IndexType};
@@ -20,6 +21,7 @@ pub fn resource(uri: &str, from: &Path, files: &dyn SceneFiles) -> Result<Vec<u8
         return BASE64_STANDARD.decode(text).map_err(|error| format!("data: {error}"));
     }
     let name = percent_encoding::percent_decode_str(uri).decode_utf8_lossy();
+    inside(Path::new(""), &name)?;
     files.read(&existing(files, from, &name)).map_err(|error| format!("cannot read {name:?}: {error}"))
 }
 

@@ -91,6 +91,9 @@ pub fn read(text: &str) -> Result<Obj, LineError> {
     Ok(obj)
 }
 
+/// Most corners of a face.
+const CORNERS_MAX: usize = 1 << 16;
+
 fn statement(obj: &mut Obj, logical: &str, totals: [usize; 3]) -> Result<(), String> {
     let (keyword, rest) = split_keyword(logical);
     // Names may contain a number sign, numbers may not.
@@ -102,13 +105,14 @@ fn statement(obj: &mut Obj, logical: &str, totals: [usize; 3]) -> Result<(), Str
         "f" | "fo" => {
             let counts = [obj.positions.len(), obj.uvs.len(), obj.normals.len()];
             let run = obj.runs.last_mut().expect("one from the beginning");
-            let before = run.corners.len();
+            let count = values.split_whitespace().take(CORNERS_MAX + 1).count();
+            if !(3..=CORNERS_MAX).contains(&count) {
+                let more = if count > CORNERS_MAX { "more than " } else { "" };
+                let count = count.min(CORNERS_MAX);
+                return Err(format!("a face of {more}{count} corners, expected 3 to {CORNERS_MAX}"));
+            }
             for word in values.split_whitespace() {
                 run.corners.push(corner(word, counts, totals)?);
-            }
-            let count = run.corners.len() - before;
-            if count < 3 {
-                return Err(format!("a face of {count} corners, expected at least 3"));
             }
             run.arities.push(count);
         }

@@ -147,6 +147,8 @@ fn ids_depend_on_everything_that_determines_pixels() {
         "camera = \"perspective\"",
         "background = true",
         "antialias = true",
+        "orbit = [30, 0, 2]",
+        "orbit = [0, 20, 2]",
         "scene = \"spheres\"",
         "reference = { samples = 64 }",
         "reference = { samples = 4096, relative_error = 0.5 }",
@@ -159,6 +161,11 @@ fn ids_depend_on_everything_that_determines_pixels() {
     // The same name and another content.
     let other = LoadOptions { builtin_size: [32, 16], ..LoadOptions::default() };
     assert!(of("", &other).into_iter().all(|id| ids.insert(id)), "the light changes no id");
+    let ladder = |samples: u32| {
+        let axes = "scene = [\"design\"]\nmethod = [\"split-sum\"]\ndiffuse = [\"none\"]\nsize = [[64, 64]]";
+        plan(&format!("name = \"x\"\n[axes]\n{axes}\n[ladder]\nsamples = {samples}\n")).cells[0].id.clone()
+    };
+    assert!(ids.insert(ladder(64)) && ids.insert(ladder(128)), "samples of the ladder change no id");
     let [repeated, _] = of("[bias_variance]\nrepeats = 3", &plain);
     assert!(ids.insert(repeated), "repeats change no id");
     assert!(!ids.insert(of("question = \"another\"", &plain)[0].clone()), "the question changes an id");

@@ -369,6 +369,9 @@ fn unsupported_and_broken_files_are_refused() {
             m["accessors"][3]["count"] = json!(3);
         }),
         ("no such file", |m| m["buffers"][0]["uri"] = json!("a%20b.bin")),
+        ("a file elsewhere", |m| m["buffers"][0]["uri"] = json!("../a.bin")),
+        ("a file elsewhere, by Windows", |m| m["buffers"][0]["uri"] = json!("a\\..\\..\\b.bin")),
+        ("a whole path", |m| m["buffers"][0]["uri"] = json!("/etc/passwd")),
         ("data of another form", |m| m["buffers"][0]["uri"] = json!("data:,x")),
         ("no address", |m| m["buffers"][0] = json!({ "byteLength": 48 })),
         ("no object", |m| *m = json!([1])),

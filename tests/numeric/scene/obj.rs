@@ -98,6 +98,9 @@ fn wrong_files_are_refused_with_the_line() {
         "v 0 0 0\nf 1 1 1\n",
     ];
     let scenes = scenes.map(|text| (text, load_text(text)));
+    let huge = format!("v 0 0 0\nf{}\n", " 1".repeat(70_000));
+    let said = load_text(&huge).expect_err("a face of 70,000 corners");
+    assert!(said.contains("scene.obj:2: a face of more than 65536 corners"), "{said}");
     let materials = ["Kd 1 1", "Kd 1 1 x", "Ns inf", "Ns 1e999", "Pr", "map_Kd -clamp on", "newmtl"];
     let materials = materials.map(|text| (text, of_material(text)));
     let shown = scenes.into_iter().chain(materials).map(|(text, scene)| {
