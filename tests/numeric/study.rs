@@ -11,6 +11,7 @@ mod naming;
 pub mod page;
 mod page_live;
 mod paper;
+mod pictures;
 mod published;
 mod questions;
 mod sentences;

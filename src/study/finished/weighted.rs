@@ -14,7 +14,7 @@ impl Finished {
         let density = self.density(&self.weight);
         let is_own = |bin: &Bin| bin.lo >= lo && bin.hi <= hi;
         let cell = |cell: &FinishedCell| {
-            let (scores, noise_floors) = cell.pooled(|bin| if is_own(bin) { density(bin) } else { 0.0 });
+            let (scores, noise_floors) = cell.pooled(&self.weight, |bin| if is_own(bin) { density(bin) } else { 0.0 });
             let scores = cell.scores.as_ref().map(|_| scores);
             FinishedCell { scores, noise_floors, bins: Vec::new(), ..cell.clone() }
         };
@@ -22,15 +22,15 @@ impl Finished {
         has_bins.then(|| Self { cells: self.cells.iter().map(cell).collect(), ..self.clone() })
     }
 
-    /// The run with the scores of designs under a weight of views. A weight is constant within a bin. A metric whose bins do not determine the
-    /// whole has no score; a noise floor that older runs do not record by bin stays as it is.
+    /// The run with the scores of designs under a weight of views. Within a bin views count by their n·v, unless all count alike. A metric whose
+    /// bins do not determine the whole has no score; a noise floor that older runs do not record by bin stays as it is.
     pub fn weighted(&self, weight: &Weight) -> Self {
         let density = self.density(weight);
         let cell = |cell: &FinishedCell| {
             if *weight == Weight::Uniform || !is_design(&cell.point[SCENE].to_string()) || cell.bins.is_empty() {
                 return cell.clone();
             }
-            let (scores, floors) = cell.pooled(&density);
+            let (scores, floors) = cell.pooled(weight, &density);
             let floor = |name: &str| floors.get(name).or(cell.noise_floors.get(name));
             let scores = cell.scores.as_ref().map(|_| scores);
             FinishedCell { scores, noise_floors: MetricValues::of(floor), bias_variance: None, ..cell.clone() }
@@ -86,19 +86,21 @@ pub fn check_weight<'v>(weight: &Weight, rendered: impl IntoIterator<Item = &'v 
 
 impl FinishedCell {
     /// Scores and noise floors of the bins together, each counted as `density` says.
-    fn pooled(&self, density: impl Fn(&Bin) -> f64) -> (MetricValues, MetricValues) {
-        let bins: Vec<(f64, &Bin)> = self.bins.iter().map(|bin| (density(bin), bin)).collect();
-        let own = || bins.iter().filter(|(weight, bin)| *weight > 0.0 && bin.pixel_count > 0);
+    fn pooled(&self, weight: &Weight, density: impl Fn(&Bin) -> f64) -> (MetricValues, MetricValues) {
+        let mut bins: Vec<(f64, &Bin)> = self.bins.iter().map(|bin| (density(bin), bin)).collect();
+        bins.retain(|(_, bin)| bin.pixel_count > 0);
+        bins.sort_by(|(_, a), (_, b)| a.lo.total_cmp(&b.lo));
         let parts = |of: fn(&Bin) -> &MetricValues, name: &str| {
             let part = |(weight, bin): &(f64, &Bin)| {
-                Some(Part { weight: *weight, value: of(bin).get(name)?, reference_mean: bin.reference_mean })
+                let (n_dot_v, value) = ([bin.lo, bin.hi.min(1.0)], of(bin).get(name)?);
+                Some(Part { n_dot_v, weight: *weight, value, reference_mean: bin.reference_mean })
             };
-            own().map(part).collect::<Option<Vec<Part>>>()
+            bins.iter().map(part).collect::<Option<Vec<Part>>>()
         };
-        let metric = |name| Metric::listed(name);
+        let (metric, is_tilted) = (|name| Metric::listed(name), *weight != Weight::Uniform);
         (
-            MetricValues::of(|name| metric(name).pooled(&parts(|bin| &bin.scores, name)?)),
-            MetricValues::of(|name| metric(name).pooled_floor(&parts(|bin| &bin.noise_floors, name)?)),
+            MetricValues::of(|name| metric(name).pooled(&parts(|bin| &bin.scores, name)?, is_tilted)),
+            MetricValues::of(|name| metric(name).pooled_floor(&parts(|bin| &bin.noise_floors, name)?, is_tilted)),
         )
     }
 }

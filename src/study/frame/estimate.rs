@@ -5,6 +5,7 @@
 //! environments there is no interval.
 //!
 //! - Mean: Student's interval; geometric mean: Student's interval of the mean logarithm.
+//! - Prediction of one new environment: Student's, of logarithms but for means.
 //! - Median: order statistics, whose coverage does not depend on the distribution; between the two pairs around 95 % the logarithm is
 //!   interpolated \[HettmanspergerSheather86\].
 //!
@@ -36,6 +37,8 @@ pub struct Estimate {
     pub value: f64,
     /// 95 % interval over environments, if they are enough.
     pub interval: Option<[f64; 2]>,
+    /// 95 % prediction interval of one new environment, if the environments are enough for an interval.
+    pub prediction: Option<[f64; 2]>,
     /// Number of environments.
     pub n: usize,
     /// Least and largest number of an environment.
@@ -80,10 +83,10 @@ impl Middle {
     fn interval(self, values: &[f64]) -> Option<[f64; 2]> {
         let n = values.len();
         match self {
-            Self::Mean => Some(student(values)),
+            Self::Mean => Some(student(values, 0.0)),
             Self::GeometricMean => {
                 let logs: Vec<f64> = values.iter().map(|value| value.ln()).collect();
-                Some(student(&logs).map(f64::exp))
+                Some(student(&logs, 0.0).map(f64::exp))
             }
             Self::Median => {
                 let (k, sorted) = (median_order(n)?, sorted(values));
@@ -96,14 +99,23 @@ impl Middle {
             }
         }
     }
+
+    /// 95 % prediction interval of one new number: Student's, of logarithms unless of a mean. `None` if a logarithm is not finite.
+    fn prediction(self, values: &[f64]) -> Option<[f64; 2]> {
+        if self == Self::Mean {
+            return Some(student(values, 1.0));
+        }
+        let logs: Vec<f64> = values.iter().map(|value| value.ln()).collect();
+        logs.iter().all(|log| log.is_finite()).then(|| student(&logs, 1.0).map(f64::exp))
+    }
 }
 
-/// Student's 95 % interval of a mean.
-fn student(values: &[f64]) -> [f64; 2] {
+/// Student's 95 % interval of the expected value, or with `new` 1 of one further value.
+fn student(values: &[f64], new: f64) -> [f64; 2] {
     let n = values.len();
     let mean = Middle::Mean.of(values);
     let variance = values.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / (n - 1) as f64;
-    let half = t_95(n - 1) * (variance / n as f64).sqrt();
+    let half = t_95(n - 1) * (variance * (new + 1.0 / n as f64)).sqrt();
     [mean - half, mean + half]
 }
 
@@ -120,10 +132,12 @@ pub fn estimate(values: &[(Value, f64)], middle: Middle) -> Option<Estimate> {
     };
     let clusters: Vec<f64> = groups.into_iter().map(of_group).collect();
     let sorted = sorted(&clusters);
+    let are_enough = clusters.len() >= CLUSTERS_MIN;
     Some(Estimate {
         ends: [*sorted.first()?, *sorted.last()?],
         value: middle.of(&clusters),
-        interval: (clusters.len() >= CLUSTERS_MIN).then(|| middle.interval(&clusters)).flatten(),
+        interval: are_enough.then(|| middle.interval(&clusters)).flatten(),
+        prediction: are_enough.then(|| middle.prediction(&clusters)).flatten(),
         n: clusters.len(),
     })
 }

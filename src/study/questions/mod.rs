@@ -53,6 +53,7 @@ questions! {
     ladder,
     n_dot_v,
     visibility,
+    pictures,
     energy,
     times,
 }

@@ -59,7 +59,7 @@ impl<'r, 'f> Numbers<'r, 'f> {
     }
 
     /// The numbers under measured environments, if these are enough for an interval: formulas then do not count.
-    fn evidence(&self) -> Self {
+    pub fn evidence(&self) -> Self {
         let measured = self.measured();
         let are_enough = measured >= CLUSTERS_MIN || (self.is_part && measured > 0);
         let is_kept = |row: &Row| !are_enough || !is_formula(&row.point[ENVIRONMENT]);
@@ -86,6 +86,10 @@ impl<'r, 'f> Numbers<'r, 'f> {
     pub fn at(&self, of: usize, value: &Value) -> Self {
         let own = self.items.iter().copied().filter(|(row, _)| row.point[of] == *value);
         Self { items: own.collect(), is_part: self.is_part || self.measured() >= CLUSTERS_MIN, ..*self }
+    }
+
+    pub fn items(&self) -> &[(&'r Row<'f>, f64)] {
+        &self.items
     }
 
     pub fn first_method(&self) -> String {
@@ -241,7 +245,7 @@ pub fn by_light(
     let all = if is_summed { count(evidence.len(), "", AXES[ENVIRONMENT].plural) } else { ALL.to_owned() };
     let names = names.iter().map(|name| name.to_string()).chain(heads).chain(has_all.then_some(all));
     let mut table = Table::with_names(names.chain(is_summed.then(|| "their range".to_owned())));
-    let plain = |end: f64| words(&Estimate { value: end, interval: None, n: 1, ends: [end; 2] });
+    let plain = |end: f64| words(&Estimate { value: end, interval: None, prediction: None, n: 1, ends: [end; 2] });
     for (head, own) in rows {
         let cells = shown.iter().map(|light| own.at(ENVIRONMENT, light).cell(frame, words));
         // The range is beside it, so an interval wider than a decade is omitted.

@@ -74,6 +74,30 @@ fn intervals_over_environments_hold_the_truth_as_often_as_they_say() {
 }
 
 #[test]
+fn prediction_intervals_hold_one_new_environment() {
+    for environments in ENVIRONMENTS {
+        for middle in [Middle::GeometricMean, Middle::Median] {
+            let mut random = Random::new(environments as u64);
+            let holds = |_: &usize| {
+                let [lo, hi] =
+                    estimate(&study(&mut random, environments, MEASURED), middle).unwrap().prediction.unwrap();
+                let new = estimate(&study(&mut random, 1, MEASURED), middle).unwrap().value;
+                lo <= new && new <= hi
+            };
+            let found = (0..STUDIES).filter(holds).count() as f64 / STUDIES as f64;
+            assert!((LIMITS[0]..=LIMITS[1]).contains(&found), "{environments}, {middle:?}: {found}");
+        }
+    }
+    // 0 to 5: mean 2.5, variance 3.5. Below six environments there is none.
+    let of = |n: u32| {
+        let values: Vec<_> = (0..n).map(|i| (Value::Count(i), f64::from(i))).collect();
+        estimate(&values, Middle::Mean).unwrap().prediction
+    };
+    let half = 2.571 * (3.5f64 * (1.0 + 1.0 / 6.0)).sqrt();
+    assert!(of(5).is_none() && (of(6).unwrap()[1] - (2.5 + half)).abs() < 1e-9);
+}
+
+#[test]
 fn the_interval_of_a_median_lies_between_two_pairs_of_order_statistics() {
     // Of six the outermost hold it but for 2/64, the next but for 14/64; 0.95 lies between the two, and so do the ends.
     assert!((order_coverage(6, 0) - (1.0 - 2.0 / 64.0)).abs() < 1e-12);
@@ -103,7 +127,9 @@ fn few_environments_and_wide_intervals_give_no_interval() {
     let mut random = Random::new(6);
     let mut of = |n: usize| estimate(&study(&mut random, n, MEASURED), Middle::GeometricMean).unwrap().interval;
     assert!(of(CLUSTERS_MIN - 1).is_none() && of(CLUSTERS_MIN).is_some());
-    let told = |interval| Estimate { value: 1.0, interval: Some(interval), n: 8, ends: interval }.told_interval();
+    let told = |interval| {
+        Estimate { value: 1.0, interval: Some(interval), prediction: None, n: 8, ends: interval }.told_interval()
+    };
     assert_eq!(told([0.5, 4.0]), Some([0.5, 4.0]));
     assert_eq!(told([0.5, 5.1]), None, "wider than a decade");
     assert_eq!(told([16.0, f64::INFINITY]), None);

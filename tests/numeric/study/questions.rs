@@ -89,6 +89,7 @@ diffuse = ["none"]"#,
         "split-sums",
         REFERENCE,
         r#"environment = ["builtin:constant", "builtin:sky", "builtin:studio", "builtin:checker", "builtin:cap", "builtin:gradient"]
+environment_orientation = [1, 2]
 method = ["split-sum", "split-sum-relative", "split-sum-parted", "sampled"]
 samples = [4, 16]
 f0 = [0.04, 1]

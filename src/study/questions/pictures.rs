@@ -1,0 +1,320 @@
+//! Which split sum makes the better pictures?
+//!
+//! A *picture* is a scene under one environment in one orientation. Each score of a picture is divided by the score of the classic split sum
+//! ([`BASE`]) in the same picture; the scores are [`PICTURE_SCORES`]. `bias_rel`, the error of mean brightness, has a sign: its ratios are
+//! of magnitudes, and its signed range stands beside them. Ratios are never averaged: a case has their median, the share of pictures that a
+//! method makes worse, and the worst picture. Pictures in which neither error is resolved do not count.
+//!
+//! Pictures under one environment share its lamps: medians and shares are taken within each environment first, and intervals are over
+//! environments. A prediction interval is for one new environment.
+
+use super::prelude::*;
+use crate::metrics::{DISPLAY_HEADLINE, HEADLINE, PICTURE_SCORES};
+use std::collections::HashMap;
+
+pub const QUESTION: Question = Question {
+    name: "pictures",
+    asks: "Which split sum makes the better pictures?",
+    columns: &[
+        column("metric", "The score."),
+        column("base", "The classic split sum."),
+        column("images", "Number of pictures."),
+        column("median_ratio", "Score over the score of the base, the median picture; below 1 the method is better."),
+        column("worse_fraction", "Share of the pictures with a ratio above 1."),
+        column("worst_ratio", "The ratio of the picture with the largest."),
+        column("median_lo", "Lower end of the 95 % interval of `median_ratio` over environments."),
+        column("median_hi", super::UPPER),
+        column("median_predicted_lo", "Lower end of the 95 % prediction interval of `median_ratio` under one new environment."),
+        column("median_predicted_hi", super::UPPER),
+        column("worse_lo", "Lower end of the 95 % interval of `worse_fraction` over environments."),
+        column("worse_hi", super::UPPER),
+        column("worse_predicted_lo", "Lower end of the 95 % prediction interval of `worse_fraction` under one new environment."),
+        column("worse_predicted_hi", super::UPPER),
+        column("least_score", "The least score of a picture; `bias_rel` is signed."),
+        column("largest_score", "The largest score of a picture."),
+        column("worst_environment", "The environment of the picture with the largest ratio."),
+        column("worst_orientation", "Its `environment_orientation`."),
+        column("worst_scene", "Its scene."),
+        column("worst_cell", "Its cell."),
+    ],
+    is_weighted: false,
+    has_rows: false,
+    lacks,
+    answer,
+    ..Question::PLAIN
+};
+
+/// The classic split sum.
+const BASE: &str = "split-sum";
+const BRIGHTNESS: &str = PICTURE_SCORES[3];
+
+fn lacks(shape: &Shape) -> Option<&'static str> {
+    let has_base = shape.methods().any(|method| method.name == BASE);
+    match () {
+        () if !has_base => Some("axes.method has no `split-sum`, with which the pictures are compared"),
+        () if shape.methods().count() < 2 => Some("axes.method has only `split-sum`"),
+        () if shape.values[SCENE].iter().all(|scene| is_design(&scene.to_string())) => {
+            Some("axes.scene has no scene but `design`, which is not a picture")
+        }
+        () if !shape.is_swept(ENVIRONMENT_ORIENTATION) => {
+            Some("axes.environment_orientation has fewer than two orientations")
+        }
+        () => None,
+    }
+}
+
+/// The pictures of one method in one case and score.
+struct Group<'r, 'f> {
+    scene: String,
+    /// On the axes of [`case_axes`].
+    key: Key,
+    metric: &'static str,
+    /// As [`Frame::way`].
+    name: String,
+    ratios: Numbers<'r, 'f>,
+    /// Least and largest score.
+    scores: [f64; 2],
+}
+
+impl<'r, 'f> Group<'r, 'f> {
+    fn median(&self) -> Option<Estimate> {
+        self.ratios.estimate()
+    }
+
+    /// The share of pictures with a ratio above 1.
+    fn worse(&self) -> Option<Estimate> {
+        let is_worse = self.ratios.items().iter().map(|(row, ratio)| (*row, f64::from(u8::from(*ratio > 1.0))));
+        let clipped = |ends: [f64; 2]| ends.map(|end| end.clamp(0.0, 1.0));
+        let worse = Numbers::new(is_worse, Middle::Mean).estimate()?;
+        Some(Estimate {
+            interval: worse.interval.map(clipped),
+            prediction: worse.prediction.map(clipped),
+            ..worse
+        })
+    }
+
+    /// The picture with the largest ratio; of equal ones the one whose id comes first.
+    fn worst(&self) -> Option<(&'r Row<'f>, f64)> {
+        let order = |a: &(&Row, f64), b: &(&Row, f64)| a.1.total_cmp(&b.1).then_with(|| b.0.cell.id.cmp(&a.0.cell.id));
+        self.ratios.items().iter().copied().max_by(order)
+    }
+
+    /// The picture whose ratio is nearest to a number.
+    fn nearest(&self, to: f64) -> Option<&'r Row<'f>> {
+        let distance = |ratio: f64| (ratio / to).ln().abs();
+        let items = self.ratios.items().iter().copied();
+        items.min_by(|a, b| distance(a.1).total_cmp(&distance(b.1))).map(|(row, _)| row)
+    }
+}
+
+/// The axes of cases: those of tables, without the axes that tell pictures apart.
+fn case_axes(frame: &Frame) -> Vec<usize> {
+    let pictures = [ENVIRONMENT, ENVIRONMENT_ORIENTATION, ENVIRONMENT_ROTATION, SCENE];
+    frame.table_axes().into_iter().filter(|axis| !pictures.contains(axis)).collect()
+}
+
+/// Each picture with the same picture of the base.
+fn pairs<'r, 'f>(frame: &Frame, images: &[&'r Row<'f>]) -> Vec<[&'r Row<'f>; 2]> {
+    let bases: Vec<&Row> = images.iter().copied().filter(|row| row.text(METHOD) == BASE).collect();
+    let mut axes = frame.case_axes();
+    axes.retain(|axis| bases.iter().all(|row| row.point[*axis] != Value::Unset));
+    let by_key: HashMap<Key, &Row> = bases.iter().map(|row| (row.key(&axes), *row)).collect();
+    images.iter().filter_map(|row| Some([*row, *by_key.get(&row.key(&axes))?])).collect()
+}
+
+fn groups<'r, 'f>(frame: &Frame, pairs: &[[&'r Row<'f>; 2]]) -> Vec<Group<'r, 'f>> {
+    let axes = case_axes(frame);
+    let scenes = distinct_in_order(pairs.iter().map(|[row, _]| row.text(SCENE)));
+    let all = (scenes.len() > 1).then(|| ALL.to_owned());
+    let scored = PICTURE_SCORES.map(|metric| frame.like(frame.run, metric));
+    let mut found = Vec::new();
+    for scene in all.into_iter().chain(scenes) {
+        let own = pairs.iter().filter(|[row, _]| scene == ALL || row.text(SCENE) == scene);
+        for ((key, name), pairs) in grouped(own, |[row, _]| (row.key(&axes), frame.way(row))) {
+            found.extend(scored.iter().filter_map(|of| {
+                let ratio = |[row, base]: &&[&'r Row<'f>; 2]| {
+                    let is_resolved = of.is_resolved(row) || of.is_resolved(base);
+                    let ratio = of.error(row)? / of.error(base)?;
+                    (is_resolved && ratio.is_finite() && ratio > 0.0).then_some((*row, ratio))
+                };
+                let ratios = Numbers::new(pairs.iter().filter_map(|pair| ratio(pair)), Middle::Median).evidence();
+                let scores = || ratios.rows().filter_map(|row| of.score(row));
+                let scores = [scores().reduce(f64::min)?, scores().reduce(f64::max)?];
+                let (scene, key, name) = (scene.clone(), key.clone(), name.clone());
+                Some(Group { scene, key, metric: of.metric_name(), name, ratios, scores })
+            }));
+        }
+    }
+    found
+}
+
+fn answer(frame: &Frame) -> Option<Finding> {
+    // Pictures whatever the metric: a metric of radiance leaves them out beside a design.
+    let pictures = frame.like(frame.run, DISPLAY_HEADLINE);
+    let images: Vec<&Row> = pictures.images().into_iter().filter(|row| !is_design(&row.text(SCENE))).collect();
+    let groups = groups(frame, &pairs(frame, &images));
+    let axes = [&[SCENE], &case_axes(frame)[..], &[METHOD, SAMPLES]].concat();
+    let mut table = Table::new(&axes, QUESTION.columns);
+    for group in &groups {
+        let ([median, worse], (row, worst)) = ([group.median()?, group.worse()?], group.worst()?);
+        let mut key = row.key(&axes);
+        key[0] = group.scene.clone().into();
+        let images = group.ratios.items().len();
+        let head = cells![group.metric, BASE, images, median.value, worse.value, worst];
+        let ends = [median.interval, median.prediction, worse.interval, worse.prediction];
+        let ends = ends.into_iter().flat_map(|ends| ends.map_or([None; 2], |ends| ends.map(Some))).map(Cell::from);
+        let scores = group.scores.map(Cell::from);
+        let [light, orientation, scene] = [ENVIRONMENT, ENVIRONMENT_ORIENTATION, SCENE].map(|of| (&row.point[of]).into());
+        let place = [light, orientation, scene, row.cell.id.as_str().into()];
+        table.row([axis_cells(&axes, &key), head].concat().into_iter().chain(ends).chain(scores).chain(place).collect());
+    }
+    // The sentence, the digest and the figure are about all scenes.
+    let lead = groups.first()?.scene.clone();
+    let own: Vec<&Group> = groups.iter().filter(|group| group.scene == lead).collect();
+    Some(Finding {
+        sentence: sentence(frame, &own)?,
+        table,
+        digest: Some(digest(frame, &own)),
+        figure: figure(frame, &own),
+    })
+}
+
+/// The score of the sentence and the digest.
+fn leading(frame: &Frame) -> &'static str {
+    PICTURE_SCORES.into_iter().find(|metric| *metric == frame.metric_name()).unwrap_or(HEADLINE)
+}
+
+/// The groups of one score by method, without the base; the method with the least ratios first.
+fn by_method<'g, 'r, 'f>(all: &[&'g Group<'r, 'f>], metric: &str) -> Vec<(String, Vec<&'g Group<'r, 'f>>)> {
+    let own = all.iter().copied().filter(|group| group.metric == metric && group.name != BASE);
+    let mut methods = grouped(own, |group| group.name.clone());
+    let mean = |own: &[&Group]| {
+        geometric_mean(&own.iter().filter_map(|group| Some(group.median()?.value)).collect::<Vec<_>>())
+    };
+    methods.sort_by(|a, b| mean(&a.1).total_cmp(&mean(&b.1)));
+    methods
+}
+
+/// "-52 to 54 %".
+fn brightness(all: &[&Group], name: &str) -> Option<String> {
+    let own = || all.iter().filter(|group| group.metric == BRIGHTNESS && group.name == name);
+    let least = own().map(|group| 100.0 * group.scores[0]).reduce(f64::min)?;
+    let most = own().map(|group| 100.0 * group.scores[1]).reduce(f64::max)?;
+    Some(range_words([least, most], number) + " %")
+}
+
+fn worst_of<'r, 'f>(own: &[&Group<'r, 'f>]) -> Option<(&'r Row<'f>, f64)> {
+    own.iter().filter_map(|group| group.worst()).reduce(|a, b| if b.1 > a.1 { b } else { a })
+}
+
+/// "shader-ball, venice_sunset, orientation 7, alpha 0.1".
+fn picture_name(frame: &Frame, row: &Row) -> String {
+    let swept = frame.swept(&[Part::Case]).into_iter().filter(|axis| *axis != ENVIRONMENT);
+    let axes: Vec<usize> = std::iter::once(ENVIRONMENT).chain(swept).collect();
+    frame.names.label(&axes, &row.key(&axes)).replace(" · ", ", ")
+}
+
+fn sentence(frame: &Frame, all: &[&Group]) -> Option<String> {
+    let metric = leading(frame);
+    let methods = by_method(all, metric);
+    let (name, own) = methods.first()?;
+    let medians = own.iter().filter_map(|group| Some(group.median()?.value));
+    let worse: Vec<f64> = own.iter().filter_map(|group| Some(100.0 * group.worse()?.value)).collect();
+    let worse = range_words([worse.iter().copied().fold(f64::INFINITY, f64::min), worse.iter().copied().fold(0.0, f64::max)], number);
+    let (row, worst) = worst_of(own)?;
+    let [least, most] = [name.as_str(), BASE].map(|name| brightness(all, name));
+    let light = least.zip(most).map_or_else(String::new, |(own, base)| {
+        format!(" Mean brightness errs by {own} of the truth, with `{BASE}` by {base}.")
+    });
+    Some(format!(
+        "In the median picture `{name}` has **{} times** the `{metric}` of `{BASE}`, and it makes {worse} % of the pictures worse. \
+         The worst has {} times: {}.{light}",
+        range(medians),
+        number(worst),
+        picture_name(frame, row),
+    ))
+}
+
+/// One row per case, one column per method: the median ratio and the share of worse pictures. Below them the worst pictures and the brightness.
+fn digest(frame: &Frame, all: &[&Group]) -> Table {
+    let axes: Vec<usize> = case_axes(frame).into_iter().filter(|axis| frame.shape.is_swept(*axis)).collect();
+    let of = case_axes(frame);
+    let metric = leading(frame);
+    let methods = by_method(all, metric);
+    let heads = if axes.is_empty() { vec!["pictures"] } else { frame.names.heads(&axes) };
+    let names = methods.iter().map(|(name, _)| name.clone()).chain([BASE.to_owned()]);
+    let mut table = Table::with_names(heads.iter().map(|head| head.to_string()).chain(names));
+    let shown = |key: &Key| -> Key {
+        axes.iter().map(|axis| key[of.iter().position(|known| known == axis).unwrap_or(0)].clone()).collect()
+    };
+    for key in distinct_in_order(all.iter().map(|group| group.key.clone())) {
+        let cells = methods.iter().map(|(_, own)| {
+            let group = own.iter().find(|group| fits(&group.key, &key));
+            let words = group.and_then(|group| {
+                let (median, worse) = (group.median()?, group.worse()?);
+                Some(format!("{}, {} worse", with_interval(&median), percent(worse.value)))
+            });
+            Cell::from(words)
+        });
+        let head = match axes.is_empty() {
+            true => cells![metric],
+            false => frame.names.head(&axes, &shown(&key)),
+        };
+        table.row(head.into_iter().chain(cells).chain([Cell::Missing]).collect());
+    }
+    let labelled = |label: &str, cells: Vec<Cell>| {
+        let mut row = all_head(&heads);
+        row[0] = label.into();
+        [row, cells].concat()
+    };
+    let worst = methods.iter().map(|(_, own)| {
+        Cell::from(worst_of(own).map(|(row, worst)| format!("{}: {}", number(worst), picture_name(frame, row))))
+    });
+    table.row(labelled("worst picture", worst.chain([Cell::Missing]).collect()));
+    let names = methods.iter().map(|(name, _)| name.as_str()).chain([BASE]);
+    table.row(labelled("mean brightness", names.map(|name| Cell::from(brightness(all, name))).collect()));
+    table
+}
+
+/// Ratios by [`Frame::row_axis`], one panel per score and other case; the median and the worst picture, which link to their images.
+fn figure(frame: &Frame, all: &[&Group]) -> Option<Figure> {
+    let (of, row_axis) = (case_axes(frame), frame.row_axis());
+    let place = of.iter().position(|axis| *axis == row_axis)?;
+    let steps = ascending(distinct_in_order(all.iter().map(|group| group.key[place].clone())));
+    let series: Vec<String> = by_method(all, leading(frame)).into_iter().map(|(name, _)| name).collect();
+    let own = all.iter().filter(|group| group.name != BASE && group.metric != BRIGHTNESS);
+    let title = |group: &&&Group| {
+        let rest = frame.names.label_where(&of, &group.key, |axis| axis != row_axis && frame.shape.is_swept(axis));
+        commas([group.metric, &rest])
+    };
+    let panel = |(title, own): (String, Vec<&&Group>)| {
+        let rule = Mark::neutral(Form::HorizontalRule(1.0));
+        let marks = own.into_iter().flat_map(|group| {
+            let (x, line) = (step(&steps, &group.key[place]), step(&series, &group.name) as usize);
+            let median = group.median().into_iter().flat_map(|all| {
+                let words = |all: &Estimate| format!("median picture {}", with_interval(all));
+                let marks = group.ratios.marks(line, |y| [x, y], (&group.name, &words));
+                let row = group.nearest(all.value);
+                marks.into_iter().map(move |mark| match (&mark.shape, row) {
+                    (Form::Dot(_), Some(row)) => mark.cell(&row.cell.id),
+                    _ => mark,
+                })
+            });
+            let worst = group.worst().map(|(row, worst)| {
+                let tip = format!("{}: worst picture {}, {}", group.name, number(worst), picture_name(frame, row));
+                dot([x, worst], line, tip, row)
+            });
+            median.chain(worst).collect::<Vec<_>>()
+        });
+        (title, std::iter::once(rule).chain(marks).collect())
+    };
+    Chart {
+        title: "Pictures against the classic split sum",
+        note: format!("score over that of {BASE}: median picture (lower dot) and worst picture (upper dot){INTERVAL}"),
+        x: Along::values(frame, row_axis, &steps),
+        y: Along::Log("ratio"),
+        panels: grouped(own, title).into_iter().map(panel).collect(),
+        series: series.clone(),
+    }
+    .figure()
+}
