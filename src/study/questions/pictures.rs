@@ -1,12 +1,13 @@
 //! Which split sum makes the better pictures?
 //!
-//! A *picture* is a scene under one environment in one orientation. Each score of a picture is divided by the score of the classic split sum
-//! ([`BASE`]) in the same picture; the scores are [`PICTURE_SCORES`]. `bias_rel`, the error of mean brightness, has a sign: its ratios are
-//! of magnitudes, and its signed range stands beside them. Ratios are never averaged: a case has their median, the share of pictures that a
-//! method makes worse, and the worst picture. Pictures in which neither error is resolved do not count.
+//! A *picture* is a scene under one environment in one orientation. Each score of a picture is divided by the score of
+//! the classic split sum ([`BASE`]) in the same picture; the scores are [`PICTURE_SCORES`]. `bias_rel`, the error of
+//! mean brightness, has a sign: its ratios are of magnitudes, and its signed range stands beside them. Ratios are never
+//! averaged: a case has their median, the share of pictures that a method makes worse, and the worst picture. Pictures
+//! in which neither error is resolved do not count.
 //!
-//! Pictures under one environment share its lamps: medians and shares are taken within each environment first, and intervals are over
-//! environments. A prediction interval is for one new environment.
+//! Pictures under one environment share its lamps: medians and shares are taken within each environment first, and
+//! intervals are over environments. A prediction interval is for one new environment.
 
 use super::prelude::*;
 use crate::metrics::{DISPLAY_HEADLINE, HEADLINE, PICTURE_SCORES};
@@ -24,11 +25,17 @@ pub const QUESTION: Question = Question {
         column("worst_ratio", "The ratio of the picture with the largest."),
         column("median_lo", "Lower end of the 95 % interval of `median_ratio` over environments."),
         column("median_hi", super::UPPER),
-        column("median_predicted_lo", "Lower end of the 95 % prediction interval of `median_ratio` under one new environment."),
+        column(
+            "median_predicted_lo",
+            "Lower end of the 95 % prediction interval of `median_ratio` under one new environment.",
+        ),
         column("median_predicted_hi", super::UPPER),
         column("worse_lo", "Lower end of the 95 % interval of `worse_fraction` over environments."),
         column("worse_hi", super::UPPER),
-        column("worse_predicted_lo", "Lower end of the 95 % prediction interval of `worse_fraction` under one new environment."),
+        column(
+            "worse_predicted_lo",
+            "Lower end of the 95 % prediction interval of `worse_fraction` under one new environment.",
+        ),
         column("worse_predicted_hi", super::UPPER),
         column("least_score", "The least score of a picture; `bias_rel` is signed."),
         column("largest_score", "The largest score of a picture."),
@@ -86,11 +93,7 @@ impl<'r, 'f> Group<'r, 'f> {
         let is_worse = self.ratios.items().iter().map(|(row, ratio)| (*row, f64::from(u8::from(*ratio > 1.0))));
         let clipped = |ends: [f64; 2]| ends.map(|end| end.clamp(0.0, 1.0));
         let worse = Numbers::new(is_worse, Middle::Mean).estimate()?;
-        Some(Estimate {
-            interval: worse.interval.map(clipped),
-            prediction: worse.prediction.map(clipped),
-            ..worse
-        })
+        Some(Estimate { interval: worse.interval.map(clipped), prediction: worse.prediction.map(clipped), ..worse })
     }
 
     /// The picture with the largest ratio; of equal ones the one whose id comes first.
@@ -137,7 +140,7 @@ fn groups<'r, 'f>(frame: &Frame, pairs: &[[&'r Row<'f>; 2]]) -> Vec<Group<'r, 'f
                     let ratio = of.error(row)? / of.error(base)?;
                     (is_resolved && ratio.is_finite() && ratio > 0.0).then_some((*row, ratio))
                 };
-                let ratios = Numbers::new(pairs.iter().filter_map(|pair| ratio(pair)), Middle::Median).evidence();
+                let ratios = Numbers::new(pairs.iter().filter_map(ratio), Middle::Median).evidence();
                 let scores = || ratios.rows().filter_map(|row| of.score(row));
                 let scores = [scores().reduce(f64::min)?, scores().reduce(f64::max)?];
                 let (scene, key, name) = (scene.clone(), key.clone(), name.clone());
@@ -164,9 +167,11 @@ fn answer(frame: &Frame) -> Option<Finding> {
         let ends = [median.interval, median.prediction, worse.interval, worse.prediction];
         let ends = ends.into_iter().flat_map(|ends| ends.map_or([None; 2], |ends| ends.map(Some))).map(Cell::from);
         let scores = group.scores.map(Cell::from);
-        let [light, orientation, scene] = [ENVIRONMENT, ENVIRONMENT_ORIENTATION, SCENE].map(|of| (&row.point[of]).into());
+        let [light, orientation, scene] =
+            [ENVIRONMENT, ENVIRONMENT_ORIENTATION, SCENE].map(|of| (&row.point[of]).into());
         let place = [light, orientation, scene, row.cell.id.as_str().into()];
-        table.row([axis_cells(&axes, &key), head].concat().into_iter().chain(ends).chain(scores).chain(place).collect());
+        table
+            .row([axis_cells(&axes, &key), head].concat().into_iter().chain(ends).chain(scores).chain(place).collect());
     }
     // The sentence, the digest and the figure are about all scenes.
     let lead = groups.first()?.scene.clone();
@@ -220,7 +225,10 @@ fn sentence(frame: &Frame, all: &[&Group]) -> Option<String> {
     let (name, own) = methods.first()?;
     let medians = own.iter().filter_map(|group| Some(group.median()?.value));
     let worse: Vec<f64> = own.iter().filter_map(|group| Some(100.0 * group.worse()?.value)).collect();
-    let worse = range_words([worse.iter().copied().fold(f64::INFINITY, f64::min), worse.iter().copied().fold(0.0, f64::max)], number);
+    let worse = range_words(
+        [worse.iter().copied().fold(f64::INFINITY, f64::min), worse.iter().copied().fold(0.0, f64::max)],
+        number,
+    );
     let (row, worst) = worst_of(own)?;
     let [least, most] = [name.as_str(), BASE].map(|name| brightness(all, name));
     let light = least.zip(most).map_or_else(String::new, |(own, base)| {
@@ -235,7 +243,8 @@ fn sentence(frame: &Frame, all: &[&Group]) -> Option<String> {
     ))
 }
 
-/// One row per case, one column per method: the median ratio and the share of worse pictures. Below them the worst pictures and the brightness.
+/// One row per case, one column per method: the median ratio and the share of worse pictures. Below them the worst
+/// pictures and the brightness.
 fn digest(frame: &Frame, all: &[&Group]) -> Table {
     let axes: Vec<usize> = case_axes(frame).into_iter().filter(|axis| frame.shape.is_swept(*axis)).collect();
     let of = case_axes(frame);
@@ -276,7 +285,8 @@ fn digest(frame: &Frame, all: &[&Group]) -> Table {
     table
 }
 
-/// Ratios by [`Frame::row_axis`], one panel per score and other case; the median and the worst picture, which link to their images.
+/// Ratios by [`Frame::row_axis`], one panel per score and other case; the median and the worst picture, which link to
+/// their images.
 fn figure(frame: &Frame, all: &[&Group]) -> Option<Figure> {
     let (of, row_axis) = (case_axes(frame), frame.row_axis());
     let place = of.iter().position(|axis| *axis == row_axis)?;
