@@ -20,5 +20,5 @@ pub const EXACT_SPLIT: &str = "ladder-view";
 
 pub use crate::glsl::constants::FILE_PREFIX;
 pub use diffuse::{DIFFUSE, Diffuse};
-pub use method::{METHODS, Method, own};
+pub use method::{METHODS, Method, Role, own, words_in};
 pub use shading::Shading;

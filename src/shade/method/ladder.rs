@@ -33,8 +33,8 @@ use crate::shade::twin::{SpecularTwin, Twin};
 use glam::DVec3;
 
 /// A rung estimated by the passes of the reference.
-const fn rung(name: &'static str, about: &'static str, twin: SpecularTwin) -> Method {
-    Method { uses_samples: true, lobe: Some(name), ..Method::plain(name, about, twin) }
+const fn rung(name: &'static str, title: &'static str, about: &'static str, twin: SpecularTwin) -> Method {
+    Method { uses_samples: true, lobe: Some(name), ..Method::plain(name, title, about, twin) }
 }
 
 const fn weighted(rung: Method) -> Method {
@@ -43,6 +43,7 @@ const fn weighted(rung: Method) -> Method {
 
 pub const FRESNEL: Method = rung(
     "ladder-fresnel",
+    "Ladder: Fresnel",
     "the reference with Fresnel outside the integral",
     Twin::Mean(|environment, surface, _, tolerance| {
         let Surface { model, masking, alpha, n, v, .. } = *surface;
@@ -61,6 +62,7 @@ pub const FRESNEL: Method = rung(
 
 pub const MASKING: Method = weighted(rung(
     "ladder-masking",
+    "Ladder: masking",
     "as ladder-fresnel, with the weight of prefiltered maps (n.l) for the masking",
     Twin::Mean(|environment, surface, settings, tolerance| {
         unmasked(environment, surface, settings, tolerance, DVec3::ONE)
@@ -70,6 +72,7 @@ pub const MASKING: Method = weighted(rung(
 /// Masking approximated before Fresnel. Not a rung.
 pub const MASKING_ALONE: Method = weighted(rung(
     "ladder-masking-alone",
+    "Ladder: masking alone",
     "the reference with the weight of prefiltered maps (n.l) for the masking, and its own albedo",
     Twin::Mean(|environment, surface, settings, tolerance| {
         unmasked(environment, surface, settings, tolerance, surface.f0)
@@ -107,6 +110,7 @@ fn unmasked(
 
 pub const VIEW: Method = weighted(rung(
     EXACT_SPLIT,
+    "Ladder: view",
     "as ladder-masking for n = v = r: the split sum with exact factors",
     Twin::Mean(|environment, surface, settings, tolerance| {
         let r = reflect(surface.v, surface.n);
@@ -119,6 +123,7 @@ pub const LEVELS: Method = Method {
     uses_levels: true,
     ..weighted(rung(
         "ladder-levels",
+        "Ladder: levels",
         "as ladder-view, blended from the widths of the prefiltered map's levels",
         Twin::Mean(|environment, surface, settings, tolerance| {
             let scale = reflectance(surface, &exact_albedo(surface));
@@ -171,27 +176,38 @@ fn mirror_focus(surface: &Surface) -> Focus {
 }
 
 /// A rung with its own map.
-const fn looked_up(name: &'static str, about: &'static str) -> Method {
+const fn looked_up(name: &'static str, title: &'static str, about: &'static str) -> Method {
     let twin: SpecularTwin = Twin::Estimator(|surface, light, _| {
         let albedo = light.albedos.exact(surface.n.dot(surface.v));
         let r = reflect(surface.v, surface.n);
         light.mean_radiance(r, surface.alpha) * (surface.f0 * albedo.x + albedo.y)
     });
-    Method { lookups: 1, ..Method::plain(name, about, twin) }
+    Method { lookups: 1, ..Method::plain(name, title, about, twin) }
 }
 
 pub const TEXELS: Method = Method {
     prefilter: Some(PrefilterBy::Harmonic),
     storage: Some(StorageFormat::F32),
-    ..looked_up("ladder-texels", "the split sum with exact A and B and a prefiltered map of exact texels")
+    ..looked_up(
+        "ladder-texels",
+        "Ladder: texels",
+        "the split sum with exact A and B and a prefiltered map of exact texels",
+    )
 };
 
 /// Texels as they are made.
 pub const SAMPLES: Method = Method {
     storage: Some(StorageFormat::F32),
-    ..looked_up("ladder-samples", "as ladder-texels, with texels as the setting prefilter makes them")
+    ..looked_up(
+        "ladder-samples",
+        "Ladder: samples",
+        "as ladder-texels, with texels as the setting prefilter makes them",
+    )
 };
 
 /// Texels as they are stored. Only A and B are exact.
-pub const STORAGE: Method =
-    looked_up("ladder-storage", "as ladder-samples, with texels in the numbers of storage_format; A and B are exact");
+pub const STORAGE: Method = looked_up(
+    "ladder-storage",
+    "Ladder: storage",
+    "as ladder-samples, with texels in the numbers of storage_format; A and B are exact",
+);

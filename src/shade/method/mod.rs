@@ -15,7 +15,7 @@ use super::twin::{SpecularTwin, Twin};
 use super::{NONE, REFERENCE};
 use crate::brdf::Compensation;
 use crate::precompute::{PrecomputeSettings, PrefilterBy, StorageFormat};
-use crate::spelling::listed;
+use crate::spelling::{Listed, listed};
 use glam::DVec3;
 
 /// A way to compute the specular term. Names are the stems of shader files (with `-` for `_`).
@@ -24,6 +24,8 @@ use glam::DVec3;
 #[derive(Clone, Copy, Debug)]
 pub struct Method {
     pub name: &'static str,
+    /// Its name for readers.
+    pub title: &'static str,
     /// One sentence for `splitsum list`.
     pub about: &'static str,
     /// What the device tests compare its frames with.
@@ -49,6 +51,8 @@ pub struct Method {
     pub has_ladder: bool,
     /// Replaces its name in the name of its shader: for methods in files.
     pub shader: Option<&'static str>,
+    /// The text of its shader, for methods in files.
+    pub text: Option<&'static str>,
     /// The integrand if the passes of the reference estimate the term without bias: a file of `shaders/shade/lobe/`.
     pub lobe: Option<&'static str>,
 }
@@ -68,7 +72,7 @@ pub static METHODS: &[Method] = &[
     split_sum_lobes::FITTED,
     split_sum_lobes::RELATIVE,
     split_sum_lobes::PARTED,
-    Method::plain(NONE, "no specular term", Twin::Estimator(|_, _, _| DVec3::ZERO)),
+    Method::plain(NONE, "No specular term", "no specular term", Twin::Estimator(|_, _, _| DVec3::ZERO)),
     INTEGRATED,
     ladder::FRESNEL,
     ladder::MASKING,
@@ -86,6 +90,7 @@ const INTEGRATED: Method = Method {
     lobe: Some("specular"),
     ..Method::plain(
         REFERENCE,
+        "Reference",
         "unbiased: BRDF and environment sampling combined, many samples, unfiltered",
         Twin::Mean(|environment, surface, _, tolerance| integrate(environment, surface, tolerance).specular),
     )
@@ -93,9 +98,10 @@ const INTEGRATED: Method = Method {
 
 impl Method {
     /// A method that depends on the scene only. Each file sets its flags; every method has a twin.
-    const fn plain(name: &'static str, about: &'static str, twin: SpecularTwin) -> Self {
+    const fn plain(name: &'static str, title: &'static str, about: &'static str, twin: SpecularTwin) -> Self {
         Self {
             name,
+            title,
             about,
             twin,
             uses_samples: false,
@@ -110,6 +116,7 @@ impl Method {
             storage: None,
             has_ladder: false,
             shader: None,
+            text: None,
             lobe: None,
         }
     }
@@ -118,6 +125,27 @@ impl Method {
     pub fn tables(&self, asked: PrecomputeSettings) -> PrecomputeSettings {
         let (prefilter, storage) = (self.prefilter.unwrap_or(asked.prefilter), self.storage.unwrap_or(asked.storage));
         PrecomputeSettings { prefilter, storage, ..asked }
+    }
+
+    /// Its role; `None` for references and their ladder.
+    pub fn role(&self) -> Option<Role> {
+        match () {
+            () if self.is_integrated() || self.is_none() => None,
+            () if self.uses_samples => Some(Role::Sampling),
+            () if self.has_ladder => Some(Role::Textbook),
+            () if !self.uses_dfg && self.shader.is_none() => None,
+            () if self.uses_lobe_shapes || self.shader.is_some() => Some(Role::Corrected),
+            () => Some(Role::Engine),
+        }
+    }
+
+    /// Its name with a sample count: "Sampling, 16 samples".
+    pub fn words(&self, samples: Option<&str>) -> String {
+        match samples.filter(|count| !count.is_empty()) {
+            Some("1") => format!("{}, 1 sample", self.title),
+            Some(count) => format!("{}, {count} samples", self.title),
+            None => self.title.to_owned(),
+        }
     }
 
     /// Whether it reads the prefiltered map.
@@ -166,3 +194,46 @@ listed!(
         Self::all().find(|method| method.name == name).or_else(|| own::loaded(name))
     }
 );
+
+/// What a method is beside others: the colours of figures and captions follow it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Role {
+    Textbook,
+    /// A split sum with a table of lobes, or a method in a file.
+    Corrected,
+    Sampling,
+    /// A split sum with the lookup of an engine.
+    Engine,
+}
+
+impl Role {
+    /// The role of the method whose title starts a text.
+    pub fn of_words(text: &str) -> Option<Self> {
+        METHODS.iter().filter(|method| text.starts_with(method.title)).find_map(Method::role)
+    }
+}
+
+/// Replaces the code names of methods in a text by their titles: "Split sum (textbook)" for `split-sum`, "Sampling, 16
+/// samples" for `sampled 16`. The words `none`, `reference` and `sampled` alone stay: they mean other things, too.
+pub fn words_in(text: &str) -> String {
+    const ENDS: [char; 5] = [':', ',', ';', '.', ')'];
+    let mut words = text.split(' ').peekable();
+    let mut all = Vec::new();
+    while let Some(word) = words.next() {
+        let name = word.trim_end_matches(ENDS);
+        let next = words.peek().map(|next| next.trim_end_matches(ENDS));
+        let count = next.filter(|next| name == word && next.parse::<u32>().is_ok());
+        let is_plain = [NONE, REFERENCE].contains(&name)
+            || (name == sampled::METHOD.name && count.is_none() && next != Some("over"));
+        let Some(method) = Method::by_name(name).filter(|_| !is_plain) else {
+            all.push(word.to_owned());
+            continue;
+        };
+        let count = count.filter(|_| method.uses_samples);
+        let said = method.words(count);
+        let end = if count.is_some() { words.next().unwrap_or_default() } else { word };
+        all.push(said + &end[end.trim_end_matches(ENDS).len()..]);
+    }
+    all.join(" ")
+}

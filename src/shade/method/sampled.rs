@@ -18,6 +18,7 @@ pub const METHOD: Method = Method {
     uses_lod_bias: true,
     ..Method::plain(
         "sampled",
+        "Sampling",
         "per-pixel half-vector importance sampling, filtered by mip level",
         Twin::Estimator(|surface, light, samples| estimate(surface, light, samples, true, BY_D)),
     )

@@ -6,6 +6,7 @@ use crate::shade::twin::Twin;
 
 pub const METHOD: Method = Method {
     name: "sampled-unfiltered",
+    title: "Sampling, unfiltered",
     about: "as sampled, always from the finest level",
     uses_lod_bias: false,
     twin: Twin::Estimator(|surface, light, samples| estimate(surface, light, samples, false, BY_D)),

@@ -6,14 +6,20 @@ use crate::brdf::reflect;
 use crate::shade::twin::{SpecularTwin, Twin};
 
 /// A split sum with another lookup of the prefiltered map.
-pub(super) const fn shifted(name: &'static str, about: &'static str, twin: SpecularTwin) -> Method {
-    Method { lookups: 1, uses_dfg: true, ..Method::plain(name, about, twin) }
+pub(super) const fn shifted(
+    name: &'static str,
+    title: &'static str,
+    about: &'static str,
+    twin: SpecularTwin,
+) -> Method {
+    Method { lookups: 1, uses_dfg: true, ..Method::plain(name, title, about, twin) }
 }
 
 pub const METHOD: Method = Method {
     has_ladder: true,
     ..shifted(
         "split-sum",
+        "Split sum (textbook)",
         "prefiltered map (n = v = r, n.l weight) times the DFG table",
         Twin::Estimator(|surface, light, _| light.split_sum(surface, reflect(surface.v, surface.n), surface.alpha)),
     )

@@ -8,6 +8,7 @@ use crate::shade::twin::Twin;
 /// `getSpecularDominantDirection` of Filament (`shaders/src/surface_light_indirect.fs`), by alpha.
 pub const FILAMENT: Method = shifted(
     "split-sum-filament",
+    "Split sum (Filament)",
     "Filament's shifted lookup: r to n by alpha^2",
     Twin::Estimator(|surface, light, _| light.split_sum_between(surface, |_, alpha| 1.0 - alpha * alpha)),
 );
@@ -16,6 +17,7 @@ pub const FILAMENT: Method = shifted(
 /// (`light_probe/environment_map.wesl`, 2026).
 pub const FROSTBITE: Method = shifted(
     "split-sum-frostbite",
+    "Split sum (Frostbite)",
     "Frostbite's shifted lookup [Lagarde14, listing 22]; Bevy's, too",
     Twin::Estimator(|surface, light, _| {
         light.split_sum_between(surface, |_, alpha| (1.0 - alpha) * ((1.0 - alpha).sqrt() + alpha))
@@ -25,6 +27,7 @@ pub const FROSTBITE: Method = shifted(
 /// three.js (`envmap_physical_pars_fragment.glsl.js`), copied by Godot (`scene_forward_clustered.glsl`).
 pub const GODOT: Method = shifted(
     "split-sum-godot",
+    "Split sum (Godot)",
     "Godot's and three.js' shifted lookup: r to n by alpha",
     Twin::Estimator(|surface, light, _| light.split_sum_between(surface, |_, alpha| 1.0 - alpha)),
 );
@@ -33,6 +36,7 @@ pub const GODOT: Method = shifted(
 /// reflected point (`_NRD_GetSpecularDominantFactor`, `NRD.hlsli`). Its roughness is perceptual.
 pub const NRD: Method = shifted(
     "split-sum-nrd",
+    "Split sum (NRD)",
     "the shift of NRD: a fit over n.v and roughness [Lagarde14, listing 21]",
     Twin::Estimator(|surface, light, _| {
         light.split_sum_between(surface, |n_dot_v, alpha| {
@@ -47,6 +51,7 @@ pub const NRD: Method = shifted(
 /// Frostbite's, bent further to the normal at grazing views. The original is still there behind `USE_FB_DSD`.
 pub const UNITY: Method = shifted(
     "split-sum-unity",
+    "Split sum (Unity)",
     "the shifted lookup of Unity's high-definition pipeline",
     Twin::Estimator(|surface, light, _| {
         light.split_sum_between(surface, |n_dot_v, alpha| {

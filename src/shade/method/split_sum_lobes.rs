@@ -5,8 +5,8 @@ use super::split_sum::shifted;
 use crate::precompute::lobe_shape::Objective;
 use crate::shade::twin::{SpecularTwin, Twin};
 
-const fn along_moment(name: &'static str, about: &'static str, twin: SpecularTwin) -> Method {
-    Method { uses_lobe_shapes: true, ..shifted(name, about, twin) }
+const fn along_moment(name: &'static str, title: &'static str, about: &'static str, twin: SpecularTwin) -> Method {
+    Method { uses_lobe_shapes: true, ..shifted(name, title, about, twin) }
 }
 
 /// `a = alpha`. For light linear in direction, `L = L0 + g·l`, the truth is `W (L0 + ρ g·m)`, with ρ the moment's
@@ -14,6 +14,7 @@ const fn along_moment(name: &'static str, about: &'static str, twin: SpecularTwi
 /// Along m the error is only `W (c - ρ) g·m`, for any g.
 pub const MOMENT: Method = along_moment(
     "split-sum-moment",
+    "Split sum (first moment)",
     "the split sum along the first moment of the lobe, by a table",
     Twin::Estimator(|surface, light, _| light.moment_split_sum(surface)),
 );
@@ -22,6 +23,7 @@ pub const MOMENT: Method = along_moment(
 /// lobe: the least expected squared error under light that is white noise over the sphere. No environment enters.
 pub const FITTED: Method = along_moment(
     "split-sum-fitted",
+    "Split sum (fitted)",
     "the split sum along the first moment of the lobe at the width of least squared error, by a table",
     Twin::Estimator(|surface, light, _| light.fitted_split_sum(surface, Objective::Square)),
 );
@@ -31,6 +33,7 @@ pub const FITTED: Method = along_moment(
 /// kernels are narrower.
 pub const RELATIVE: Method = along_moment(
     "split-sum-relative",
+    "Split sum (corrected)",
     "as split-sum-fitted, by the width of least relative error",
     Twin::Estimator(|surface, light, _| light.fitted_split_sum(surface, Objective::Relative)),
 );
@@ -44,6 +47,7 @@ pub const PARTED: Method = Method {
     lookups: 2,
     ..along_moment(
         "split-sum-parted",
+        "Split sum (corrected, two lookups)",
         "as split-sum-relative, a lookup for each part of the Fresnel term",
         Twin::Estimator(|surface, light, _| light.parted_split_sum(surface)),
     )

@@ -6,6 +6,7 @@ use splitsum::experiment::axis::Point;
 use splitsum::study::finished::Finished;
 use splitsum::study::frame::Frame;
 use splitsum::study::questions::{Finding, QUESTIONS, answers};
+use std::collections::BTreeSet;
 
 /// Errors that grow with alpha and are a quarter for dielectrics.
 fn made(point: &Point) -> Option<Made> {
@@ -91,4 +92,21 @@ fn columns_of_answers_do_not_come_and_go() {
     assert_eq!(one.table.columns[..6], always);
     assert_eq!(column(&one.table, "brdf"), ["ggx"]);
     assert_eq!([numbers(&one.table, "alpha"), numbers(&one.table, "perceptual_roughness")], [[0.25], [0.5]]);
+}
+
+#[test]
+fn every_method_has_words_of_its_own() {
+    let methods = splitsum::shade::METHODS;
+    let titles: BTreeSet<&str> = methods.iter().map(|method| method.title).collect();
+    assert_eq!(titles.len(), methods.len());
+    for (code, words) in [
+        ("split-sum", "Split sum (textbook)"),
+        ("sampled 16 over split-sum: 3", "Sampling, 16 samples over Split sum (textbook): 3"),
+        ("sampled 1: none", "Sampling, 1 sample: none"),
+        ("sky · file:a/mine.glsl", "sky · mine (file)"),
+        ("cube · sampled · linear", "cube · sampled · linear"),
+        ("sampled over split-sum", "Sampling over Split sum (textbook)"),
+    ] {
+        assert_eq!(splitsum::shade::words_in(code), words);
+    }
 }

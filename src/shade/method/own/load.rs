@@ -28,7 +28,7 @@ pub fn load(name: &str, dir: &Path) -> Result<&'static Method, String> {
 
     let mut sources = shader_sources();
     let own = format!("{FILE_PREFIX}{}", path.display());
-    sources.0.insert(own.clone(), text);
+    sources.0.insert(own.clone(), text.clone());
     let choice = Choice::from([(METHOD_INCLUDE.to_owned(), own)]);
     let mut reads = BTreeSet::new();
     for (permutation, choice) in sources.permutations(ENTRY, &choice)? {
@@ -37,11 +37,12 @@ pub fn load(name: &str, dir: &Path) -> Result<&'static Method, String> {
         add_shader(shader.clone(), &code.map_err(|log| first_error(&log, &path))?);
         reads.append(&mut names_read(&shader, FUNCTION).map_err(|e| fault(e.to_string()))?);
     }
-    Ok(keep(of_names_read(absent(name.to_owned()), &reads, stem)))
+    let method = Method { text: Some(Box::leak(text.into_boxed_str())), ..absent(name.to_owned()) };
+    Ok(keep(of_names_read(method, &reads, stem)))
 }
 
 /// Inserts the method's name into a permutation's name: after the layout, before the model.
-fn shader_name(permutation: &str, stem: &str) -> String {
+pub fn shader_name(permutation: &str, stem: &str) -> String {
     let mut parts: Vec<&str> = permutation.split(':').collect();
     parts.insert(2, stem);
     parts.join(":")

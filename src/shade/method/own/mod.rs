@@ -8,7 +8,7 @@
 mod load;
 
 #[cfg(feature = "gpu")]
-pub use load::load;
+pub use load::{load, shader_name};
 
 use super::Method;
 use crate::glsl::constants::FILE_PREFIX;
@@ -34,8 +34,10 @@ pub fn loaded(name: &str) -> Option<&'static Method> {
 
 /// A method that gives nothing.
 fn absent(name: String) -> Method {
-    let name = Box::leak(name.into_boxed_str());
-    Method::plain(name, "a method in a file", Twin::Estimator(|_, _, _| DVec3::ZERO))
+    let title = std::path::Path::new(name.trim_start_matches(FILE_PREFIX)).file_stem().unwrap_or_default();
+    let title = format!("{} (file)", title.to_string_lossy());
+    let [name, title] = [name, title].map(|text| -> &'static str { Box::leak(text.into_boxed_str()) });
+    Method::plain(name, title, "a method in a file", Twin::Estimator(|_, _, _| DVec3::ZERO))
 }
 
 /// Derives the flags of a method from the names that its shader reads.
