@@ -2,6 +2,7 @@
 
 use super::scale::Axis;
 use super::{Panel, ScaleKind, Shape};
+use std::collections::BTreeSet;
 
 /// Marks closer than this, as a share of the other axis, hide each other.
 const NEAR: f64 = 0.04;
@@ -9,6 +10,8 @@ const NEAR: f64 = 0.04;
 const LANES: usize = 12;
 /// Distance of two lanes, pixels.
 pub const PITCH: f64 = 8.0;
+/// Distance of two lines that would hide each other, pixels.
+const LINE_PITCH: f64 = 4.0;
 /// Share of a step that lanes may fill.
 const FILLED: f64 = 0.9;
 
@@ -21,6 +24,8 @@ pub struct Dodge {
     lanes: Vec<f64>,
     /// The most lanes of a step.
     pub count: usize,
+    /// Points that lines of several series share: series, point, lane.
+    shared: Vec<(Option<usize>, [f64; 2], f64)>,
 }
 
 /// A dot on a step, with its interval.
@@ -36,7 +41,7 @@ impl Dodge {
     /// On each step a dot takes the first free lane.
     pub fn new(panel: &Panel) -> Self {
         let is_y = matches!(panel.y.kind, ScaleKind::Steps(_));
-        let mut found = Self { is_y, lanes: vec![0.0; panel.marks.len()], count: 1 };
+        let mut found = Self { is_y, lanes: vec![0.0; panel.marks.len()], count: 1, shared: shared(panel) };
         let mut standing = standing(panel, is_y);
         standing.sort_by(|a, b| a.step.total_cmp(&b.step).then(a.series.cmp(&b.series)));
         for row in standing.chunk_by(|a, b| a.step == b.step) {
@@ -59,10 +64,31 @@ impl Dodge {
         found
     }
 
+    /// Pixels from a point to the lane of a series, downwards.
+    pub fn shift(&self, series: Option<usize>, point: [f64; 2]) -> f64 {
+        let own = self.shared.iter().find(|(other, at, _)| *other == series && *at == point);
+        own.map_or(0.0, |(.., lane)| lane * LINE_PITCH)
+    }
+
     /// Pixels from the middle of the step.
     pub fn offset(&self, mark: usize, step: f64) -> f64 {
         self.lanes[mark] * PITCH.min(step * FILLED / self.count as f64)
     }
+}
+
+/// Gives each series of a shared point a lane, so that no line hides another.
+fn shared(panel: &Panel) -> Vec<(Option<usize>, [f64; 2], f64)> {
+    let points = panel.marks.iter().filter_map(|mark| match &mark.shape {
+        Shape::Line(points) => Some(points.iter().map(|point| (mark.series, *point))),
+        _ => None,
+    });
+    let all: Vec<(Option<usize>, [f64; 2])> = points.flatten().collect();
+    let lane = |(series, point): &(Option<usize>, [f64; 2])| {
+        let own: BTreeSet<Option<usize>> = all.iter().filter(|other| other.1 == *point).map(|other| other.0).collect();
+        let place = own.iter().position(|other| other == series)? as f64;
+        (own.len() > 1).then(|| (*series, *point, place - (own.len() as f64 - 1.0) / 2.0))
+    };
+    all.iter().filter_map(lane).collect()
 }
 
 /// The dots on steps, each with the interval of its series; none if lines join dots.

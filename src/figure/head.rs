@@ -1,7 +1,7 @@
 //! The head of a figure: title, note, legend, colour bar.
 
 use super::labels::Labels;
-use super::layout::{Layout, PAD};
+use super::layout::{Layout, PAD, ends_room};
 use super::scale::Axis;
 use super::text::{AXIS, Font, MIDDLE, NOTE, TITLE, stack};
 use super::{Figure, Ramp, Scale, ScaleKind, Shape};
@@ -41,7 +41,11 @@ impl Layout {
         self.height += lines.len() as f64 * font.line() + 2.0;
     }
 
+    /// Names the series beside their marks, unless they are named at the ends of their lines.
     fn legend(&mut self, figure: &Figure) {
+        if ends_room(figure, self.width).is_some() {
+            return;
+        }
         let mut marks = figure.marks().filter(|mark| mark.series.is_some());
         let is_small = |shape: &Shape| matches!(shape, Shape::Dot(_) | Shape::Whisker(..) | Shape::Tile { .. });
         self.swatch = if marks.all(|mark| is_small(&mark.shape)) { MARKER } else { SWATCH };

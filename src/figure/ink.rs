@@ -1,40 +1,71 @@
 //! Colours of a figure: CSS custom properties for light and dark grounds, and colours of tiles.
 
-use super::Ramp;
+use super::{Figure, Ramp};
 use crate::table::colormap::Palette;
 
 /// Class, CSS property, custom property, and colours on a light and a dark ground.
 type Ink = (&'static str, &'static str, &'static str, [&'static str; 2]);
 
 pub const INKS: [Ink; 9] = [
-    (".fig-ground", "fill", "--fig-ground", ["#ffffff", "#14161a"]),
-    (".fig-ink", "fill", "--fig-ink", ["#1b1d21", "#ecebe8"]),
-    (".fig-muted", "fill", "--fig-muted", ["#595d65", "#a6a9b0"]),
-    (".fig-grid", "stroke", "--fig-grid", ["#e4e5e8", "#2b2e34"]),
-    (".fig-axis", "stroke", "--fig-axis", ["#9a9da3", "#62666e"]),
-    (".fig-plain", "color", "--fig-muted", ["#595d65", "#a6a9b0"]),
-    (".fig-d,.fig-o", "stroke", "--fig-ground", ["#ffffff", "#14161a"]),
-    (".fig-b", "fill", "--fig-ground", ["#ffffff", "#14161a"]),
-    (".fig-none", "fill", "--fig-none", ["#eceded", "#24272c"]),
+    (".fig-ground", "fill", "--fig-ground", ["#fafaf8", "#101214"]),
+    (".fig-ink", "fill", "--fig-ink", ["#15171a", "#edeeee"]),
+    (".fig-muted", "fill", "--fig-muted", ["#575b62", "#a6acb3"]),
+    (".fig-grid", "stroke", "--fig-grid", ["#dcdcd7", "#31363b"]),
+    (".fig-axis", "stroke", "--fig-axis", ["#85888d", "#7d848b"]),
+    (".fig-plain", "color", "--fig-muted", ["#575b62", "#a6acb3"]),
+    (".fig-d:not(.fig-hollow),.fig-o", "stroke", "--fig-ground", ["#fafaf8", "#101214"]),
+    (".fig-b,.fig-hollow", "fill", "--fig-ground", ["#fafaf8", "#101214"]),
+    (".fig-none", "fill", "--fig-none", ["#eeeeeb", "#202428"]),
 ];
 
-/// Colours of series on a light and a dark ground, after Okabe and Ito, with a contrast of at least 3:1: blue, vermilion, green, purple,
-/// ochre, pink, sky, grey.
-pub const SERIES: [[&str; 2]; 8] = [
-    ["#0072b2", "#56a8e0"],
-    ["#c94f00", "#ff8a4c"],
-    ["#00805a", "#35c295"],
-    ["#6f4bb2", "#b39af2"],
-    ["#a06f00", "#e8b63e"],
-    ["#b4487f", "#ec94c0"],
-    ["#2f8fc6", "#9bd8f7"],
+/// Colours of series on a light and a dark ground, with a contrast of at least 4.5:1. The first four are those of methods:
+/// orange, teal, violet, blue. The others are pink, ochre, sky, grey, olive, brown.
+pub const SERIES: [[&str; 2]; 10] = [
+    ["#b3400a", "#ff9a62"],
+    ["#007167", "#45cdb7"],
+    ["#6446b0", "#bba8ff"],
+    ["#0b5cad", "#7ab8f5"],
+    ["#a83a73", "#ec94c0"],
+    ["#7d5a00", "#e8b63e"],
+    ["#1f7091", "#9bd8f7"],
     ["#54575c", "#c2c3c6"],
+    ["#56700c", "#b5d24a"],
+    ["#7a4f2a", "#d9b48c"],
 ];
+/// Colours of series without a preference, in their order.
+const OTHERS: [usize; 10] = [3, 4, 5, 6, 7, 8, 9, 1, 2, 0];
 
-/// The CSS class of a series, or of neutral ink.
-pub fn class(series: Option<usize>) -> String {
-    series.map_or_else(|| "fig-plain".to_owned(), |index| format!("fig-s{}", index % SERIES.len()))
+impl Figure {
+    /// The colour of a series: the preferred one if it is free, else the next free one. `None` for neutral ink.
+    pub fn ink(&self, series: Option<usize>) -> Option<usize> {
+        let mut taken: Vec<usize> = Vec::new();
+        for series in &self.series[..=series.filter(|index| *index < self.series.len())?] {
+            let next = OTHERS.into_iter().find(|ink| !taken.contains(ink));
+            let own = series.ink.filter(|ink| !taken.contains(ink));
+            taken.push(own.or(next).unwrap_or(taken.len() % OTHERS.len()));
+        }
+        taken.last().copied()
+    }
 }
+
+/// The CSS class of an ink of [`SERIES`], or of neutral ink.
+pub fn class(ink: Option<usize>) -> String {
+    ink.map_or_else(|| "fig-plain".to_owned(), |ink| format!("fig-s{ink}"))
+}
+
+/// The CSS classes of a name in the ink of its series.
+pub const NAMES: [&str; 10] = [
+    "fig-n fig-s0",
+    "fig-n fig-s1",
+    "fig-n fig-s2",
+    "fig-n fig-s3",
+    "fig-n fig-s4",
+    "fig-n fig-s5",
+    "fig-n fig-s6",
+    "fig-n fig-s7",
+    "fig-n fig-s8",
+    "fig-n fig-s9",
+];
 
 /// The dashes of a series: solid lines differ by marker, dashed ones by pattern.
 pub fn dashes(index: usize, is_dashed: bool) -> Option<&'static str> {

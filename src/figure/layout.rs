@@ -1,15 +1,16 @@
 //! Lays a figure out at a width: panels in columns, axes, labels, words.
 
 use super::dodge::{Dodge, PITCH};
+use super::ink::NAMES;
 use super::labels::{Labels, OFF};
 use super::scale::Axis;
-use super::text::{AXIS, LABEL, NAME, TILE, Words, stack};
-use super::{Figure, Panel, Scale, ScaleKind, Shape};
+use super::text::{AXIS, LABEL, MIDDLE, NAME, TILE, Words, stack};
+use super::{Figure, Mark, Panel, Scale, ScaleKind, Shape};
 
 /// Margin, pixels.
 pub const PAD: f64 = 12.0;
 /// Most columns of panels.
-const COLUMNS: usize = 4;
+const COLUMNS: usize = 5;
 /// Between columns and between rows of panels, pixels.
 const COLUMN_GAP: f64 = 18.0;
 const ROW_GAP: f64 = 14.0;
@@ -31,6 +32,9 @@ const TILE_MARGIN: f64 = 4.0;
 const LINES: usize = 3;
 /// With more rows of panels, each has its own labels.
 const ROWS_AT_ONCE: usize = 3;
+
+/// Largest share of the width that names at the ends of lines take.
+const ENDS_SHARE: f64 = 0.2;
 
 /// A placed panel.
 #[derive(Clone, Debug, PartialEq)]
@@ -72,13 +76,37 @@ pub fn layout(figure: &Figure, width: f64) -> Layout {
     };
     let [x, y] = [common(|panel| &panel.x), common(|panel| &panel.y)];
     let dodges = figure.panels.iter().map(Dodge::new).collect();
-    Grid { figure, dodges, width, is_shared: [x.0, y.0], titles: [x.1, y.1] }.place(&mut layout);
+    let ends = ends_room(figure, width).unwrap_or(0.0);
+    Grid { figure, dodges, width: width - ends, is_shared: [x.0, y.0], titles: [x.1, y.1] }.place(&mut layout);
     layout
+}
+
+/// The room for names at the ends of lines, pixels; `None` if some panel has no line of some series, or the names are too
+/// many or too long.
+pub fn ends_room(figure: &Figure, width: f64) -> Option<f64> {
+    let has_end = |panel: &Panel, series: usize| {
+        panel.marks.iter().any(|mark| mark.series == Some(series) && end(mark).is_some())
+    };
+    let is_whole = |panel: &Panel| (0..figure.series.len()).all(|series| has_end(panel, series));
+    let room = OFF + NAME.widest(figure.series.iter().map(|series| &series.name));
+    let count = figure.series.len();
+    let fits = room < ENDS_SHARE * width && count as f64 * NAME.line() <= HEIGHTS[0];
+    (count > 0 && fits && figure.panels.iter().all(is_whole)).then_some(room)
+}
+
+/// The last point of a line, or the y of a rule.
+fn end(mark: &Mark) -> Option<[f64; 2]> {
+    match &mark.shape {
+        Shape::Line(points) => points.last().copied(),
+        Shape::HorizontalRule(y) => Some([f64::NAN, *y]),
+        _ => None,
+    }
 }
 
 struct Grid<'f> {
     figure: &'f Figure,
     dodges: Vec<Dodge>,
+    /// Without the names at the ends of lines.
     width: f64,
     /// Whether all panels have one scale of x and of y: then only outer panels are labelled.
     is_shared: [bool; 2],
@@ -250,7 +278,7 @@ impl Grid<'_> {
             true => Vec::new(),
             false => labels.values().into_iter().map(|value| axis.at(value)).collect(),
         };
-        layout.frames.push(Frame {
+        let frame = Frame {
             lines: [lines(&x, &below), lines(&y, beside)],
             has_tile_words: tile_width(panel) <= x.step(),
             dodge: self.dodges[index].clone(),
@@ -260,8 +288,38 @@ impl Grid<'_> {
             top,
             right,
             bottom,
-        });
+        };
+        if layout.width > self.width && ((index + 1).is_multiple_of(columns) || index + 1 == self.panels().len()) {
+            layout.words.extend(self.ends(panel, &frame));
+        }
+        layout.frames.push(frame);
         end
+    }
+
+    /// The names of the series at the ends of their lines, apart from each other.
+    fn ends(&self, panel: &Panel, frame: &Frame) -> Vec<Words> {
+        let at = |series: usize| {
+            let own = panel.marks.iter().filter(|mark| mark.series == Some(series));
+            let point = own.filter_map(end).next_back()?;
+            Some((series, frame.y.at(point[1]) + frame.dodge.shift(Some(series), point)))
+        };
+        let mut places: Vec<(usize, f64)> = (0..self.figure.series.len())
+            .filter(|series| !self.figure.series[*series].name.is_empty())
+            .filter_map(at)
+            .collect();
+        places.sort_by(|a, b| a.1.total_cmp(&b.1));
+        let mut free = frame.bottom - places.len() as f64 * NAME.line();
+        let mut next = frame.top;
+        let place = |(series, y): (usize, f64)| {
+            // Room for those below stays free.
+            let y = y.min(free + NAME.line()).max(next);
+            (free, next) = (free + NAME.line(), y + NAME.line());
+            let class = NAMES[self.figure.ink(Some(series)).unwrap_or(0)];
+            let text = self.figure.series[series].name.clone();
+            let at = [frame.right + OFF, y + NAME.size * MIDDLE];
+            Words { text, full: None, at, anchor: "start", is_upright: false, class }
+        };
+        places.into_iter().map(place).collect()
     }
 }
 

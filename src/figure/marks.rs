@@ -15,20 +15,33 @@ const BAR: f64 = 0.66;
 /// Between tiles.
 const TILE_GAP: f64 = 1.0;
 
-/// Outlines of markers by series, from the middle, of similar area.
+/// Outlines of markers by ink, from the middle, of similar area.
 const MARKERS: [&str; 8] = [
-    "m0-3.5a3.5 3.5 0 1 0 .01 0z",
     "m-3.2,-3.2h6.4v6.4h-6.4z",
-    "m0,-4.4l4.2,7.4h-8.4z",
     "m0,-4.6l4.6,4.6l-4.6,4.6l-4.6,-4.6z",
+    "m0,-4.4l4.2,7.4h-8.4z",
+    "m0-3.5a3.5 3.5 0 1 0 .01 0z",
     "m0,4.4l4.2,-7.4h-8.4z",
     "m-1.5,-4.5h3v3h3v3h-3v3h-3v-3h-3v-3h3z",
     "m-4.3,-2.2l2.1,-2.1l2.2,2.2l2.2,-2.2l2.1,2.1l-2.2,2.2l2.2,2.2l-2.1,2.1l-2.2,-2.2l-2.2,2.2l-2.1,-2.1l2.2,-2.2z",
     "m-4.5,-2.4h9v4.8h-9z",
 ];
 
-pub fn marker(series: Option<usize>, at: [f64; 2]) -> String {
-    line(&[at]) + MARKERS[series.unwrap_or(0) % MARKERS.len()]
+pub fn marker(ink: Option<usize>, at: [f64; 2]) -> String {
+    line(&[at]) + MARKERS[ink.unwrap_or(0) % MARKERS.len()]
+}
+
+/// The hatched rectangle from left, top to right, bottom.
+fn hatched([left, top, right, bottom]: [f64; 4]) -> String {
+    const PITCH: f64 = 6.0;
+    let count = ((right - left + bottom - top) / PITCH) as usize;
+    let stroke = |i: usize| {
+        // Along x + y = c.
+        let c = left + top + (i as f64 + 0.5) * PITCH;
+        let [from, to] = [(c - bottom).max(left), (c - top).min(right)];
+        if to > from { line(&[[from, c - from], [to, c - to]]) } else { String::new() }
+    };
+    path("fig-grid", "", &(0..count).map(stroke).collect::<String>())
 }
 
 /// Draws a panel from the ground up: tiles, bars, axes, rules, lines, intervals, dots.
@@ -38,8 +51,8 @@ pub fn draw(figure: &Figure, index: usize, frame: &Frame) -> String {
     order.sort_by_key(|i| layer(&panel.marks[*i].shape));
     let drawn = |i: &usize| {
         let mark = &panel.marks[*i];
-        let shape = Pen { figure, frame, mark, index: *i }.shape()?;
-        Some(format!("<g {}{shape}</g>\n", head(mark, index)))
+        let shape = Pen { figure, frame, mark, index: *i, panel: index }.shape()?;
+        Some(format!("<g {}{shape}</g>\n", head(figure, mark, index)))
     };
     let (filled, others) = order.split_at(order.partition_point(|i| layer(&panel.marks[*i].shape) == 0));
     let [filled, others] = [filled, others].map(|own| own.iter().filter_map(drawn).collect::<String>());
@@ -52,7 +65,7 @@ pub fn draw(figure: &Figure, index: usize, frame: &Frame) -> String {
 /// Filled shapes are below the axes, dots on top.
 fn layer(shape: &Shape) -> u8 {
     match shape {
-        Shape::Tile { .. } | Shape::HorizontalBar { .. } => 0,
+        Shape::Tile { .. } | Shape::HorizontalBar { .. } | Shape::BeyondX(_) | Shape::BeyondY(_) => 0,
         Shape::HorizontalRule(_) | Shape::VerticalRule(_) => 1,
         Shape::Line(_) => 2,
         Shape::Whisker(..) => 3,
@@ -61,8 +74,8 @@ fn layer(shape: &Shape) -> u8 {
 }
 
 /// Attributes and title of a mark's group.
-fn head(mark: &Mark, panel: usize) -> String {
-    let class = class(mark.series);
+fn head(figure: &Figure, mark: &Mark, panel: usize) -> String {
+    let class = class(figure.ink(mark.series));
     if mark.tip.is_empty() {
         return format!("class=\"{class}\">");
     }
@@ -80,6 +93,7 @@ struct Pen<'f> {
     frame: &'f Frame,
     mark: &'f Mark,
     index: usize,
+    panel: usize,
 }
 
 impl Pen<'_> {
@@ -91,7 +105,9 @@ impl Pen<'_> {
             Shape::Dot(at) => {
                 let (at, arrow) = self.place(*at)?;
                 let hit = self.hit(&format!("M{:.0},{:.0}h0", at[0], at[1]));
-                let dot = if arrow.is_empty() { path("fig-d", "", &marker(self.mark.series, at)) } else { arrow };
+                let class = if self.is_beyond() { "fig-d fig-hollow" } else { "fig-d" };
+                let ink = self.figure.ink(self.mark.series);
+                let dot = if arrow.is_empty() { path(class, "", &marker(ink, at)) } else { arrow };
                 Some(dot + &hit)
             }
             Shape::HorizontalBar { y, base, to } => {
@@ -103,6 +119,8 @@ impl Pen<'_> {
             Shape::Whisker(a, b) => self.whisker(*a, *b),
             Shape::HorizontalRule(y) => self.rule(&self.frame.y, *y, |y| [[left, y], [right, y]]),
             Shape::VerticalRule(x) => self.rule(&self.frame.x, *x, |x| [[x, top], [x, bottom]]),
+            Shape::BeyondY(y) => Some(hatched([left, top, right, self.frame.y.at(*y)])),
+            Shape::BeyondX(x) => Some(hatched([self.frame.x.at(*x), top, right, bottom])),
             Shape::Tile { x, y, value, text } => Some(self.tile([*x, *y], *value, text)),
         }
     }
@@ -115,6 +133,7 @@ impl Pen<'_> {
         if steps.has_steps() {
             at[usize::from(dodge.is_y)] += dodge.offset(self.index, steps.step());
         }
+        at[1] += dodge.shift(self.mark.series, [x, y]);
         let [dx, dy] = match (across.beyond(x), up.beyond(y)) {
             _ if at[0].is_nan() || at[1].is_nan() => return None,
             (0.0, 0.0) => return Some((at, String::new())),
@@ -123,6 +142,16 @@ impl Pen<'_> {
         };
         let back = |side: f64| [at[0] - ARROW * (2.0 * dx + side * dy), at[1] - ARROW * (2.0 * dy - side * dx)];
         Some((at, path("fig-b", "", &(line(&[at, back(1.0), back(-1.0)]) + "Z"))))
+    }
+
+    /// Whether a dot is within the band of what was not reached.
+    fn is_beyond(&self) -> bool {
+        let Shape::Dot([x, y]) = self.mark.shape else { return false };
+        self.figure.panels[self.panel].marks.iter().any(|mark| match mark.shape {
+            Shape::BeyondY(limit) => y > limit,
+            Shape::BeyondX(limit) => x > limit,
+            _ => false,
+        })
     }
 
     /// A wide target for the pointer.

@@ -28,6 +28,8 @@ pub struct Series {
     pub name: String,
     /// For bounds, floors and other unmeasured values.
     pub is_dashed: bool,
+    /// Its preferred colour, an index of [`ink::SERIES`].
+    pub ink: Option<usize>,
 }
 
 #[derive(Clone, Debug, PartialEq)]
@@ -96,6 +98,10 @@ pub enum Shape {
     HorizontalRule(f64),
     /// Across the panel at an x.
     VerticalRule(f64),
+    /// What lies above a y was not reached: a hatched band, with hollow dots.
+    BeyondY(f64),
+    /// The same to the right of an x.
+    BeyondX(f64),
     /// A step of x and of y, coloured by a value, with a short text.
     Tile {
         x: usize,

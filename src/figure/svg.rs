@@ -15,8 +15,9 @@ use super::scale::Axis;
 use super::text::{escape, px};
 use super::{Figure, Ramp, Shape};
 
-/// Widths of figures for a desktop and a phone, pixels.
-pub const WIDTHS: [u32; 2] = [760, 360];
+/// Widths of figures for a file, a desktop and a phone, pixels.
+pub const FILE_WIDTH: u32 = 760;
+pub const WIDTHS: [u32; 2] = [1180, 360];
 const NARROWEST: u32 = 240;
 
 pub fn svg(figure: &Figure, width: u32) -> String {
@@ -42,6 +43,7 @@ fn legend(figure: &Figure, layout: &Layout) -> String {
     let swatch = layout.swatch;
     let entry = |(index, [x, y]): &(usize, [f64; 2])| {
         let series = Some(*index);
+        let ink = figure.ink(series);
         let own = |is: fn(&Shape) -> bool| figure.marks().any(|mark| mark.series == series && is(&mark.shape));
         let bar = own(|shape| matches!(shape, Shape::HorizontalBar { .. }))
             .then(|| path("fig-f", "", &rectangle([*x, y - 6.0, swatch, 12.0])));
@@ -49,9 +51,9 @@ fn legend(figure: &Figure, layout: &Layout) -> String {
             |shape: &Shape| matches!(shape, Shape::Line(_) | Shape::HorizontalRule(_) | Shape::VerticalRule(_));
         let curve = own(is_line).then(|| path("fig-l", &dash(figure, series), &line(&[[*x, *y], [x + swatch, *y]])));
         let has_dots = own(|shape| matches!(shape, Shape::Dot(_))) || (bar.is_none() && curve.is_none());
-        let dot = has_dots.then(|| path("fig-d", "", &marker(series, [x + swatch / 2.0, *y])));
+        let dot = has_dots.then(|| path("fig-d", "", &marker(ink, [x + swatch / 2.0, *y])));
         let drawn: String = [bar, curve, dot].into_iter().flatten().collect();
-        format!("<g class=\"{}\" data-series=\"{index}\">{drawn}</g>\n", class(series))
+        format!("<g class=\"{}\" data-series=\"{index}\">{drawn}</g>\n", class(ink))
     };
     layout.entries.iter().map(entry).collect()
 }

@@ -163,37 +163,46 @@ fn views(frame: &Frame, images: &[&Row], axes: &[usize], table: &mut Table) -> V
     frame.views(images).into_iter().filter_map(view).collect()
 }
 
-/// One panel per condition, one line per value of [`Frame::row_axis`]: the median over environments by n·v.
+/// Most lines of a panel.
+const LINES: usize = 4;
+
+/// One panel per value of [`Frame::row_axis`], one line per other condition, or the other way round if those are many: the
+/// median over environments by n·v.
 fn view_figure(frame: &Frame, views: &[View], tried: &[u32]) -> Option<Figure> {
     let of: Vec<usize> = conditions(frame).collect();
     let keys = &views.first()?.medians;
-    let rest = |key: &Key| frame.names.label_where(&of, key, |axis| axis != frame.row_axis());
-    let line_of = |key: &Key| frame.names.label_where(&of, key, |axis| axis == frame.row_axis());
-    let series = distinct_in_order(keys.iter().map(|(key, _)| line_of(key)));
+    let label =
+        |key: &Key, is_row: bool| frame.names.label_where(&of, key, |axis| (axis == frame.row_axis()) == is_row);
+    let distinct = |is_row: bool| distinct_in_order(keys.iter().map(|(key, _)| label(key, is_row)));
+    let has_few_others = distinct(false).len() <= LINES;
+    let series = distinct(!has_few_others);
+    let row = of.iter().position(|axis| *axis == frame.row_axis()).filter(|_| has_few_others);
+    let title =
+        |key: &Key| row.map_or_else(|| label(key, has_few_others), |row| frame.names.heading(of[row], &key[row]));
     let largest = f64::from(*tried.last()?);
     let line = |key: &Key| {
-        let dot = |(x, one): (usize, &View)| {
+        let dot = |one: &View| {
             let median = one.median(key)?;
             let tip =
                 format!("{}: {} samples · {}", view(one.seen), counted(median, tried), frame.names.label(&of, key));
-            let at = [x as f64, up(median, tried).min(2.0 * largest)];
-            Some(Mark::new(Form::Dot(at), step(&series, &line_of(key)) as usize).tip(tip))
+            let at = [(one.seen[0] + one.seen[1].min(1.0)) / 2.0, up(median, tried).min(2.0 * largest)];
+            Some(Mark::new(Form::Dot(at), step(&series, &label(key, !has_few_others)) as usize).tip(tip))
         };
-        joined(views.iter().enumerate().filter_map(dot).collect())
+        joined(views.iter().filter_map(dot).collect())
     };
     let panel = |(name, own): (String, Vec<&(Key, f64)>)| {
-        let rule = [Mark::neutral(Form::HorizontalRule(largest))];
-        (name, rule.into_iter().chain(own.into_iter().flat_map(|(key, _)| line(key))).collect())
+        let band = [Mark::neutral(Form::BeyondY(largest))];
+        (name, band.into_iter().chain(own.into_iter().flat_map(|(key, _)| line(key))).collect())
     };
     Chart {
         title: "Samples per pixel that sampling needs to win",
         note: format!(
-            "{}, median environment; beyond the line: more than the largest tried count",
+            "{}, median environment. Higher is better for the method without samples. Hatched: more than the largest tried count",
             frame.metric_name()
         ),
-        x: Along::Steps("n·v", views.iter().map(|one| format!("{} to {}", one.seen[0], one.seen[1])).collect()),
+        x: Along::Linear("n·v, from grazing (0) to facing (1) views"),
         y: Along::Log("samples per pixel"),
-        panels: grouped(keys, |(key, _)| rest(key)).into_iter().map(panel).collect(),
+        panels: grouped(keys, |(key, _)| title(key)).into_iter().map(panel).collect(),
         series,
     }
     .figure()
@@ -318,7 +327,7 @@ fn figure(frame: &Frame, axes: &[usize], pairs: &[([String; 2], Vec<Case>)]) -> 
     let panel = |([sampled, fixed], cases): &([String; 2], Vec<Case>)| {
         let tried = tried(cases);
         let largest = f64::from(tried[tried.len() - 1]);
-        let mut marks = vec![Mark::neutral(Form::VerticalRule(largest))];
+        let mut marks = vec![Mark::neutral(Form::BeyondX(largest))];
         let place = |row: &Row| models.iter().position(|model| *model == row.point[BRDF]).unwrap_or(0);
         if is_summed {
             let words = |all: &Estimate| counted_words(all, &tried);
@@ -342,7 +351,7 @@ fn figure(frame: &Frame, axes: &[usize], pairs: &[([String; 2], Vec<Case>)]) -> 
     Chart {
         title: "Samples per pixel that sampling needs to win",
         note: format!(
-            "{}{}; beyond the line: more than the largest tried count",
+            "{}{}; hatched: more than the largest tried count",
             frame.metric_name(),
             if is_summed { ", median environment; whiskers: 95 %" } else { "" }
         ),

@@ -184,15 +184,15 @@ fn figure(frame: &Frame, axes: &[usize], all: &[Middle]) -> Option<Figure> {
             });
             joined(marks.collect())
         };
-        let rule = std::iter::once(Mark::neutral(Form::HorizontalRule(largest)));
-        (name, rule.chain(grouped(own, |own| own.names[1].clone()).into_iter().flat_map(line)).collect())
+        let band = std::iter::once(Mark::neutral(Form::BeyondY(largest)));
+        (name, band.chain(grouped(own, |own| own.names[1].clone()).into_iter().flat_map(line)).collect())
     };
     let whole = all.iter().filter(|own| own.seen == WHOLE);
     let mut panels: Vec<(String, Vec<&Middle>)> = grouped(whole, title);
     panels.sort_by_key(|(name, _)| name.clone());
     Chart {
         title: "Samples per pixel that sampling needs to win",
-        note: format!("median{INTERVAL}; beyond the line: more than the largest tried count"),
+        note: format!("median{INTERVAL}; hatched: more than the largest tried count"),
         x: Along::values(frame, of, &widths),
         y: Along::Log("samples per pixel"),
         panels: panels.into_iter().map(panel).collect(),

@@ -3,8 +3,8 @@
 mod figures;
 mod legible;
 
-use figures::{Drawn, dots, hard, hostile};
-use splitsum::figure::svg::{WIDTHS, svg};
+use figures::{Drawn, dots, hard, hostile, shared};
+use splitsum::figure::svg::{FILE_WIDTH, WIDTHS, svg};
 use splitsum::figure::{Figure, Mark, Scale, ScaleKind, Shape};
 use std::collections::BTreeSet;
 
@@ -244,7 +244,7 @@ fn an_svg_is_the_same_each_time_short_and_of_few_digits() {
     for (i, mark) in figure.panels[0].marks.iter_mut().enumerate() {
         (mark.tip, mark.cell) = (format!("meadow, alpha 0.04: {i}"), Some(format!("{i:08x}")));
     }
-    let size = svg(&figure, WIDTHS[0]).len();
+    let size = svg(&figure, FILE_WIDTH).len();
     assert!(size < SIZE_MOST, "500 marks take {size} bytes");
 }
 
@@ -275,4 +275,26 @@ fn empty_and_degenerate_figures_are_drawn() {
         assert!(!text.contains("NaN") && !text.contains("inf"), "{figure:?}");
         Drawn::new(&text);
     }
+}
+
+#[test]
+fn equal_lines_lie_beside_each_other_with_their_names_in_their_colours() {
+    let figure = shared();
+    let drawn = Drawn::new(&svg(&figure, WIDTHS[0]));
+    let dots = drawn.dots();
+    assert_eq!(dots.len(), 18);
+    for (i, a) in dots.iter().enumerate() {
+        assert!(dots[..i].iter().all(|b| (a[0] - b[0]).hypot(a[1] - b[1]) >= 3.0), "{a:?}");
+    }
+    let class = |node: &roxmltree::Node| node.attribute("class").unwrap_or_default().to_owned();
+    let of_class = |name: &str| drawn.document().descendants().filter(|node| class(node).contains(name)).count();
+    // What lies beyond the limit is hollow: one dot of each line.
+    assert_eq!(of_class("fig-hollow"), 6);
+    let names = drawn.document().descendants().filter(|node| class(node).starts_with("fig-n "));
+    let mut found: Vec<(String, String)> =
+        names.map(|node| (node.text().unwrap().to_owned(), class(&node)[6..].to_owned())).collect();
+    found.sort();
+    let ink = |name: &str, ink: usize| (name.to_owned(), format!("fig-s{ink}"));
+    let wanted = [ink("ggx", 3), ink("sampling", 2), ink("textbook", 0)];
+    assert_eq!(found, wanted);
 }

@@ -18,7 +18,10 @@ pub fn dots([x, y]: [ScaleKind; 2], points: &[[f64; 2]]) -> Figure {
 }
 
 fn series(names: &[&str]) -> Vec<Series> {
-    names.iter().map(|name| Series { name: (*name).to_owned(), is_dashed: name.ends_with("floor") }).collect()
+    names
+        .iter()
+        .map(|name| Series { name: (*name).to_owned(), is_dashed: name.ends_with("floor"), ink: None })
+        .collect()
 }
 
 fn owned(names: &[&str]) -> Vec<String> {
@@ -41,7 +44,7 @@ const SCENES: [&str; 6] = [
 
 /// Long names, many rows, many panels, tiles, bars, intervals, titles.
 pub fn hard() -> Vec<Figure> {
-    vec![rows(), panels(), tiles(false), tiles(true), effects(), titles(), long()]
+    vec![rows(), panels(), tiles(false), tiles(true), effects(), titles(), long(), shared()]
 }
 
 /// A dot chart with 30 rows and three series.
@@ -128,6 +131,21 @@ fn effects() -> Figure {
     Figure { panels: vec![first, second], series: series(&["split-sum", "dominant"]), ..dots_of_nothing("Effects") }
 }
 
+/// Three methods with the same numbers, partly beyond a limit.
+pub fn shared() -> Figure {
+    let points = [[0.1, 1.0], [0.5, 4.0], [0.9, 32.0]];
+    let marks = (0..3).flat_map(|series| {
+        let dots = points.map(|at| Mark::new(Shape::Dot(at), series).tip("dot"));
+        [Mark::new(Shape::Line(points.to_vec()), series)].into_iter().chain(dots)
+    });
+    let marks = [Mark::neutral(Shape::BeyondY(16.0))].into_iter().chain(marks).collect();
+    let (x, y) = (Scale::linear("n·v", [0.0, 1.0]).unwrap(), Scale::log("samples", [1.0, 32.0]).unwrap());
+    let panel = Panel { title: "alpha 0.1".to_owned(), x, y, marks };
+    let inks = [("sampling", Some(2)), ("textbook", Some(0)), ("ggx", None)];
+    let series = inks.map(|(name, ink)| Series { name: name.to_owned(), is_dashed: false, ink }).to_vec();
+    Figure { panels: vec![panel.clone(), panel], series, ..dots_of_nothing("Shared") }
+}
+
 /// Dots at many places, and axes with titles of their own.
 fn titles() -> Figure {
     let panel = |p: usize| {
@@ -147,7 +165,7 @@ fn long() -> Figure {
     let marks = (0..6).map(|i| Mark::new(Shape::Dot([i as f64, i as f64]), i).tip(name(i)));
     let steps = || Scale::steps(&name(99), (0..6).map(name).collect());
     let panel = Panel { title: name(7), x: steps(), y: steps(), marks: marks.collect() };
-    let series = (0..6).map(|i| Series { name: name(i), is_dashed: false }).collect();
+    let series = (0..6).map(|i| Series { name: name(i), is_dashed: false, ink: None }).collect();
     Figure { title: name(1), note: name(2), panels: vec![panel.clone(), panel], series, ramp: None }
 }
 
@@ -169,7 +187,7 @@ pub fn hostile() -> Figure {
     let marks = shapes.into_iter().enumerate().map(mark).collect();
     let panel = Panel { title: name("panel"), x: steps("x"), y: steps("y"), marks };
     let ramp = Some(Ramp { label: name("ramp"), lo: 1e-3, hi: 1.0, middle: None });
-    let series = vec![Series { name: name("series"), is_dashed: false }];
+    let series = vec![Series { name: name("series"), is_dashed: false, ink: None }];
     Figure { title: name("title"), note: name("note"), panels: vec![panel.clone(), panel], series, ramp }
 }
 
