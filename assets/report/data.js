@@ -14,8 +14,8 @@ import { byId } from "report/dom";
  * @typedef {{ run: number, name: string, columns: string[], rows: (string | number | null)[][] }} Answer
  * @typedef {{ run: number, cell: string, image: number | null, reference: number | null, verdict: string,
  *   floor: number | null, axes: Record<string, string>, scores: Record<string, number | null>, scene?: Scene,
- *   copies?: Row[], original?: Row }} Row
- * @typedef {{ key: string, label: string, variants: Row[], main?: Row }} Scene
+ *   original?: Row }} Row
+ * @typedef {{ key: string, variants: Row[], main: Row }} Scene
  */
 
 const json = (id) => JSON.parse(byId(id).textContent);
@@ -33,7 +33,6 @@ export const axisOf = Object.fromEntries(model.axes.map((axis) => [axis.name, ax
 const named = (role) => model.axes.filter((axis) => axis.role === role).map((axis) => axis.name);
 export const sceneAxes = named("scene");
 export const variantAxes = named("variant");
-export const displayAxes = named("display");
 
 const textOf = (kind) => (axis, value) => {
   const place = axisOf[axis]?.values.indexOf(value) ?? -1;
@@ -72,26 +71,19 @@ export const idOf = (row) => (row.run ? `${row.cell}@${row.run}` : row.cell);
 
 const methods = (axisOf.method?.values ?? []).filter(Boolean);
 /** Label of the reference; a method may have the same name. */
-export const truthName = methods.includes("reference") ? "reference (truth)" : "reference";
+export const truthName = methods.includes("reference") ? "Reference (truth)" : "Reference";
 
-/** An image without a specular term is named by its diffuse term. */
-function bareName(diffuse) {
-  if (!diffuse || diffuse === "none") return "no specular term";
-  return methods.length > 1 ? `${diffuse} only` : diffuse;
-}
-
-/** Who made an image: "sampled 16", "split-sum"; unknown axes are omitted. */
+/** Who made an image: "Sampling, 16 samples", "Split sum (textbook)"; unknown axes are omitted. */
 function maker(axes, names) {
-  const isTold = (name) => names.includes(name) && axes[name];
-  if (axes.method === "none") return isTold("method") || isTold("diffuse") ? bareName(axes.diffuse) : "";
-  const samples = isTold("samples") ? (isTold("method") ? axes.samples : word("samples", axes.samples)) : "";
-  const gap = axes.method === "reference" && samples ? ", " : " ";
-  const diffuse = isTold("diffuse") ? word("diffuse", axes.diffuse) : "";
-  const specular = [isTold("method") ? axes.method : "", samples].filter(Boolean).join(gap);
-  return [specular, diffuse].filter(Boolean).join(" · ");
+  const said = (name) => (names.includes(name) && axes[name] ? word(name, axes[name]) : "");
+  const diffuse = said("diffuse");
+  if (axes.method === "none") return diffuse && diffuse !== "none" ? `${diffuse} only` : "No specular term";
+  const samples = names.includes("samples") && axes.samples;
+  const count = samples ? `${samples} sample${samples === "1" ? "" : "s"}` : "";
+  return [[said("method"), count].filter(Boolean).join(", "), diffuse].filter(Boolean).join(" · ");
 }
 
-/** How a cell is made, without what all cells share: "sampled 16", "split-sum · 256x128 · 5 lv · 256 spp". */
+/** How a cell is made, without what all cells share: "Sampling, 16 samples", "Split sum (textbook) · 5 lv · 256 spp". */
 export function variantLabel(row, without = []) {
   const all = variantAxes.length ? variantAxes : ["method", "samples"];
   const names = all.filter((name) => !without.includes(name));
@@ -101,37 +93,53 @@ export function variantLabel(row, without = []) {
   const run = others.includes("run") ? parts.splice(others.indexOf("run"), 1) : [];
   return [...run, maker(row.axes, names), ...parts].filter(Boolean).join(" · ");
 }
-/** What a cell shows: "sky · ggx · alpha 0.25 (roughness 0.5)". */
+/** The same in code names: "sampled 16". */
+export const variantCode = ({ axes }) => `${axes.method ?? ""} ${axes.samples ?? ""}`.trim();
+/** The class of a method's colour. */
+export const inkOf = ({ axes }) =>
+  `is-${model.roles[axes.method] ?? (axes.samples ? "sampling" : axes.method?.startsWith("file:") ? "corrected" : "reference")}`;
+/** What a cell shows, without what all pictures share: "sky · alpha 0.25 (roughness 0.5)". */
 export const sceneLabel = (row) =>
   sceneAxes
+    .filter((name) => scenes.some((scene) => scene.main.axes[name] !== row.axes[name]))
     .map((name) => word(name, row.axes[name]))
     .filter(Boolean)
     .join(" · ") || model.runs[row.run].name;
+/** How visible the error of an image is. */
+const visible = ({ scores }) => scores.flip ?? scores[headline] ?? -1;
 
 /** How far the tone curve of a row is from the plain one. */
 const distance = ({ axes }) =>
   Math.abs(Math.log(Number(axes.exposure) || 1)) + Math.abs(Math.log(Number(axes.contrast) || 1));
 const grouped = (all, names) => Map.groupBy(all, (row) => JSON.stringify(names.map((name) => row.axes[name])));
 
-/** Cells with the same scene values; tone-curve copies of one image are kept in `row.copies` of the plainest. */
-export const scenes = [...grouped(rows, sceneAxes)].map(([key, own]) => {
+/** Cells with the same scene values; of the tone curves of one image the plainest stays. */
+const allScenes = [...grouped(rows, sceneAxes)].map(([key, own]) => {
   const variants = [...grouped(own, variantAxes).values()].map((copies) => {
     const plain = copies.reduce((best, row) => (distance(row) < distance(best) ? row : best));
-    copies.forEach((row) => Object.assign(row, { original: plain, copies: [] }));
-    return Object.assign(plain, { copies });
+    copies.forEach((row) => Object.assign(row, { original: plain }));
+    return plain;
   });
   // A cell without some term has a reference without it; the scene's is the one that most of its cells have.
   const uses = (row) => variants.filter((other) => other.reference === row.reference).length;
   const main = variants.reduce((best, row) => (uses(row) > uses(best) ? row : best));
-  const scene = { key, label: sceneLabel(main), variants, main };
+  const scene = { key, variants, main };
   own.forEach((row) => Object.assign(row, { scene }));
   return scene;
 });
-/** Labels of all variants, in the order of the rows. */
-export const variantLabels = [...new Set(scenes.flatMap((scene) => scene.variants.map((row) => variantLabel(row))))];
+/** The scenes that are pictures. @type {Scene[]} */
+export const scenes = allScenes.filter((scene) => !model.designs.includes(scene.main.axes.scene));
 
 /** Whether the page holds the pixels of a cell's image. */
 export const hasPixels = (row) => row.image !== null && model.images[row.image].payload !== null;
+
+/** The image that the views open with: of the textbook's split sum, else of a method without samples, the worst to see. */
+export function firstRow(isWanted = hasPixels) {
+  const shown = scenes.flatMap((scene) => scene.variants).filter(isWanted);
+  const wanted = [(row) => inkOf(row) === "is-textbook", (row) => !row.axes.samples, () => true];
+  const own = wanted.map((is) => shown.filter(is)).find((rows) => rows.length);
+  return own?.reduce((worst, row) => (visible(row) > visible(worst) ? row : worst)) ?? rows[0];
+}
 
 /** Half-float bits to numbers. */
 export const HALF = Float32Array.from({ length: 65536 }, (_, bits) => {
@@ -172,28 +180,16 @@ export async function decode(text, width, height) {
   return { width, height, rgba };
 }
 
-/** Decoded images kept; old ones are dropped so that a large page does not fill the memory. */
-const CACHE_TEXELS = 24e6;
+/** Decoded images: the page's budget bounds them. */
 const cache = new Map();
-let cachedTexels = 0;
 
 /** The embedded texels of an image as half-float RGBA: a promise of {width, height, rgba}, or of null. */
 export function pixels(index) {
   const image = index === null ? null : model.images[index];
   if (!image || image.payload === null) return Promise.resolve(null);
-  if (!cache.has(index)) {
-    cache.set(index, decode(payloadText(image.payload), image.window.width, image.window.height));
-    cachedTexels += image.window.width * image.window.height;
-    for (const old of cache.keys()) {
-      if (cachedTexels <= CACHE_TEXELS || old === index) break;
-      cachedTexels -= model.images[old].window.width * model.images[old].window.height;
-      cache.delete(old);
-    }
-  }
-  const promise = cache.get(index);
-  cache.delete(index);
-  cache.set(index, promise);
-  return promise;
+  const load = () => decode(payloadText(image.payload), image.window.width, image.window.height);
+  if (!cache.has(index)) cache.set(index, load());
+  return cache.get(index);
 }
 
 const masks = new Map();

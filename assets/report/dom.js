@@ -61,9 +61,6 @@ export function say(element, text) {
   if (element.textContent !== text) element.textContent = text;
 }
 
-/** Text for screen readers alone. */
-export const unseen = (text) => h("span", { class: "visually-hidden" }, text);
-
 /** The head of a table: names of its columns. */
 export const tableHead = (names) =>
   h("thead", {}, h("tr", {}, names.map((name) => h("th", { scope: "col" }, name)))); // prettier-ignore

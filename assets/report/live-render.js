@@ -13,6 +13,10 @@ const SAMPLES_A_FRAME_MAX = 128;
 const REFERENCE_SAMPLES = 4096;
 const ENDS = [256, 1024, REFERENCE_SAMPLES];
 const NOISE_SHARE = 0.01;
+/** Fewer samples of the reference are not shown, nor scored. */
+const START = 32;
+/** Share of the time that scores may take while samples are added. */
+const SCORE_SHARE = 0.2;
 
 export class LiveRender {
   constructor(canvas) {
@@ -231,11 +235,12 @@ export class LiveRender {
   drawSamples(way, count) {
     const { view, targets, done } = this;
     const { methods } = lightTables();
-    const { name, is_sampled } = methods.find((one) => one.name === way) ?? methods.findLast((one) => one.is_sampled);
+    const { name } = methods.find((one) => one.name === way) ?? methods.findLast((one) => one.is_sampled);
     const total = this.total(way);
     const [before, after, half] = [way, "spare", "half"].map((one) => this.colored(one));
     const points = this.keep(`points ${total}`, () => makePoints(this.gl, total));
-    const shader = ["specular", view.light.layout, name, ...(is_sampled ? [view.lobe.brdf] : [])].join(":");
+    const plain = `specular:${view.light.layout}:${name}`;
+    const shader = shaderText(plain) ? plain : `${plain}:${view.lobe.brdf}`;
     this.pass(shader, after, { ...this.inputs, points, so_far: before.named.color }, {
       ...this.params(way === "reference" ? 0 : view.bias, total, count),
       first_sample: done[way],
@@ -248,16 +253,25 @@ export class LiveRender {
   }
 
   /**
-   * Compares the method with its reference, once both are ready. The reference's own error is estimated from half of
-   * its samples against all of them, as if they were independent.
+   * Compares the method with its reference by the samples so far. Once both are ready, the reference's own error is
+   * estimated from half of its samples against all of them, as if they were independent.
    */
   judge() {
     const { method, against } = this.view;
     const { reference } = this.done;
     const isThere = (way) => (way === "reference" ? ENDS.includes(reference) : this.done[way] === this.total(way));
-    if (this.errors?.at === reference || ![method, against].every(isThere)) return;
+    if (this.isJudged || this.errors?.at === reference || ![method, against].every((way) => this.isStarted(way)))
+      return;
+    const start = performance.now();
+    const isWhole = [method, against].every(isThere);
+    if (!isWhole && start < this.nextScore) return;
     const errorOf = (way, truth) => relativeError(this.linear(way), this.linear(truth), this.lightMean);
     const own = errorOf(method, against);
+    this.nextScore = performance.now() + (performance.now() - start) / SCORE_SHARE;
+    if (!isWhole) {
+      this.errors = { own, noise: 0, at: -1 };
+      return;
+    }
     const noise = [method, against].includes("reference") ? errorOf("half", "reference") : 0;
     this.errors = { own, noise, at: reference };
     this.isJudged = noise <= NOISE_SHARE * own || reference === REFERENCE_SAMPLES;
@@ -286,6 +300,17 @@ export class LiveRender {
     });
   }
 
+  /** Shows the other side right of the wipe. */
+  drawRight(wipe) {
+    const { gl } = this;
+    const { width, height } = this.canvas;
+    const left = Math.round(wipe * width);
+    gl.enable(gl.SCISSOR_TEST);
+    gl.scissor(left, 0, width - left, height);
+    this.drawResult(this.view.against, "image");
+    gl.disable(gl.SCISSOR_TEST);
+  }
+
   /** Marks the drawn image as outdated. */
   restart() {
     this.isStale = true;
@@ -297,6 +322,7 @@ export class LiveRender {
   /** Marks the comparison as outdated. */
   forget() {
     this.errors = null;
+    this.nextScore = 0;
     this.isJudged = false;
     this.isShown = false;
   }
@@ -312,6 +338,10 @@ export class LiveRender {
   total(way) {
     const method = lightTables().methods.find(({ name }) => name === way);
     return !method ? REFERENCE_SAMPLES : method.is_sampled ? this.view.n : 1;
+  }
+
+  isStarted(way) {
+    return this.done[way] >= Math.min(START, this.total(way));
   }
 
   /** The method that needs samples now; undefined if none does. */
@@ -339,11 +369,11 @@ export class LiveRender {
       this.drawBase();
       this.isStale = false;
     }
-    const { method, against, seen, mode } = this.view;
+    const { method, against, seen, mode, wipe } = this.view;
     for (const one of [method, against]) if (this.total(one) === 1 && !this.done[one]) this.drawSamples(one, 1);
     this.judge();
     const way = this.missingWay;
-    const isSeen = way === seen || mode !== "image";
+    const isSeen = way === seen || mode !== "image" || wipe !== null;
     this.lastCount = 0;
     if (way && (isSeen || !isMoving)) {
       const ends = way === "reference" ? ENDS.flatMap((n) => [n / 2, n]) : [this.total(way)];
@@ -352,6 +382,7 @@ export class LiveRender {
       this.isShown &&= !isSeen;
     }
     if (!this.isShown) this.drawResult(seen, mode);
+    if (!this.isShown && wipe !== null && this.isStarted(against)) this.drawRight(wipe);
     this.isShown = true;
     this.submitted = performance.now();
     this.fence = gl.fenceSync(gl.SYNC_GPU_COMMANDS_COMPLETE, 0);

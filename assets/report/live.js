@@ -1,11 +1,12 @@
 // The live view: the run's model in its light, shaded by the renderer's shaders, and its error against a reference.
 
-import { axisOf, lightTables, texelError } from "report/data";
+import { axisOf, firstRow, lightTables, short, texelError } from "report/data";
 import { announce, byId, h, number, say, stopsText } from "report/dom";
 import { fillErrorLegend } from "report/legend";
 import { LiveRender } from "report/live-render";
 import { keepContext } from "report/program";
-import { Controls, MODES, build, clamp, fitCanvas, followPointers, real, showProbe } from "report/stage";
+import { Controls, MODES, build, clamp, fitCanvas, followHandle, followPointers, real } from "report/stage";
+import { showProbe, showSides } from "report/stage";
 import { keep, state as current } from "report/state";
 
 const COUNTS = [1, 4, 16, 64, 256, 1024];
@@ -20,10 +21,10 @@ const toCode = (x) => Math.round(255 * x ** (1 / 2.2));
 const fromCode = (code) => (code / 255) ** 2.2;
 const hex = (color) => `#${color.map((x) => toCode(x).toString(16).padStart(2, "0")).join("")}`;
 
-/** The middle of the run's values of an axis; null if the run does not sweep it. */
-function middle(name) {
-  const values = (axisOf[name]?.values ?? []).filter(Boolean);
-  return values.length ? values[values.length >> 1].split(",").map(Number) : null;
+/** The numbers of an axis in the run's case with the largest visible error, else its first; null if it is not set. */
+function worst(name) {
+  const text = firstRow(() => true)?.axes[name] || axisOf[name]?.values.find(Boolean);
+  return text ? text.split(",").map(Number) : null;
 }
 
 class Live {
@@ -44,7 +45,6 @@ class Live {
     const own = (axisOf.samples?.values ?? []).map(Number).filter((count) => count >= 1 && count <= 4096);
     /** The sample counts of the run and some more. */
     this.counts = [...new Set([...own, ...COUNTS])].sort((a, b) => a - b);
-    /** The methods, and the reference. */
     this.ways = [...this.tables.methods.map(({ name }) => name), "reference"];
     this.start = this.defaults();
     this.controls = new Controls(view, (name, value) => this.set({ [name]: this.written(name, value) }));
@@ -53,7 +53,8 @@ class Live {
     this.controls.fill("orientation", orientations.map(({ k }) => String(k))); // prettier-ignore
     this.controls.fill("env", environments.map(({ label }) => label)); // prettier-ignore
     this.controls.fill("lobe", lobes.map(({ brdf, masking }) => `${brdf}, ${masking} masking`)); // prettier-ignore
-    for (const name of ["method", "against"]) this.controls.fill(name, this.ways, this.ways);
+    const titles = this.ways.map((way) => this.titleOf(way));
+    for (const name of ["method", "against"]) this.controls.fill(name, titles, this.ways);
     this.parts.notes.append(...notes.map((note) => h("p", { class: "note" }, note)));
     this.listen();
     keepContext(this.canvas, () => {
@@ -62,19 +63,34 @@ class Live {
     });
   }
 
-  /** Every setting under its name in the address. Null takes the model's value. */
+  titleOf(way) {
+    return this.tables.methods.find(({ name }) => name === way)?.title ?? "Reference";
+  }
+
+  /** Every setting under its name in the address: the case with the largest visible error. Null takes the model's value. */
   defaults() {
-    const albedo = middle("albedo");
-    const alpha = middle("alpha")?.[0];
+    const { models, environments, lobes } = this.tables;
+    const { axes = {} } = firstRow(() => true) ?? {};
+    const albedo = worst("albedo");
+    const alpha = worst("alpha")?.[0];
+    const place = (all, name, of) =>
+      Math.max(
+        0,
+        all.findIndex((one) => of(one) === short(name, axes[name])),
+      );
     return {
-      ...{ model: 0, env: 0, lobe: 0, orientation: 0, method: this.ways[0], against: "reference", mode: "image" },
+      model: place(models, "scene", ({ label }) => label),
+      env: place(environments, "environment", ({ label }) => label),
+      lobe: place(lobes, "brdf", ({ brdf }) => brdf),
+      method: this.ways.includes(axes.method) ? axes.method : this.ways[0],
+      ...{ orientation: 0, against: "reference", mode: "image", split: 0.5 },
       n: this.counts[this.counts.length >> 1],
-      roughness: middle("perceptual_roughness")?.[0] ?? (alpha ? Math.sqrt(alpha) : null),
+      roughness: worst("perceptual_roughness")?.[0] ?? (alpha ? Math.sqrt(alpha) : null),
       albedo: albedo && [0, 1, 2].map((c) => albedo[c] ?? albedo[0]),
-      metallic: middle("metallic")?.[0] ?? null,
-      f0: middle("f0")?.[0] ?? null,
+      metallic: worst("metallic")?.[0] ?? null,
+      f0: worst("f0")?.[0] ?? null,
       diffuse: axisOf.diffuse?.values.some((value) => value && value !== "none") ?? false,
-      ...{ turn: middle("environment_rotation_deg")?.[0] ?? 0, ev: 0, ...FRONT },
+      ...{ turn: worst("environment_rotation_deg")?.[0] ?? 0, ev: 0, ...FRONT },
     };
   }
 
@@ -90,6 +106,7 @@ class Live {
       ...{ model: index(tables.models), env: index(tables.environments), lobe: index(tables.lobes) },
       orientation: index(tables.orientations),
       ...{ method: one(this.ways), against: one(this.ways), mode: one(MODES) },
+      split: within(-1, 1),
       n: (text) => this.counts.find((count) => count >= Number(text)) ?? null,
       ...{ roughness: share, albedo: color, metallic: share, f0: share, diffuse: (text) => text === "true" },
       ...{ turn, ev: within(...this.controls.range("ev")), yaw: turn, pitch: turn, distance: within(...DISTANCE) },
@@ -123,7 +140,7 @@ class Live {
     this.changed = performance.now();
     this.syncControls();
     fitCanvas(this.canvas, this.parts.stage);
-    const [bias, brightness] = [middle("lod_bias")?.[0] ?? 0, middle("environment_scale")?.[0] ?? 1];
+    const [bias, brightness] = [worst("lod_bias")?.[0] ?? 0, worst("environment_scale")?.[0] ?? 1];
     if (await this.render.show({ ...this.settings, ...this.shown, bias, brightness })) this.loop();
   }
 
@@ -131,7 +148,8 @@ class Live {
   set(details) {
     Object.assign(this.settings, details);
     this.isUnkept = true;
-    if (!Object.keys(details).every((name) => ["method", "against", "mode", "ev"].includes(name))) return this.apply();
+    if (!Object.keys(details).every((name) => ["method", "against", "mode", "ev", "split"].includes(name)))
+      return this.apply();
     this.changed = performance.now();
     this.syncControls();
     this.render.display({ ...details, ...this.shown });
@@ -141,9 +159,10 @@ class Live {
 
   /** The visible image: the method, or its reference (without an error) while space is held. */
   get shown() {
-    const { method, against, mode } = this.settings;
+    const { method, against, mode, split } = this.settings;
     const seen = this.isHeld ? against : method;
-    return { seen, mode: seen === against ? "image" : mode };
+    const shown = seen === against ? "image" : mode;
+    return { seen, mode: shown, wipe: shown === "image" && split >= 0 && seen !== against ? split : null };
   }
 
   turn(yaw, pitch) {
@@ -175,16 +194,16 @@ class Live {
   describe() {
     const { render, settings } = this;
     const { method, against } = settings;
-    const { seen, mode } = this.shown;
+    const { seen, mode, wipe } = this.shown;
     const { errors, done, view, isJudged } = render;
     const isWhole = (way) => done[way] === render.total(way) || (way === "reference" && isJudged);
     const counted = (way) => `, ${done[way]}${isWhole(way) ? "" : ` of ${render.total(way)}`} samples a pixel`;
-    const told = (way) => way + (render.total(way) > 1 ? counted(way) : "");
+    const told = (way) => this.titleOf(way) + (render.total(way) > 1 ? counted(way) : "");
     const error = `${mode === "signed" ? "signed error" : "error"} of ${told(method)} against ${told(against)}`;
     const what = mode === "image" ? told(seen) : error;
-    say(this.parts.badge, what);
+    showSides(this.parts, what, told(against), render.isStarted(against) ? wipe : null);
     const value = errors && (isJudged ? "" : "so far about ") + number(errors.own, isJudged ? 3 : 1);
-    const score = `relMSE of ${method} against ${told(against)}: ${value ?? "not yet known"}`;
+    const score = `relMSE of ${this.titleOf(method)} against ${told(against)}: ${value ?? "not yet known"}`;
     const noise = errors?.noise ? `; noise of the reference itself: ${number(errors.noise, 2)}` : "";
     say(this.parts.score, `${score}${noise}.`);
     const numbers = { relmse: errors?.own ?? "", noise: errors?.noise ?? "" };
@@ -209,14 +228,15 @@ class Live {
       const value = key === against ? truth : at(key);
       const error = key === against || !value || !truth ? null : texelError(value, truth, render.lightMean);
       const count = render.total(key) === 1 ? "" : ` ${render.done[key]}`;
-      return { key, name: key + count, value, error, isCurrent: key === this.shown.seen };
+      return { key, name: this.titleOf(key) + count, value, error, isCurrent: key === this.shown.seen };
     };
     const lines = [...new Set([method, against])].map(line);
     showProbe(this.parts, `pixel (${x}, ${y})`, this.shown.mode === "signed", lines);
   }
 
   listen() {
-    const { stage, out, in: nearer, front, own } = this.parts;
+    const { stage, out, in: nearer, front, own, handle } = this.parts;
+    followHandle(handle, stage, (split) => this.set({ split }));
     out.addEventListener("click", () => this.approach(1 / 1.15));
     nearer.addEventListener("click", () => this.approach(1.15));
     front.addEventListener("click", () => this.set(FRONT));
@@ -286,13 +306,14 @@ class Live {
       "]": () => this.set({ ev: clamp(ev + 0.5, lo, hi) }),
       e: () => show("error"),
       s: () => show("signed"),
+      d: () => this.set({ split: this.settings.split < 0 ? 0.5 : -1 }),
     };
     this.ways.forEach((method, i) => (actions[i + 1] = () => this.set({ method })));
     const name = event.key.length === 1 ? event.key.toLowerCase().replace("=", "+") : event.key;
     // Space belongs to a button or a box that has the focus.
     if (!(name in actions) || (name === " " && event.target.matches("button, input, a, summary"))) return false;
     if (name !== " " || !event.repeat) actions[name]();
-    if (/[1-9es]/.test(name)) announce(`${this.shown.seen}, ${this.shown.mode}`);
+    if (/[1-9es]/.test(name)) announce(`${this.titleOf(this.shown.seen)}, ${this.shown.mode}`);
     return true;
   }
 

@@ -8,15 +8,14 @@ import { go, onState, state } from "report/state";
 import { showTables } from "report/tables";
 import { showViewer, viewerKey, viewerRelease } from "report/viewer";
 
-const nothing = () => {};
 /** Views by name: title, key, function that fills it. The page already contains Answer and Run. */
 const VIEWS = {
-  answer: ["Answer", "a", nothing],
+  answer: ["Answer", "a", () => {}],
   images: ["Images", "i", showGrid],
   compare: ["Compare", "m", showViewer],
   live: ["Live", "l", showLive],
   tables: ["Tables", "b", showTables],
-  run: ["Run", "r", nothing],
+  run: ["Run", "r", () => {}],
 };
 const GO = { g: "answer", ...Object.fromEntries(Object.entries(VIEWS).map(([name, [, key]]) => [key, name])) };
 
@@ -32,11 +31,10 @@ function show(current) {
   if (isNew && before) places.set(before, scrollY);
   const hadFocus = before && byId(`view-${before}`).contains(document.activeElement);
   for (const other of Object.keys(VIEWS)) byId(`view-${other}`).hidden = other !== name;
-  for (const item of byId("pages").children) item.removeAttribute("aria-current");
-  const here = /** @type {HTMLElement} */ (byId("pages").querySelector(`[data-view="${name}"]`));
-  here.setAttribute("aria-current", "page");
-  byId("pages").scrollLeft = here.offsetLeft - 60;
-  signalMore();
+  for (const item of byId("pages").children) {
+    if (item.getAttribute("data-view") === name) item.setAttribute("aria-current", "page");
+    else item.removeAttribute("aria-current");
+  }
   document.body.dataset.view = name;
   VIEWS[name][2](byId(`view-${name}`), current);
   if (anchor) anchor.scrollIntoView();
@@ -44,13 +42,6 @@ function show(current) {
   if (!anchor) scrollTo(0, places.get(name) ?? 0);
   // The focused element is gone: move the focus to the start of the new view.
   if (hadFocus) byId("main").focus({ preventScroll: true });
-}
-
-/** Fades the ends of the menu beyond which it goes on. */
-function signalMore() {
-  const { scrollLeft, scrollWidth, clientWidth, dataset } = byId("pages");
-  const isCut = [scrollLeft > 1, scrollLeft + clientWidth < scrollWidth - 1];
-  dataset.more = ["left", "right"].filter((_, i) => isCut[i]).join(" ");
 }
 
 const help = () => /** @type {HTMLDialogElement} */ (byId("help")).showModal();
@@ -84,13 +75,9 @@ function release() {
 export function start() {
   const items = Object.entries(VIEWS).map(([name, [title]]) => h("a", { href: `#${name}`, "data-view": name }, title));
   byId("pages").append(...items);
-  byId("tools").append(h("button", { type: "button", onclick: help, "aria-label": "Keys", title: "Keys (?)" }, "?"));
-  byId("pages").addEventListener("scroll", signalMore, { passive: true });
-  addEventListener("resize", signalMore);
+  byId("keys").addEventListener("click", help);
   addEventListener("keydown", onKey);
-  addEventListener("keyup", (event) => {
-    if (event.key === " ") release();
-  });
+  addEventListener("keyup", ({ key }) => key === " " && release());
   addEventListener("blur", release);
   byId("skip").addEventListener("click", (event) => {
     event.preventDefault();

@@ -68,6 +68,34 @@ export function followPointers(canvas, { drag, zoom, hover, click = null, rest =
   canvas.addEventListener("wheel", wheel, { passive: false });
 }
 
+/** Moves the line of a wipe by pointer and arrow keys; `set` takes its place as a share of the width. */
+export function followHandle(handle, stage, set) {
+  const at = () => Number(handle.getAttribute("aria-valuenow")) / 100;
+  handle.addEventListener("pointerdown", (event) => handle.setPointerCapture(event.pointerId));
+  handle.addEventListener("pointermove", (event) => {
+    if (!handle.hasPointerCapture(event.pointerId)) return;
+    const { left, width } = stage.getBoundingClientRect();
+    set(clamp((event.clientX - left) / width, 0, 1));
+  });
+  handle.addEventListener("keydown", (event) => {
+    const by = { ArrowLeft: -0.02, ArrowRight: 0.02 }[event.key];
+    if (!by) return;
+    event.preventDefault();
+    set(clamp(at() + by, 0, 1));
+  });
+}
+
+/** Names what is shown, on both sides of the wipe; a share of null has no wipe. */
+export function showSides(parts, left, right, share) {
+  const { badge, rightBadge, handle } = parts;
+  say(badge, left);
+  say(rightBadge, right);
+  rightBadge.hidden = handle.hidden = share === null;
+  if (share === null) return;
+  handle.style.left = `${share * 100}%`;
+  handle.setAttribute("aria-valuenow", String(Math.round(share * 100)));
+}
+
 /** Puts a copy of a template into a view; its elements by their names in `data-ref`. @returns {Record<string, any>} */
 export function build(view, id) {
   const template = /** @type {HTMLTemplateElement} */ (byId(id));

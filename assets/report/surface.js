@@ -5,8 +5,6 @@ import { drawOver, errorColors, keepContext, makePalette, makeProgram, makeTextu
 
 /** Images kept as textures; older scenes are freed. */
 const TEXTURE_MAX = 96;
-/** Shaded images kept, so that flipping back and forth only places them. */
-const SHADED_MAX = 16;
 /** Uploads bind to this unit, so that they do not change the units used for drawing. */
 const UPLOAD_UNIT = 7;
 const BACKGROUND = { light: [0.93, 0.93, 0.925], dark: [0.06, 0.063, 0.07] };
@@ -37,8 +35,8 @@ export class Surface {
     this.palette = makePalette(gl, UPLOAD_UNIT);
     this.noMask = this.upload(gl.R8, 1, 1, gl.RED, gl.UNSIGNED_BYTE, Uint8Array.of(255));
     this.framebuffer = gl.createFramebuffer();
-    /** Textures by image, reference and settings, least recently used first. */
-    this.shadings = new Map();
+    /** The textures that the two sides are shaded into, with their sizes. */
+    this.sides = [{}, {}];
   }
 
   upload(internal, width, height, format, type, data) {
@@ -65,24 +63,19 @@ export class Surface {
     return this.images.get(index);
   }
 
-  /** A shaded image as a texture, from the cache if possible. */
-  shaded(image, reference, look) {
+  /** Shades an image into the texture of a side. */
+  shaded(side, image, reference, look) {
     const { gl, framebuffer } = this;
     const { width, height } = image;
-    // Only an error depends on the reference.
-    const key = JSON.stringify([image.index, look.mode && reference.index, look]);
-    const kept = this.shadings.get(key);
-    this.shadings.delete(key);
-    const shaded = kept ?? this.upload(gl.RGBA8, width, height, gl.RGBA, gl.UNSIGNED_BYTE, null);
-    this.shadings.set(key, shaded);
-    if (kept) return kept;
-    const [oldest] = this.shadings;
-    if (this.shadings.size > SHADED_MAX) {
-      gl.deleteTexture(oldest[1]);
-      this.shadings.delete(oldest[0]);
+    const own = this.sides[side];
+    if (own.width !== width || own.height !== height) {
+      gl.deleteTexture(own.texture ?? null);
+      const texture = this.upload(gl.RGBA8, width, height, gl.RGBA, gl.UNSIGNED_BYTE, null);
+      this.sides[side] = { width, height, texture };
     }
+    const { texture } = this.sides[side];
     gl.bindFramebuffer(gl.FRAMEBUFFER, framebuffer);
-    gl.framebufferTexture2D(gl.FRAMEBUFFER, gl.COLOR_ATTACHMENT0, gl.TEXTURE_2D, shaded, 0);
+    gl.framebufferTexture2D(gl.FRAMEBUFFER, gl.COLOR_ATTACHMENT0, gl.TEXTURE_2D, texture, 0);
     const textures = {
       image: image.texture,
       reference: reference.texture,
@@ -91,14 +84,14 @@ export class Surface {
     };
     const colors = errorColors(model.images[reference.index].light_mean);
     drawOver(gl, this.viewer, { framebuffer, width, height }, textures, { ...look, ...colors });
-    return shaded;
+    return texture;
   }
 
   /** Draws; the reference is right of `split`, a share of the width. `look` has mode, tone, exposure, contrast. */
   draw(image, reference, { origin, scale }, split, isClipped, look) {
     const { gl, canvas } = this;
-    const left_image = this.shaded(image, reference, look);
-    const right_image = split === null ? left_image : this.shaded(reference, reference, look);
+    const left_image = this.shaded(0, image, reference, look);
+    const right_image = split === null ? left_image : this.shaded(1, reference, reference, look);
     drawOver(gl, this.place, canvas, { left_image, right_image }, {
       canvas_size: [canvas.width, canvas.height],
       split: split === null ? 1e9 : split * canvas.width,

@@ -1,7 +1,7 @@
 // Tables: the cells of the run, by a choice for each swept axis, sorted by a column.
 
 import { axisOf, model, rows, short } from "report/data";
-import { csvText, download, h, number, scrollBox, select, tableHead, unseen } from "report/dom";
+import { csvText, download, h, number, scrollBox, select, tableHead } from "report/dom";
 import { go, keep } from "report/state";
 
 /** Rows shown at first; a button adds as many again. */
@@ -17,20 +17,10 @@ const text = (field) =>
 const cellOf = (field, shown = text(field)) =>
   h("td", { class: typeof field === "number" ? "number" : "", title: field ?? "" }, shown);
 
-/** Columns with the perceptual roughness beside alpha, and a function that adds it to a row. */
-function withRoughness(columns) {
-  const at = columns.indexOf("alpha");
-  if (at < 0 || columns.includes(ROUGHNESS)) return { names: columns, extend: (row) => row };
-  const beside = (row) => Math.sqrt(Number(row[at])) || null;
-  const extend = (row) => [...row.slice(0, at + 1), beside(row), ...row.slice(at + 1)];
-  return { names: [...columns.slice(0, at + 1), ROUGHNESS, ...columns.slice(at + 1)], extend };
-}
-
 /** A table of rows as they are, in a box that scrolls. */
 export function dataTable(label, columns, rows) {
-  const { names, extend } = withRoughness(columns);
-  const body = rows.map((row) => h("tr", {}, ...extend(row).map((field) => cellOf(field))));
-  return scrollBox("data-table", label, h("table", {}, tableHead(names), h("tbody", {}, ...body)));
+  const body = rows.map((row) => h("tr", {}, ...row.map((field) => cellOf(field))));
+  return scrollBox("data-table", label, h("table", {}, tableHead(columns), h("tbody", {}, ...body)));
 }
 
 /** Orders fields: numbers by size, texts by letters, nothing last. */
@@ -84,8 +74,7 @@ export function showTables(view, state) {
   };
   const formulaOf = (name) => model.metrics.find((one) => one.name === name)?.formula;
   const heads = columns.map((name) => {
-    const arrow = h("span", { "aria-hidden": "true", class: "arrow" });
-    const button = h("button", { type: "button", "data-sort": name, onclick: () => press(name) }, name, arrow);
+    const button = h("button", { type: "button", "data-sort": name, onclick: () => press(name) }, name);
     return h("th", { scope: "col", title: formulaOf(name) }, button);
   });
   /** The filtered records, in order. */
@@ -102,7 +91,8 @@ export function showTables(view, state) {
     const button = h("button", { ...label, onclick: () => open(row) }, "▸");
     const hasImage = row.image !== null;
     const onclick = (event) => hasImage && !event.target.closest("button") && open(row);
-    const shown = (name) => (axisOf[name] ? short(name, row.axes[name]) : undefined);
+    // Tables of data have the code names of methods.
+    const shown = (name) => (axisOf[name] && name !== "method" ? short(name, row.axes[name]) : undefined);
     const own = columns.map((name) => cellOf(fields[name], shown(name)));
     return h("tr", { class: hasImage ? "open" : "", onclick }, h("td", {}, hasImage && button), ...own);
   };
@@ -131,7 +121,7 @@ export function showTables(view, state) {
   const errors = (run) => h("a", { href: `${run.link}/errors.csv` }, `errors.csv of ${run.label}`);
   const links = model.runs.map((run, i) => [i ? " · " : "", errors(run)]);
   fill(PAGE_ROWS);
-  const head = h("tr", {}, h("th", { scope: "col" }, unseen("images")), ...heads);
+  const head = h("tr", {}, h("th", { scope: "col" }, h("span", { class: "visually-hidden" }, "images")), ...heads);
   view.replaceChildren(
     h("div", { class: "controls" }, h("h1", { tabindex: -1 }, "Tables"), ...axes.map(picker), button),
     count,

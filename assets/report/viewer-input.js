@@ -1,19 +1,9 @@
-// The first image of the comparison, and its keys.
+// The keys of the comparison.
 
-import { hasPixels, rows, scenes, variantLabel } from "report/data";
+import { hasPixels, variantLabel } from "report/data";
 import { clamp } from "report/stage";
 
 const KEY_MAX = 9;
-/** The method that the project asks about. */
-const LEADING_METHOD = "split-sum";
-
-/** The first cell that is shown: the split sum, else a method without samples, else any. */
-export function firstRow() {
-  const shown = scenes.flatMap((scene) => scene.variants).filter(hasPixels);
-  const leading = shown.find((row) => row.axes.method === LEADING_METHOD);
-  return leading ?? shown.find((row) => !row.axes.samples) ?? shown[0] ?? rows[0];
-}
-
 /**
  * The images that the keys 1 to 9 show: those with pixels, of several point sets the first. Methods without samples
  * always have a key; with too many images, the largest sample counts get none.
@@ -36,10 +26,8 @@ export function key(viewer, event) {
   const { mode, tone, isClipped, split } = viewer;
   const isImage = mode === "image";
   const stops = viewer.controls.range("stops");
-  const isOnHandle = document.activeElement === viewer.parts.handle;
   const show = (wanted) => viewer.set({ mode: mode === wanted ? "image" : wanted });
   const brighten = (by) => isImage && viewer.set({ stops: clamp(viewer.stops + by, stops[0], stops[1]) });
-  const wipe = (by) => viewer.set({ split: clamp(split + by, 0, 1) });
   const actions = {
     " ": () => viewer.hold(true),
     e: () => show("error"),
@@ -52,8 +40,8 @@ export function key(viewer, event) {
     "+": () => viewer.zoom(1.5),
     "-": () => viewer.zoom(1 / 1.5),
     0: () => viewer.refit(),
-    ArrowLeft: () => (isOnHandle ? wipe(-0.02) : viewer.step(-1)),
-    ArrowRight: () => (isOnHandle ? wipe(0.02) : viewer.step(1)),
+    ArrowLeft: () => viewer.step(-1),
+    ArrowRight: () => viewer.step(1),
     ArrowUp: () => viewer.stepScene(-1),
     ArrowDown: () => viewer.stepScene(1),
   };

@@ -1,18 +1,19 @@
 // The comparison of images on linear data: flip in place, wipe, zoom to texels, error maps, probe. WebGL2.
 
-import { HALF, exrLink, hasPixels, headline, idOf, model, rowOf, rows } from "report/data";
-import { scenes, sceneLabel, texelError, truthName, variantLabel } from "report/data";
+import { HALF, exrLink, firstRow, hasPixels, headline, idOf, inkOf, model, rowOf, sceneLabel } from "report/data";
+import { scenes, texelError, truthName, variantCode, variantLabel } from "report/data";
 import { announce, h, number, say, stopsText } from "report/dom";
 import { fillErrorLegend } from "report/legend";
 import { Place } from "report/place";
-import { Controls, MODES, build, clamp, fitCanvas, followPointers, real, showProbe } from "report/stage";
+import { Controls, MODES, build, clamp, fitCanvas, followHandle, followPointers, real } from "report/stage";
+import { showProbe, showSides } from "report/stage";
 import { keep, state as current } from "report/state";
 import { Surface } from "report/surface";
-import { firstRow, key, keyedVariants } from "report/viewer-input";
+import { key, keyedVariants } from "report/viewer-input";
 
 const scoreText = (row) => (row.scores[headline] === null ? "failed" : number(row.scores[headline]));
 
-export class Viewer {
+class Viewer {
   constructor(view) {
     this.isHeld = false;
     this.parts = build(view, "compare-stage");
@@ -24,7 +25,7 @@ export class Viewer {
       else if (name === "isSplit") this.set({ split: value ? 0.5 : null });
       else this.set({ [name]: value });
     });
-    this.controls.fill("at", scenes.map((scene) => scene.label)); // prettier-ignore
+    this.controls.fill("at", scenes.map(({ main }) => sceneLabel(main))); // prettier-ignore
     this.listen();
   }
 
@@ -80,7 +81,9 @@ export class Viewer {
     // The next picture is fitted again.
     this.place.origin = null;
     const failure = model.runs[row.run].failures.find((one) => one.cell === row.cell);
-    const missing = failure ? `This cell failed: ${failure.reason}` : "No pixels of this cell are in the page.";
+    const isDesign = model.designs.includes(row.axes.scene);
+    const none = `${isDesign ? "This cell measures a scene that is not a picture. " : ""}No pixels of this cell are in the page.`;
+    const missing = failure ? `This cell failed: ${failure.reason}` : none;
     const why = this.surface.gl ? missing : "This browser has no WebGL2, which the comparison needs.";
     this.canvas.setAttribute("aria-label", `${sceneLabel(row)}: ${variantLabel(row)}. ${why}`);
     this.canvas.dataset.shown = row.cell;
@@ -192,16 +195,10 @@ export class Viewer {
     const { row, wipe, isHeld } = this;
     const { scale } = this.place;
     const left = isHeld ? truthName : variantLabel(row);
-    const { badge, rightBadge, handle } = this.parts;
-    say(badge, left);
-    say(rightBadge, truthName);
-    badge.classList.toggle("is-reference", isHeld);
-    rightBadge.hidden = handle.hidden = wipe === null;
-    handle.style.left = `${(this.split ?? 0) * 100}%`;
-    handle.setAttribute("aria-valuenow", String(Math.round((this.split ?? 0) * 100)));
+    showSides(this.parts, left, truthName, wipe);
     const shown = wipe === null ? left : `${left} | ${truthName}`;
     const score = isHeld ? "" : `; ${headline} ${scoreText(row)}`;
-    this.canvas.setAttribute("aria-label", `${this.scene.label}: ${shown}, ${this.mode}${score}`);
+    this.canvas.setAttribute("aria-label", `${sceneLabel(row)}: ${shown}, ${this.mode}${score}`);
     Object.assign(this.canvas.dataset, { shown: isHeld ? "reference" : row.cell, mode: this.mode });
     say(this.parts.scale, scale >= 1 ? `${number(scale)}×` : `1/${number(1 / scale)}`);
   }
@@ -288,12 +285,7 @@ export class Viewer {
     out.addEventListener("click", () => this.zoom(1 / 1.5));
     nearer.addEventListener("click", () => this.zoom(1.5));
     fit.addEventListener("click", () => this.refit());
-    handle.addEventListener("pointerdown", (event) => handle.setPointerCapture(event.pointerId));
-    handle.addEventListener("pointermove", (event) => {
-      if (!handle.hasPointerCapture(event.pointerId)) return;
-      const box = stage.getBoundingClientRect();
-      this.set({ split: clamp((event.clientX - box.left) / box.width, 0, 1) });
-    });
+    followHandle(handle, stage, (split) => this.set({ split }));
     // Before the first image is placed there is nothing to draw: `show` fits it.
     new ResizeObserver(() => this.place.origin && this.texels && this.resize() && this.draw()).observe(stage);
   }
@@ -319,14 +311,12 @@ export class Viewer {
     const rest = scene.variants.filter((row) => !keyed.includes(row));
     const item = (row, name) => {
       const marks = { type: "button", class: "variant", "data-cell": row.cell, "data-run": row.run };
-      const words = [h("kbd", {}, name), h("span", {}, variantLabel(row))];
+      const label = h("span", { class: inkOf(row), title: variantCode(row) }, variantLabel(row));
+      const words = [h("kbd", {}, name), label];
       const score = h("span", { class: "score" }, scoreText(row));
       return h("li", {}, h("button", { ...marks, onclick: () => this.choose(row) }, words, score));
     };
-    const more = h("details", { open: rest.includes(this.row) }, h("summary", {}, `${rest.length} more without a key`));
-    more.append(h("ol", { class: "variants" }, rest.map((row) => item(row, "·")))); // prettier-ignore
-    parts.variants.replaceChildren(...keyed.map((row, i) => item(row, String(i + 1))));
-    if (rest.length) parts.variants.append(h("li", {}, more));
+    parts.variants.replaceChildren(...[...keyed, ...rest].map((row, i) => item(row, keyed[i] ? String(i + 1) : "·")));
     this.markVariant();
   }
 
@@ -345,7 +335,7 @@ export class Viewer {
     const clamped = count > 0 && `${count} channels above 65504 are stored as 65504`;
     const cut = isCut && `window ${corner} of ${size.join(" × ")}`;
     if (image) say(parts.caption, [cut, clamped].filter(Boolean).join("; "));
-    announce(`${this.scene.label}: ${variantLabel(row)}, ${headline} ${scoreText(row)}`);
+    announce(`${sceneLabel(row)}: ${variantLabel(row)}, ${headline} ${scoreText(row)}`);
   }
 
   /** Shows the reference while a key is down. */
@@ -358,9 +348,8 @@ export class Viewer {
 
 let viewer = null;
 export function showViewer(view, state) {
-  if (!rows.length) return view.replaceChildren(h("p", { class: "note" }, "No cell is done."));
   // Controls without a picture would do nothing.
-  if (!rows.some(hasPixels)) {
+  if (!hasPixels(firstRow() ?? { image: null })) {
     const why = `There is nothing to compare: this page holds no images. ${model.image_notes.join(" ")}`;
     const title = h("div", { class: "controls" }, h("h1", { tabindex: -1 }, "Compare"));
     const link = h("p", {}, h("a", { href: "#images" }, "Links to the linear EXR files"));

@@ -2,15 +2,37 @@
 
 use super::record::{ANSWER_FILE, AnswerRecord, ToldAnswer, WriteError};
 use super::summary;
-use crate::figure::svg::{WIDTHS, svg};
+use crate::figure::svg::{FILE_WIDTH, svg};
+use crate::figure::{Figure, ScaleKind};
 use crate::files::holds;
 use crate::pixels::Staged;
 use crate::run::store::ANSWERS_FOLDER;
+use crate::shade::{Role, words_in};
 use crate::study::finished::Finished;
 use crate::study::questions::Answer;
 use std::path::PathBuf;
 
 pub const SUMMARY_FILE: &str = "summary.md";
+
+/// The SVG of a figure, with methods in words and in their colours.
+pub fn drawing(figure: &Figure, width: u32) -> String {
+    let mut own = figure.clone();
+    own.note = words_in(&own.note);
+    for series in &mut own.series {
+        series.name = words_in(&series.name);
+        series.ink = Role::of_words(&series.name).map(|role| role as usize);
+    }
+    for panel in &mut own.panels {
+        panel.title = words_in(&panel.title);
+        panel.marks.iter_mut().for_each(|mark| mark.tip = words_in(&mark.tip));
+        for scale in [&mut panel.x, &mut panel.y] {
+            if let ScaleKind::Steps(names) = &mut scale.kind {
+                names.iter_mut().for_each(|name| *name = words_in(name));
+            }
+        }
+    }
+    svg(&own, width)
+}
 
 /// The answers of a run, ready to be written.
 #[derive(Debug)]
@@ -31,7 +53,7 @@ impl Written {
                 files.push((format!("{}_digest.csv", question.name), digest.csv()));
             }
             if let Some(figure) = &finding.figure {
-                files.push((format!("{}.svg", question.name), svg(figure, WIDTHS[0])));
+                files.push((format!("{}.svg", question.name), drawing(figure, FILE_WIDTH)));
             }
         }
         let told_answer = |answer: &Answer| ToldAnswer {

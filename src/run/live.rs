@@ -9,7 +9,7 @@ use crate::experiment::value::Value;
 use crate::pipeline::{LightTables, RenderRequest};
 use crate::pixels::packed::{self, HALF_MAX};
 use crate::pixels::{Pixels, RgbImage};
-use crate::shade::Shading;
+use crate::shade::{Method, Shading};
 use crate::spelling::Listed;
 use indexmap::IndexMap;
 use rayon::prelude::*;
@@ -30,6 +30,17 @@ pub struct LiveRecord {
     /// Environments of the run that are not kept.
     pub left_out: usize,
     pub models: Vec<LiveModel>,
+    /// The methods in files.
+    #[serde(default)]
+    pub methods: Vec<LiveShader>,
+}
+
+/// A method in a file.
+#[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
+pub struct LiveShader {
+    pub name: String,
+    pub text: String,
+    pub is_sampled: bool,
 }
 
 /// An image as half floats (see [`packed`]).
@@ -77,7 +88,14 @@ pub struct LiveLobe {
 
 /// Computes the tables of every model in the first environments of a plan.
 pub fn record(plan: &Plan, renderer: &mut dyn Renderer) -> Result<LiveRecord, RenderFault> {
-    let mut record = LiveRecord { environments: Vec::new(), lobes: Vec::new(), left_out: 0, models: models(plan) };
+    let methods = distinct(plan, &[], |request| request.shading.method.name);
+    let shader = |(_, request): &(Point, RenderRequest)| {
+        let Method { name, text, uses_samples: is_sampled, .. } = *request.shading.method;
+        Some(LiveShader { name: name.to_owned(), text: text?.to_owned(), is_sampled })
+    };
+    let methods = methods.iter().filter_map(shader).collect();
+    let mut record =
+        LiveRecord { environments: Vec::new(), lobes: Vec::new(), left_out: 0, models: models(plan), methods };
     let environments = distinct(plan, &[], |request| request.environment.hash.clone());
     let lobes =
         distinct(plan, &[BRDF], |request| (request.shading.brdf.name(), request.shading.masking_shadowing.name()));

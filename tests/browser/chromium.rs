@@ -1,7 +1,5 @@
 //! A headless Chromium, driven through the DevTools protocol over a pair of pipes: no port, no driver, no crate.
 
-use base64::Engine;
-use base64::prelude::BASE64_STANDARD;
 use serde_json::{Value, json};
 use std::io::{BufRead, BufReader, Write};
 use std::path::Path;
@@ -234,14 +232,5 @@ impl Page {
             let event = json!({ "type": kind, "x": x, "y": y, "button": button, "clickCount": 1 });
             self.call("Input.dispatchMouseEvent", event);
         }
-    }
-
-    /// Saves what is seen as `target/browser/NAME.png`.
-    pub fn screenshot(&mut self, name: &str) {
-        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("target/browser");
-        std::fs::create_dir_all(&folder).unwrap();
-        let answer = self.call("Page.captureScreenshot", json!({ "format": "png" }));
-        let bytes = BASE64_STANDARD.decode(answer["data"].as_str().unwrap()).unwrap();
-        std::fs::write(folder.join(format!("{name}.png")), bytes).unwrap();
     }
 }

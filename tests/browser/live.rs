@@ -69,8 +69,13 @@ fn keys_sliders_the_reference_and_the_link_of_the_live_view() {
         ));
         rest(page);
     };
-    // The run's widths are 0.1 and 0.5: it begins with the larger one.
-    assert!((value(&mut page, "live.settings.roughness").powi(2) - 0.5).abs() < 1e-9);
+    // It begins with the case of the split sum that errs most visibly, under the wipe.
+    let worst = page.eval("import('report/data').then(({ firstRow }) => Number(firstRow(() => true).axes.alpha))");
+    assert!((value(&mut page, "live.settings.roughness").powi(2) - worst.as_f64().unwrap()).abs() < 1e-9);
+    assert_eq!(
+        page.eval("[live.settings.method, live.shown.wipe, live.parts.badge.textContent]"),
+        json!(["split-sum", 0.5, "Split sum (textbook)"])
+    );
 
     // Constant light of radiance 1 and a lobe that reflects f0 whole: a metal of this albedo shows it as its radiance.
     slide(&mut page, "metallic", "1");
@@ -104,7 +109,7 @@ fn keys_sliders_the_reference_and_the_link_of_the_live_view() {
     // It says how many samples it took, and that half of them agree: noise far below the error, or all samples.
     let told = page.text(".live-score");
     let done = value(&mut page, "live.render.done.reference");
-    assert!(told.contains(&format!(" against reference, {done} samples a pixel: ")), "{told}");
+    assert!(told.contains(&format!(" against Reference, {done} samples a pixel: ")), "{told}");
     let [shown, noise] =
         ["relmse", "noise"].map(|name| value(&mut page, &format!("Number(live.canvas.dataset.{name})")));
     assert!(noise <= 0.01 * shown || done == 4096.0, "{noise} beside {shown} after {done}");

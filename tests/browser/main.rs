@@ -1,6 +1,5 @@
 //! The report in a real browser, opened from disk: what a reader sees, presses and saves. Skips with a line without Chromium.
 
-mod axe;
 mod chromium;
 mod compare;
 #[path = "../numeric/run/fake.rs"]

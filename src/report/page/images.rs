@@ -139,12 +139,12 @@ pub fn collect(runs: &[Told], choice: Choice, budget: usize) -> Result<ImageSet,
             }
         }
     }
-    let are_designs = !designs(runs).is_empty();
-    if are_designs {
-        set.notes.push(format!("Images of the scene design are omitted: {DESIGN}."));
-    }
-    if set.images.is_empty() && !are_designs && choice != Choice::None {
-        set.notes.push("The run has no images.csv, so there are no images.".to_owned());
+    if set.images.is_empty() && choice != Choice::None {
+        let why = match designs(runs).is_empty() {
+            true => "The run has no images.csv, so there are no images.".to_owned(),
+            false => format!("The run has only the scene design, of which there are no pictures: {DESIGN}."),
+        };
+        set.notes.push(why);
     }
     Ok(set)
 }

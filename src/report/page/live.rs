@@ -7,13 +7,15 @@ use crate::experiment::axis::ENVIRONMENT_ORIENTATION;
 use crate::experiment::value::Value;
 use crate::files::read_regular;
 use crate::glsl::constants;
-use crate::run::live::{LIVE_FILE, LiveEnvironment, LiveLobe, LiveRecord};
+use crate::glsl::source::{Choice, Language, METHOD_INCLUDE, PAGE_FOLDER, parse};
+use crate::gpu::shader_sources;
+use crate::run::live::{LIVE_FILE, LiveEnvironment, LiveLobe, LiveRecord, LiveShader};
 use crate::run::live_model::LiveModel;
 use crate::scene::camera::PERSPECTIVE_FOV_DEG;
-use crate::shade::{METHODS, Method};
+use crate::shade::{METHODS, Method, own};
 use crate::spelling::Listed;
 use serde::Serialize;
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Most bytes of base64 of the tables of a page.
 pub const BUDGET_BYTES: usize = 4 << 20;
@@ -37,21 +39,49 @@ pub struct Light {
     pub alpha_min: f32,
     /// Missing parts and why, one sentence each.
     pub notes: Vec<String>,
+    /// Of methods in files, by name.
+    #[serde(skip)]
+    pub shaders: BTreeMap<String, String>,
 }
 
 #[derive(Debug, Serialize)]
 pub struct LiveMethod {
-    pub name: &'static str,
+    pub name: String,
+    pub title: String,
     pub is_sampled: bool,
 }
 
 impl LiveMethod {
-    /// Split sums with the DFG table, then methods that filter samples, in the order of the list.
-    fn all() -> Vec<Self> {
+    fn new(name: &str, is_sampled: bool) -> Self {
+        Self { name: name.to_owned(), title: Method::listed(name).title.to_owned(), is_sampled }
+    }
+
+    /// Split sums with the DFG table, and methods that filter samples, in the order of the list.
+    fn all() -> [Vec<Self>; 2] {
         let split_sums = METHODS.iter().filter(|method: &&Method| method.uses_prefiltered() && method.uses_dfg);
         let sampled = METHODS.iter().filter(|method| method.uses_samples && method.uses_lod_bias);
-        split_sums.chain(sampled).map(|method| Self { name: method.name, is_sampled: method.uses_samples }).collect()
+        let of = |method: &Method| Self::new(method.name, method.uses_samples);
+        [split_sums.map(of).collect(), sampled.map(of).collect()]
     }
+}
+
+/// The name of a shader in the page: `specular:cube:sampled:ggx`. All but meshes have only fragment shaders.
+pub fn page_name(permutation: &str) -> String {
+    permutation.trim_start_matches(PAGE_FOLDER).replace(".frag", "")
+}
+
+/// The page's shaders of a method in a file, by name; the error is the compiler's.
+fn own_shaders(method: &LiveShader) -> Result<BTreeMap<String, String>, String> {
+    let mut sources = shader_sources();
+    sources.0.insert(method.name.clone(), method.text.clone());
+    let entry = format!("{PAGE_FOLDER}specular.frag");
+    let choice = Choice::from([(METHOD_INCLUDE.to_owned(), method.name.clone())]);
+    let expanded = |(permutation, choice): (String, Choice)| {
+        let text = sources.expand(&entry, &choice, Language::Es)?;
+        parse(&entry, &text, Language::Es)?;
+        Ok((page_name(&own::shader_name(&permutation, &method.name)), text))
+    };
+    sources.permutations(&entry, &choice)?.into_iter().map(expanded).collect()
 }
 
 /// An `environment_orientation` and the columns of its rotation matrix.
@@ -90,10 +120,24 @@ impl Light {
                 None
             }
         });
+        let [mut methods, sampled] = LiveMethod::all();
+        let mut shaders = BTreeMap::new();
+        for own in record.iter().flat_map(|record| &record.methods) {
+            match own_shaders(own) {
+                Ok(texts) => {
+                    methods.push(LiveMethod::new(&own.name, own.is_sampled));
+                    shaders.extend(texts);
+                }
+                Err(log) => notes.push(format!("{} does not compile for a browser: {}", own.name, log.trim())),
+            }
+        }
+        // The reference is the last method that takes samples.
+        methods.extend(sampled);
         let mut light = Self {
             environments: Vec::new(),
             lobes: Vec::new(),
-            methods: LiveMethod::all(),
+            methods,
+            shaders,
             orientations: Orientation::all(runs),
             masking_names: MaskingShadowing::names(),
             models: Vec::new(),

@@ -1,5 +1,5 @@
-//! The report: one HTML file without requests. `sections` shows answers, `lead` the first screen, `strip` the rungs of a ladder; [`model`],
-//! [`images`] and [`live`] hold the data of the scripts; [`render`] writes the file.
+//! The report: one HTML file without requests. `sections` shows answers, `lead` the first screen; [`model`], [`images`] and
+//! [`live`] hold the data of the scripts; [`render`] writes the file.
 
 pub mod images;
 mod lead;
@@ -7,7 +7,6 @@ pub mod live;
 pub mod model;
 pub mod render;
 mod sections;
-mod strip;
 pub mod told;
 
 pub use told::Told;
@@ -106,8 +105,7 @@ pub fn write(options: &PageOptions, runs: &[Told]) -> Result<Written, PageError>
             "cpu_warning": told.cpu_warning(),
             "shared": model::shared(&model::axes(std::slice::from_ref(told))),
             "lead": lead,
-            "pictures": has_pictures.then(|| lead::pictures(told, frame, lead, &axes)).flatten(),
-            "strip": has_pictures.then(|| strip::strip(told, frame, &axes)).flatten(),
+            "pictures": has_pictures.then(|| lead::pictures(told, frame, &axes)).flatten(),
             "sections": sections,
             "provenance": told::provenance(told),
             "failures": told.finished.failures,

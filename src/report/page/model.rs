@@ -2,17 +2,20 @@
 
 use super::images::{DESIGN, ImageSet};
 use super::told::{Told, score};
-use crate::experiment::axis::{AXES, Named, Part, SCENE, SIZE};
+use crate::experiment::axis::{AXES, METHOD, Named, Part, SCENE, SIZE};
 use crate::experiment::value::{Kind, Value};
 use crate::metrics::{METRICS, Metric, verdict};
 use crate::run::columns::FAILED;
 use crate::scene::is_design;
+use crate::shade::{METHODS, Method};
+use crate::spelling::Listed;
 use crate::study::finished::FinishedCell;
 use crate::study::names::Names;
 use crate::table::colormap::{NAN_COLOR, OFF_MASK_COLOR, Palette, RELATIVE_ERROR, Range, SIGNED_ERROR};
 use crate::table::csv::Cell;
 use serde::ser::{Serialize, SerializeMap, Serializer};
 use serde_json::{Value as Json, json};
+use std::collections::BTreeMap;
 
 const RUN_AXIS: &str = "run";
 const NO_FLOOR: &str = "no-noise-floor";
@@ -92,8 +95,16 @@ fn page_axis(runs: &[Told], names: &Names, index: usize) -> Option<PageAxis> {
         (_, Part::Display) => Role::Display,
         _ => Role::Variant,
     };
-    let labels = labels(names, index, &distinct);
-    let words = distinct.iter().zip(&labels).map(|(value, label)| word(names, index, value, label)).collect();
+    let labels = match index {
+        METHOD => {
+            seen.iter().map(|name| Method::by_name(name).map_or(name.as_str(), |own| own.title).to_owned()).collect()
+        }
+        _ => labels(names, index, &distinct),
+    };
+    let words = match index {
+        METHOD => labels.clone(),
+        _ => distinct.iter().zip(&labels).map(|(value, label)| word(names, index, value, label)).collect(),
+    };
     let is_constant = role == Role::Fixed && cells.clone().all(|cell| cell.point.0[index] != Value::Unset);
     let (name, named) = (names.name(index), Some(names.named(index)));
     Some(PageAxis { name, role, values: seen, labels, words, named, is_constant })
@@ -120,8 +131,10 @@ fn number_name(index: usize, value: &Value) -> Option<String> {
     Some(known.0.to_owned())
 }
 
-fn has_design(axes: &[PageAxis]) -> bool {
-    axes.iter().any(|axis| axis.index() == Some(SCENE) && axis.values.iter().any(|name| is_design(name)))
+/// The scenes that are not pictures.
+fn designs(axes: &[PageAxis]) -> Vec<&String> {
+    let scenes = axes.iter().filter(|axis| axis.index() == Some(SCENE)).flat_map(|axis| &axis.values);
+    scenes.filter(|name| is_design(name)).collect()
 }
 
 /// The common values that are not defaults: "size 128x128, diffuse none".
@@ -132,7 +145,7 @@ pub fn shared(axes: &[PageAxis]) -> String {
     };
     let word = |axis: &PageAxis| {
         let word = format!("{} {}", axis.name.replace('_', " "), axis.labels[0]);
-        if has_design(std::slice::from_ref(axis)) { format!("{word} ({DESIGN})") } else { word }
+        if !designs(std::slice::from_ref(axis)).is_empty() { format!("{word} ({DESIGN})") } else { word }
     };
     axes.iter().filter(says).map(word).collect::<Vec<_>>().join(", ")
 }
@@ -171,6 +184,11 @@ impl Serialize for Model<'_> {
         map.serialize_entry("answers", &self.answers)?;
         map.serialize_entry("images", &self.images.images)?;
         map.serialize_entry("image_notes", &self.images.notes)?;
+        map.serialize_entry("designs", &designs(self.axes))?;
+        map.serialize_entry(
+            "roles",
+            &METHODS.iter().map(|method| (method.name, method.role())).collect::<BTreeMap<_, _>>(),
+        )?;
         map.serialize_entry("colors", &colors())?;
         map.end()
     }

@@ -3,9 +3,11 @@
 //! The template engine escapes text in markup, figures escape their own; all other data is in JSON script elements whose `<` is written as
 //! `\u003c`, so that no name can end the element. A content security policy forbids every request.
 
-use super::live::Light;
+use super::live::{Light, page_name};
 use crate::glsl::source::{Choice, Language, PAGE_FOLDER};
 use crate::gpu::shader_sources;
+use crate::shade::{Method, words_in};
+use crate::spelling::Listed;
 use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
 use minijinja::value::{Serde, Value};
@@ -17,11 +19,14 @@ use std::io::{Error, Write};
 
 const STYLE: &str = include_str!("../../../assets/report/report.css");
 const TEMPLATE: &str = include_str!("../../../assets/report/report.html");
+/// Family, weight and file of the fonts: subsets under the SIL Open Font License.
+const FONTS: [(&str, u32, &[u8]); 3] = [
+    ("Sans", 400, include_bytes!("../../../assets/report/fonts/text-regular.woff2")),
+    ("Sans", 500, include_bytes!("../../../assets/report/fonts/text-medium.woff2")),
+    ("Mono", 400, include_bytes!("../../../assets/report/fonts/code-regular.woff2")),
+];
 /// The part of views with a canvas.
 const STAGE: &str = include_str!("../../../assets/report/stage.html");
-
-/// Removed from names of shaders: all but meshes have only fragment shaders.
-const STAGE_SUFFIX: &str = ".frag";
 
 /// Modules by import name, for an import map.
 macro_rules! modules {
@@ -72,7 +77,7 @@ pub fn render(
     let imports: BTreeMap<&str, String> = MODULES.iter().map(|(name, text)| (*name, import(text))).collect();
     let context = context! {
         page => Serde(page),
-        style => safe(STYLE.to_owned()),
+        style => safe(FONTS.map(font).concat() + STYLE),
         imports => safe(in_script(&json!({ "imports": imports }))),
         shaders => safe(in_script(&json!(shaders(light)))),
         light => safe(in_script(&json!(light))),
@@ -92,7 +97,8 @@ pub fn shaders(light: &Light) -> BTreeMap<String, String> {
     let sources = shader_sources();
     let layouts = light.environments.iter().map(|environment| environment.layout.as_str());
     let models = light.lobes.iter().map(|lobe| lobe.brdf.as_str());
-    let wanted: BTreeSet<&str> = layouts.chain(models).chain(light.methods.iter().map(|method| method.name)).collect();
+    let wanted: BTreeSet<&str> =
+        layouts.chain(models).chain(light.methods.iter().map(|method| method.name.as_str())).collect();
     let entries = sources.entries().filter(|entry| entry.starts_with(PAGE_FOLDER));
     let all = entries.flat_map(|entry| {
         let named = sources.permutations(entry, &Choice::new()).expect("every file that a shader includes is there");
@@ -102,17 +108,31 @@ pub fn shaders(light: &Light) -> BTreeMap<String, String> {
     all.filter(|(_, name, _)| is_wanted(name))
         .map(|(entry, name, choice)| {
             let text = sources.expand(entry, &choice, Language::Es).expect("its permutation was found");
-            (name.trim_start_matches(PAGE_FOLDER).replace(STAGE_SUFFIX, ""), text)
+            (page_name(&name), text)
         })
+        .chain(light.shaders.clone())
         .collect()
 }
 
-/// Splits a sentence into parts: strong between `**`, code between backticks.
+fn font((family, weight, bytes): (&str, u32, &[u8])) -> String {
+    let base64 = BASE64_STANDARD.encode(bytes);
+    format!(
+        "@font-face{{font-family:\"Splitsum {family}\";font-weight:{weight};src:url(data:font/woff2;base64,{base64})}}\n"
+    )
+}
+
+/// Splits a sentence into parts: strong between `**`, code between backticks. Methods are in words, with their code.
 fn pieces(text: String) -> Vec<Value> {
     let strong = text.split("**").enumerate();
     let parts = strong.flat_map(|(i, part)| part.split('`').enumerate().map(move |(j, text)| (text, i % 2, j % 2)));
-    let piece = |(text, strong, code)| context! { text, is_strong => strong == 1, is_code => code == 1 };
-    parts.filter(|(text, ..)| !text.is_empty()).map(piece).collect()
+    let piece = |(place, (text, strong, code)): (usize, (&str, usize, usize))| {
+        let words = Method::by_name(text).map_or_else(|| words_in(text), |method| method.title.to_owned());
+        let is_method = code == 1 && words != text;
+        let words = if is_method && place > 0 { words[..1].to_lowercase() + &words[1..] } else { words };
+        let code = (code == 1).then_some(text);
+        context! { text => if is_method { &words } else { text }, is_strong => strong == 1, is_method, code }
+    };
+    parts.filter(|(text, ..)| !text.is_empty()).enumerate().map(piece).collect()
 }
 
 /// Prevents line breaks between a number and its sign.

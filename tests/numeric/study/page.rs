@@ -130,7 +130,7 @@ fn a_page_is_the_same_each_time_and_holds_every_cell_and_answer_once() {
         assert_eq!(told["rows"].as_array().unwrap().len(), answer.finding.table.rows.len());
         assert!(page.contains(&format!("id=\"{}\"", answer.question.name)));
         for width in splitsum::figure::svg::WIDTHS {
-            let figure = answer.finding.figure.as_ref().map(|figure| splitsum::figure::svg::svg(figure, width));
+            let figure = answer.finding.figure.as_ref().map(|figure| splitsum::report::write::drawing(figure, width));
             assert!(figure.is_none_or(|figure| page.contains(figure.trim_end())), "{}", answer.question.name);
         }
     }
@@ -226,4 +226,18 @@ fn a_crop_leaves_out_the_images_that_end_before_it() {
     let beyond = Window { x: 40, y: 0, width: 16, height: 8 };
     let error = collect(&runs, Choice::Crop(beyond), BUDGET_BYTES).unwrap_err();
     assert_eq!(error.sizes, "24 x 24 or 48 x 40");
+}
+
+#[test]
+fn values_that_round_to_the_same_keep_their_digits() {
+    let dir = tempfile::tempdir().unwrap();
+    let axes = "environment = [\"builtin:constant\"]\nalpha = [0.22361, 0.22362]\nmethod = [\"sampled\"]\nsamples = [1, 4]\n\
+                lod_bias = [0, 1.2924812503605781]";
+    let runs = [run(dir.path(), "run", axes, "")];
+    let axes = splitsum::report::page::model::axes(&Told::of_runs(&runs));
+    let words = |name: &str| axes.iter().find(|axis| axis.name == name).unwrap().words.join(", ");
+    assert_eq!(words("alpha"), "alpha 0.22361 (roughness 0.47), alpha 0.22362 (roughness 0.47)");
+    // A bare number says what it is.
+    assert_eq!(words("lod_bias"), "bias 0, bias 1.292");
+    assert_eq!(words("method"), "Sampling");
 }

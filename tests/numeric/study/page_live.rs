@@ -13,7 +13,7 @@ use splitsum::pixels::packed::HALF_MAX;
 use splitsum::report::page::Told;
 use splitsum::report::page::live::{BUDGET_BYTES, Light};
 use splitsum::report::page::render::shaders;
-use splitsum::run::live::{LIVE_FILE, LiveEnvironment, LiveLobe, LiveRecord, half_scale};
+use splitsum::run::live::{LIVE_FILE, LiveEnvironment, LiveLobe, LiveRecord, LiveShader, half_scale};
 use splitsum::run::live_model::{self, TRIANGLES_MAX};
 use splitsum::scene::Scene;
 use splitsum::shade::METHODS;
@@ -44,7 +44,7 @@ fn half_scales_are_the_least_powers_of_two_that_fit() {
 fn the_page_has_a_shader_of_every_method_that_its_tables_serve() {
     let dir = tempfile::tempdir().unwrap();
     let mut light = light(&finished_run(dir.path()), BUDGET_BYTES);
-    let methods: Vec<&str> = light.methods.iter().map(|method| method.name).collect();
+    let methods: Vec<&str> = light.methods.iter().map(|method| method.name.as_str()).collect();
     for method in METHODS.iter().filter(|method| method.lookups > 0 && method.uses_dfg) {
         assert!(methods.contains(&method.name), "{}", method.name);
     }
@@ -62,6 +62,27 @@ fn the_page_has_a_shader_of_every_method_that_its_tables_serve() {
     let sampled = light.methods.iter().filter(|method| method.is_sampled).count();
     let specular = LAYOUTS.len() * (light.methods.len() - sampled + sampled * MODELS.len());
     assert_eq!(shaders.keys().filter(|name| name.starts_with("specular:")).count(), specular);
+}
+
+#[test]
+fn methods_in_files_have_shaders_and_words() {
+    let dir = tempfile::tempdir().unwrap();
+    let run = finished_run(dir.path());
+    let mut record = record(&run);
+    let split_sum = Path::new(env!("CARGO_MANIFEST_DIR")).join("shaders/shade/method/split_sum.glsl");
+    let shader = |name: &str, text: String| LiveShader { name: name.to_owned(), text, is_sampled: false };
+    record.methods = vec![
+        shader("file:my/own.glsl", std::fs::read_to_string(split_sum).unwrap()),
+        shader("file:broken.glsl", "vec3 specular_radiance(Surface s) { return 1; }".to_owned()),
+    ];
+    std::fs::write(run.join(LIVE_FILE), serde_json::to_string(&record).unwrap()).unwrap();
+    let light = light(&run, BUDGET_BYTES);
+    let own = light.methods.iter().filter(|method| method.name.starts_with("file:"));
+    assert_eq!(own.map(|method| method.title.as_str()).collect::<Vec<_>>(), ["own (file)"]);
+    let [builtin, own] = ["split-sum", "file:my/own.glsl"]
+        .map(|name| shaders(&light)[&format!("specular:{}:{name}", light.environments[0].layout)].clone());
+    assert_eq!(builtin, own);
+    assert!(light.notes.iter().any(|note| note.starts_with("file:broken.glsl does not compile")), "{:?}", light.notes);
 }
 
 /// The words of a packed text, a triple each.
