@@ -53,7 +53,7 @@ function scoreText(row, isReference) {
   if (isReference) return row.floor === null ? "" : `${headline} of its noise ${number(row.floor, 2)}`;
   const { flip, [headline]: own = null } = row.scores;
   if (own === null) return "failed";
-  return `${headline} ${number(own)}${flip === undefined || headline === "flip" ? "" : ` · flip ${number(flip, 2)}`}`;
+  return `${headline}\u00a0${number(own)}${flip === undefined || headline === "flip" ? "" : ` · flip\u00a0${number(flip, 2)}`}`;
 }
 
 /** A picture with its scores that opens the comparison; painted when scrolled into view. */

@@ -1,6 +1,6 @@
 // The live view: the run's model in its light, shaded by the renderer's shaders, and its error against a reference.
 
-import { axisOf, firstRow, lightTables, short, texelError } from "report/data";
+import { axisOf, firstRow, lightTables, scenes, short, texelError } from "report/data";
 import { announce, byId, h, number, say, stopsText } from "report/dom";
 import { fillErrorLegend } from "report/legend";
 import { LiveRender } from "report/live-render";
@@ -21,9 +21,10 @@ const toCode = (x) => Math.round(255 * x ** (1 / 2.2));
 const fromCode = (code) => (code / 255) ** 2.2;
 const hex = (color) => `#${color.map((x) => toCode(x).toString(16).padStart(2, "0")).join("")}`;
 
-/** The numbers of an axis in the run's case with the largest visible error, else its first; null if it is not set. */
+/** The numbers of an axis in the case with the largest visible error, else its middle ones; null if it is not set. */
 function worst(name) {
-  const text = firstRow(() => true)?.axes[name] || axisOf[name]?.values.find(Boolean);
+  const values = (axisOf[name]?.values ?? []).filter(Boolean);
+  const text = (scenes.length && firstRow(() => true)?.axes[name]) || values[values.length >> 1];
   return text ? text.split(",").map(Number) : null;
 }
 

@@ -352,7 +352,7 @@ export function showViewer(view, state) {
   if (!hasPixels(firstRow() ?? { image: null })) {
     const why = `There is nothing to compare: this page holds no images. ${model.image_notes.join(" ")}`;
     const title = h("div", { class: "controls" }, h("h1", { tabindex: -1 }, "Compare"));
-    const link = h("p", {}, h("a", { href: "#images" }, "Links to the linear EXR files"));
+    const link = model.images.length ? h("a", { href: "#images" }, "Links to the linear EXR files") : "";
     return view.replaceChildren(title, h("p", { class: "note", role: "status" }, why), link);
   }
   viewer ??= new Viewer(view);

@@ -84,6 +84,8 @@ pub static METHODS: &[Method] = &[
     ladder::STORAGE,
 ];
 
+const CORRECTED: [&str; 2] = [split_sum_lobes::RELATIVE.name, split_sum_lobes::PARTED.name];
+
 /// The unbiased estimator of the specular integral, by many random samples of BRDF and environment.
 const INTEGRATED: Method = Method {
     uses_samples: true,
@@ -134,8 +136,8 @@ impl Method {
             () if self.uses_samples => Some(Role::Sampling),
             () if self.has_ladder => Some(Role::Textbook),
             () if !self.uses_dfg && self.shader.is_none() => None,
-            () if self.uses_lobe_shapes || self.shader.is_some() => Some(Role::Corrected),
-            () => Some(Role::Engine),
+            () if CORRECTED.contains(&self.name) || self.shader.is_some() => Some(Role::Corrected),
+            () => Some(Role::Other),
         }
     }
 
@@ -200,11 +202,11 @@ listed!(
 #[serde(rename_all = "kebab-case")]
 pub enum Role {
     Textbook,
-    /// A split sum with a table of lobes, or a method in a file.
+    /// A split sum to prefer to the textbook's, or a method in a file.
     Corrected,
     Sampling,
-    /// A split sum with the lookup of an engine.
-    Engine,
+    /// Another split sum, such as an engine's.
+    Other,
 }
 
 impl Role {
