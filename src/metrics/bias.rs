@@ -16,19 +16,15 @@ pub static BIAS: Metric = Metric {
         }
         Some(ratio(variance.sqrt(), energy))
     },
-    ..Metric::linear(
-        "bias_rel",
-        "sum d / sum r: error of the mean brightness, energy gained (+) or lost (-)",
-        |comparison, pixels| {
-            let (mut difference, mut energy) = (0.0, 0.0);
-            for &pixel in pixels {
-                let [t, r] = comparison.radiance(pixel);
-                difference += (0..3).map(|c| t[c] - r[c]).sum::<f64>();
-                energy += r.iter().sum::<f64>();
-            }
-            ratio(difference, energy)
-        },
-    )
+    ..Metric::linear("bias_rel", "sum d / sum r: error of the mean brightness", |comparison, pixels| {
+        let (mut difference, mut energy) = (0.0, 0.0);
+        for &pixel in pixels {
+            let [t, r] = comparison.radiance(pixel);
+            difference += (0..3).map(|c| t[c] - r[c]).sum::<f64>();
+            energy += r.iter().sum::<f64>();
+        }
+        ratio(difference, energy)
+    })
 };
 
 /// Divides, with 0/0 = 0.

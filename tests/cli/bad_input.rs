@@ -87,6 +87,11 @@ fn wrong_experiments_and_folders_are_refused() {
             "name = \"x\"\nasks = [\"tables\"]\nreference = { method = \"reference\", samples = 64 }\n[axes]\nalpha = [0.5]\n\
              method = [\"reference\"]\nsamples = [7]\n",
         ),
+        ("weights.toml", "name = \"x\"\nweights = [\"pictur\", \"sphere\"]\n[axes]\nscene = [\"design\"]\n"),
+        (
+            "pictures.toml",
+            "name = \"x\"\nasks = [\"pictures\"]\n[axes]\nmethod = [\"split-sum\", \"split-sum-fitted\"]\nenvironment_orientation = [1]\n",
+        ),
         ("method.toml", "name = \"x\"\n[axes]\nmethod = [\"split-sum\", \"file:my.glsl\"]\n"),
         ("my.glsl", "vec3 specular_radiance(Surface s) {\n    return nothing;\n}\n"),
         ("gone.toml", "name = \"x\"\n[axes]\nmethod = [\"file:gone.glsl\"]\n"),
@@ -104,6 +109,8 @@ fn wrong_experiments_and_folders_are_refused() {
             "plan empty.toml",
             // Values that do not go together do not hide a question that cannot be answered.
             "plan asks.toml",
+            "plan weights.toml",
+            "plan pictures.toml",
             "plan method.toml",
             "plan gone.toml",
             "run no.toml",

@@ -62,6 +62,9 @@ impl Finished {
         let weights: Vec<Weight> = names.iter().map(|name| Weight::of_name(name)).collect();
         let scenes: IndexSet<Value> = self.cells.iter().map(|cell| cell.point[SCENE].clone()).collect();
         weights.iter().try_for_each(|weight| check_weight(weight, &scenes))?;
+        if let Some(twice) = (1..weights.len()).find(|place| weights[..*place].contains(&weights[*place])) {
+            return Err(format!("{} is listed twice", names[twice]));
+        }
         if self.cells.iter().all(|cell| cell.bins.is_empty()) {
             return Err("needs errors_by_n_dot_v.csv, which the run does not have; run the experiment again".to_owned());
         }

@@ -73,7 +73,7 @@ fn lacks(shape: &Shape) -> Option<&'static str> {
 /// The pictures of one method in one case and score.
 struct Group<'r, 'f> {
     scene: String,
-    /// On the axes of [`case_axes`].
+    /// On the swept axes of cases.
     key: Key,
     metric: &'static str,
     /// As [`Frame::way`].
@@ -96,10 +96,8 @@ impl<'r, 'f> Group<'r, 'f> {
         Some(Estimate { interval: worse.interval.map(clipped), prediction: worse.prediction.map(clipped), ..worse })
     }
 
-    /// The picture with the largest ratio; of equal ones the one whose id comes first.
     fn worst(&self) -> Option<(&'r Row<'f>, f64)> {
-        let order = |a: &(&Row, f64), b: &(&Row, f64)| a.1.total_cmp(&b.1).then_with(|| b.0.cell.id.cmp(&a.0.cell.id));
-        self.ratios.items().iter().copied().max_by(order)
+        worst(self.ratios.items().iter().copied())
     }
 
     /// The picture whose ratio is nearest to a number.
@@ -110,10 +108,15 @@ impl<'r, 'f> Group<'r, 'f> {
     }
 }
 
-/// The axes of cases: those of tables, without the axes that tell pictures apart.
-fn case_axes(frame: &Frame) -> Vec<usize> {
-    let pictures = [ENVIRONMENT, ENVIRONMENT_ORIENTATION, ENVIRONMENT_ROTATION, SCENE];
-    frame.table_axes().into_iter().filter(|axis| !pictures.contains(axis)).collect()
+/// The picture with the largest ratio; of equal ones the one whose id comes first.
+fn worst<'r, 'f>(pictures: impl Iterator<Item = (&'r Row<'f>, f64)>) -> Option<(&'r Row<'f>, f64)> {
+    pictures.max_by(|a, b| a.1.total_cmp(&b.1).then_with(|| b.0.cell.id.cmp(&a.0.cell.id)))
+}
+
+/// These axes without the ones that tell pictures apart.
+fn of_cases(mut axes: Vec<usize>) -> Vec<usize> {
+    axes.retain(|axis| ![ENVIRONMENT, ENVIRONMENT_ORIENTATION, ENVIRONMENT_ROTATION, SCENE].contains(axis));
+    axes
 }
 
 /// Each picture with the same picture of the base.
@@ -126,7 +129,7 @@ fn pairs<'r, 'f>(frame: &Frame, images: &[&'r Row<'f>]) -> Vec<[&'r Row<'f>; 2]>
 }
 
 fn groups<'r, 'f>(frame: &Frame, pairs: &[[&'r Row<'f>; 2]]) -> Vec<Group<'r, 'f>> {
-    let axes = case_axes(frame);
+    let axes = of_cases(frame.case_axes());
     let scenes = distinct_in_order(pairs.iter().map(|[row, _]| row.text(SCENE)));
     let all = (scenes.len() > 1).then(|| ALL.to_owned());
     let scored = PICTURE_SCORES.map(|metric| frame.like(frame.run, metric));
@@ -156,7 +159,7 @@ fn answer(frame: &Frame) -> Option<Finding> {
     let pictures = frame.like(frame.run, DISPLAY_HEADLINE);
     let images: Vec<&Row> = pictures.images().into_iter().filter(|row| !is_design(&row.text(SCENE))).collect();
     let groups = groups(frame, &pairs(frame, &images));
-    let axes = [&[SCENE], &case_axes(frame)[..], &[METHOD, SAMPLES]].concat();
+    let axes = [&[SCENE], &of_cases(frame.table_axes())[..], &[METHOD, SAMPLES]].concat();
     let mut table = Table::new(&axes, QUESTION.columns);
     for group in &groups {
         let ([median, worse], (row, worst)) = ([group.median()?, group.worse()?], group.worst()?);
@@ -208,10 +211,6 @@ fn brightness(all: &[&Group], name: &str) -> Option<String> {
     Some(range_words([least, most], number) + " %")
 }
 
-fn worst_of<'r, 'f>(own: &[&Group<'r, 'f>]) -> Option<(&'r Row<'f>, f64)> {
-    own.iter().filter_map(|group| group.worst()).reduce(|a, b| if b.1 > a.1 { b } else { a })
-}
-
 /// "shader-ball, venice_sunset, orientation 7, alpha 0.1".
 fn picture_name(frame: &Frame, row: &Row) -> String {
     let swept = frame.swept(&[Part::Case]).into_iter().filter(|axis| *axis != ENVIRONMENT);
@@ -224,21 +223,18 @@ fn sentence(frame: &Frame, all: &[&Group]) -> Option<String> {
     let methods = by_method(all, metric);
     let (name, own) = methods.first()?;
     let medians = own.iter().filter_map(|group| Some(group.median()?.value));
-    let worse: Vec<f64> = own.iter().filter_map(|group| Some(100.0 * group.worse()?.value)).collect();
-    let worse = range_words(
-        [worse.iter().copied().fold(f64::INFINITY, f64::min), worse.iter().copied().fold(0.0, f64::max)],
-        number,
-    );
-    let (row, worst) = worst_of(own)?;
-    let [least, most] = [name.as_str(), BASE].map(|name| brightness(all, name));
-    let light = least.zip(most).map_or_else(String::new, |(own, base)| {
+    let worse = own.iter().filter_map(|group| Some(100.0 * group.worse()?.value));
+    let (row, most) = worst(own.iter().filter_map(|group| group.worst()))?;
+    let [least, other] = [name.as_str(), BASE].map(|name| brightness(all, name));
+    let light = least.zip(other).map_or_else(String::new, |(own, base)| {
         format!(" Mean brightness errs by {own} of the truth, with `{BASE}` by {base}.")
     });
     Some(format!(
-        "In the median picture `{name}` has **{} times** the `{metric}` of `{BASE}`, and it makes {worse} % of the pictures worse. \
+        "In the median picture `{name}` has **{} times** the `{metric}` of `{BASE}`, and it makes {} % of the pictures worse. \
          The worst has {} times: {}.{light}",
         range(medians),
-        number(worst),
+        range(worse),
+        number(most),
         picture_name(frame, row),
     ))
 }
@@ -246,16 +242,11 @@ fn sentence(frame: &Frame, all: &[&Group]) -> Option<String> {
 /// One row per case, one column per method: the median ratio and the share of worse pictures. Below them the worst
 /// pictures and the brightness.
 fn digest(frame: &Frame, all: &[&Group]) -> Table {
-    let axes: Vec<usize> = case_axes(frame).into_iter().filter(|axis| frame.shape.is_swept(*axis)).collect();
-    let of = case_axes(frame);
-    let metric = leading(frame);
-    let methods = by_method(all, metric);
+    let axes = of_cases(frame.case_axes());
+    let methods = by_method(all, leading(frame));
     let heads = if axes.is_empty() { vec!["pictures"] } else { frame.names.heads(&axes) };
     let names = methods.iter().map(|(name, _)| name.clone()).chain([BASE.to_owned()]);
     let mut table = Table::with_names(heads.iter().map(|head| head.to_string()).chain(names));
-    let shown = |key: &Key| -> Key {
-        axes.iter().map(|axis| key[of.iter().position(|known| known == axis).unwrap_or(0)].clone()).collect()
-    };
     for key in distinct_in_order(all.iter().map(|group| group.key.clone())) {
         let cells = methods.iter().map(|(_, own)| {
             let group = own.iter().find(|group| fits(&group.key, &key));
@@ -265,10 +256,7 @@ fn digest(frame: &Frame, all: &[&Group]) -> Table {
             });
             Cell::from(words)
         });
-        let head = match axes.is_empty() {
-            true => cells![metric],
-            false => frame.names.head(&axes, &shown(&key)),
-        };
+        let head = if axes.is_empty() { cells![leading(frame)] } else { frame.names.head(&axes, &key) };
         table.row(head.into_iter().chain(cells).chain([Cell::Missing]).collect());
     }
     let labelled = |label: &str, cells: Vec<Cell>| {
@@ -277,7 +265,8 @@ fn digest(frame: &Frame, all: &[&Group]) -> Table {
         [row, cells].concat()
     };
     let worst = methods.iter().map(|(_, own)| {
-        Cell::from(worst_of(own).map(|(row, worst)| format!("{}: {}", number(worst), picture_name(frame, row))))
+        let worst = worst(own.iter().filter_map(|group| group.worst()));
+        Cell::from(worst.map(|(row, ratio)| format!("{}: {}", number(ratio), picture_name(frame, row))))
     });
     table.row(labelled("worst picture", worst.chain([Cell::Missing]).collect()));
     let names = methods.iter().map(|(name, _)| name.as_str()).chain([BASE]);
@@ -288,33 +277,25 @@ fn digest(frame: &Frame, all: &[&Group]) -> Table {
 /// Ratios by [`Frame::row_axis`], one panel per score and other case; the median and the worst picture, which link to
 /// their images.
 fn figure(frame: &Frame, all: &[&Group]) -> Option<Figure> {
-    let (of, row_axis) = (case_axes(frame), frame.row_axis());
-    let place = of.iter().position(|axis| *axis == row_axis)?;
-    let steps = ascending(distinct_in_order(all.iter().map(|group| group.key[place].clone())));
+    let (axes, row_axis) = (of_cases(frame.case_axes()), frame.row_axis());
+    let steps = values(all.iter().flat_map(|group| group.ratios.rows()), row_axis);
     let series: Vec<String> = by_method(all, leading(frame)).into_iter().map(|(name, _)| name).collect();
     let own = all.iter().filter(|group| group.name != BASE && group.metric != BRIGHTNESS);
     let title = |group: &&&Group| {
-        let rest = frame.names.label_where(&of, &group.key, |axis| axis != row_axis && frame.shape.is_swept(axis));
+        let rest = frame.names.label_where(&axes, &group.key, |axis| axis != row_axis);
         commas([group.metric, &rest])
     };
     let panel = |(title, own): (String, Vec<&&Group>)| {
         let rule = Mark::neutral(Form::HorizontalRule(1.0));
         let marks = own.into_iter().flat_map(|group| {
-            let (x, line) = (step(&steps, &group.key[place]), step(&series, &group.name) as usize);
-            let median = group.median().into_iter().flat_map(|all| {
-                let words = |all: &Estimate| format!("median picture {}", with_interval(all));
-                let marks = group.ratios.marks(line, |y| [x, y], (&group.name, &words));
-                let row = group.nearest(all.value);
-                marks.into_iter().map(move |mark| match (&mark.shape, row) {
-                    (Form::Dot(_), Some(row)) => mark.cell(&row.cell.id),
-                    _ => mark,
-                })
-            });
-            let worst = group.worst().map(|(row, worst)| {
-                let tip = format!("{}: worst picture {}, {}", group.name, number(worst), picture_name(frame, row));
-                dot([x, worst], line, tip, row)
-            });
-            median.chain(worst).collect::<Vec<_>>()
+            let (Some(median), Some((row, worst))) = (group.median(), group.worst()) else { return Vec::new() };
+            let (x, line) = (step(&steps, &row.point[row_axis]), step(&series, &group.name) as usize);
+            let words = |all: &Estimate| format!("median picture {}", with_interval(all));
+            let mut marks = group.ratios.marks(line, |y| [x, y], (&group.name, &words));
+            marks[0].cell = group.nearest(median.value).map(|row| row.cell.id.clone());
+            let tip = format!("{}: worst picture {}, {}", group.name, number(worst), picture_name(frame, row));
+            marks.push(dot([x, worst], line, tip, row));
+            marks
         });
         (title, std::iter::once(rule).chain(marks).collect())
     };

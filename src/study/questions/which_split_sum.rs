@@ -7,12 +7,17 @@
 use super::prelude::*;
 use crate::shade::Method;
 use crate::spelling::Listed;
+use crate::study::finished::Cost;
 
 pub const QUESTION: Question = Question {
     name: "which-split-sum",
     asks: "Which split sum should an engine ship?",
     columns: &[
         column("lookups", "Lookups of an environment map per pixel."),
+        column(
+            "instructions",
+            "Vector instructions per pixel of the compiled pass; empty without `costs.csv`, which `splitsum cost --out` writes.",
+        ),
         column("base", "The first method of the experiment."),
         column("ratio", "Error over the error of the base; below 1 the way is closer to the reference."),
         column("is_on_front", "1 if no way with as few lookups has a smaller mean ratio over all cases, else 0."),
@@ -31,6 +36,8 @@ fn lacks(shape: &Shape) -> Option<&'static str> {
 struct Way<'r, 'f> {
     name: String,
     lookups: u32,
+    /// Of its first image.
+    instructions: Option<f64>,
     ratios: Numbers<'r, 'f>,
     mean: Estimate,
     is_on_front: bool,
@@ -40,12 +47,21 @@ fn lookups(row: &Row) -> Option<u32> {
     Method::by_name(&row.text(METHOD))?.lookups_of_pixel(row.samples())
 }
 
+/// Vector instructions of a pixel, if `costs.csv` counts the method.
+fn instructions(frame: &Frame, row: &Row) -> Option<f64> {
+    let is = |axis: usize, text: &str| text.is_empty() || row.point[axis] == Value::Unset || row.text(axis) == text;
+    let of_row = |cost: &&Cost| cost.method == row.text(METHOD) && is(BRDF, &cost.brdf) && is(LAYOUT, &cost.layout);
+    let [once, each] = frame.run.costs.iter().find(of_row)?.instructions;
+    Some(once + each * row.samples().map_or(0.0, f64::from))
+}
+
 /// Ordered by lookups, then by mean ratio.
 fn ways<'r, 'f>(frame: &Frame, ratios: &[(&'r Row<'f>, f64)]) -> Vec<Way<'r, 'f>> {
     let way = |(name, own): (String, Vec<&(&'r Row<'f>, f64)>)| {
         let ratios = Numbers::ratios(own.iter().copied().copied());
         let mean = ratios.estimate()?;
-        Some(Way { name, lookups: lookups(own[0].0)?, ratios, mean, is_on_front: false })
+        let instructions = instructions(frame, own[0].0);
+        Some(Way { name, lookups: lookups(own[0].0)?, instructions, ratios, mean, is_on_front: false })
     };
     let mut ways: Vec<Way> = grouped(ratios, |(row, _)| frame.way(row)).into_iter().filter_map(way).collect();
     ways.sort_by(|a, b| (a.lookups, a.mean.value).partial_cmp(&(b.lookups, b.mean.value)).expect("finite means"));
@@ -76,7 +92,7 @@ fn answer(frame: &Frame) -> Option<Finding> {
     for (row, ratio) in &ratios {
         let name = frame.way(row);
         let Some(way) = ways.iter().find(|way| way.name == name) else { continue };
-        let own = cells![way.lookups, &base, *ratio, way.is_on_front];
+        let own = cells![way.lookups, instructions(frame, row), &base, *ratio, way.is_on_front];
         table.row([row.cells(&columns), own].concat());
     }
     Some(Finding {
@@ -145,18 +161,19 @@ fn at<'r, 'f>(numbers: &Numbers<'r, 'f>, axes: &[usize], key: &[Value]) -> Numbe
     axes.iter().zip(key).fold(numbers.clone(), |own, (axis, value)| own.at(*axis, value))
 }
 
-/// Ratios against lookups, one panel per F0 and value of [`Frame::row_axis`]; of the ways with one lookup the base and the best.
+/// Ratios against instructions, or lookups if not all are counted, one panel per F0 and value of [`Frame::row_axis`]; of the ways with one lookup the base and the best.
 fn figure(frame: &Frame, ways: &[Way], base: &Value) -> Option<Figure> {
     let by_axes = row_axes(frame);
     let is_sampled = |way: &&Way| way.ratios.rows().any(|row| row.samples().is_some());
     let is_shown = |way: &&Way| way.is_on_front || way.name == base.to_string() || is_sampled(way);
     let shown: Vec<&Way> = ways.iter().filter(is_shown).collect();
+    let is_counted = shown.iter().all(|way| way.instructions.is_some());
     let series = distinct_in_order(shown.iter().map(|way| way.ratios.first_method()));
     let panel = |key: &Key| {
         let of_series = |(place, method): (usize, &String)| {
             let own = shown.iter().filter(|way| way.ratios.first_method() == *method);
             let marks = own.flat_map(|way| {
-                let x = f64::from(way.lookups);
+                let x = way.instructions.filter(|_| is_counted).unwrap_or(f64::from(way.lookups));
                 at(&way.ratios, &by_axes, key).marks(place, |y| [x, y], (&way.name, &with_interval))
             });
             let marks: Vec<Mark> = marks.collect();
@@ -167,9 +184,9 @@ fn figure(frame: &Frame, ways: &[Way], base: &Value) -> Option<Figure> {
     };
     let keys: Vec<Key> = by(&rows(&shown), &by_axes).into_iter().map(|(key, _)| key).collect();
     Chart {
-        title: "Error against lookups of a map",
+        title: if is_counted { "Error against compiled code" } else { "Error against lookups of a map" },
         note: format!("{} over that of {base}{INTERVAL}", frame.metric_name()),
-        x: Along::Log("lookups per pixel"),
+        x: Along::Log(if is_counted { "vector instructions per pixel" } else { "lookups per pixel" }),
         y: Along::Log("ratio"),
         panels: keys.iter().map(panel).collect(),
         series: series.clone(),
