@@ -24,6 +24,9 @@ export function number(x, digits = 3) {
   return text.replace("-", "−");
 }
 
+/** A share for readers: "9.27 %". */
+export const percent = (x) => `${number(100 * x)}\u00a0%`;
+
 /** Exposure in stops with its factor. */
 export const stopsText = (stops) =>
   `${stops >= 0 ? "+" : "−"}${number(Math.abs(Number(stops.toFixed(2))))} EV (× ${number(2 ** stops)})`;

@@ -1,7 +1,7 @@
 // The legend of error pictures: one fixed range for every image of the page.
 
 import { errorMap } from "report/data";
-import { h, number } from "report/dom";
+import { h, percent } from "report/dom";
 
 const RELATIVE = "√ of the RGB mean of d² / (r² + 0.01 m²), m the light's mean luminance; one range for all images. ";
 const SIGNED = "mean of d / √(r² + 0.01 m²), m the light's mean luminance; blue too dark, red too bright. ";
@@ -14,7 +14,7 @@ export function fillErrorLegend(element, isSigned, marks) {
   const { colors, ticks, place } = errorMap(isSigned);
   const stops = colors.filter((_, i) => i % 17 === 0).map((c) => `rgb(${c})`);
   const open = (i) => (i === ticks.length - 1 ? "≥ " : i === 0 ? "≤ " : "");
-  const tick = (value, i) => h("span", { style: `left:${place(value) * 100}%` }, `${open(i)}${number(value)}`);
+  const tick = (value, i) => h("span", { style: `left:${place(value) * 100}%` }, `${open(i)}${percent(value)}`);
   const marked = `; “Mark beyond the range” (C) stripes what lies ${isSigned ? "outside" : "above"}`;
   element.replaceChildren(
     h("div", { class: "ramp", style: `background:linear-gradient(90deg,${stops.join(",")})` }),

@@ -66,10 +66,7 @@ function onKey(event) {
 }
 
 /** The held key is up, or out of sight. */
-function release() {
-  viewerRelease();
-  liveRelease();
-}
+const release = () => [viewerRelease, liveRelease].forEach((end) => end());
 
 /** Called once, by the page. */
 export function start() {

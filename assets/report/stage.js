@@ -2,7 +2,7 @@
 // are templates in the page (stage.html).
 
 import { errorColor } from "report/data";
-import { byId, h, number, say } from "report/dom";
+import { byId, h, number, percent, say } from "report/dom";
 
 export const MODES = ["image", "error", "signed"];
 
@@ -156,7 +156,7 @@ export function showProbe(parts, where, isSigned, lines) {
     const own = error && (isSigned ? error.signed : error.relative);
     const chip = error && h("i", { class: "chip", style: `background:rgb(${errorColor(isSigned, error)})` });
     const cells = (value ?? [null, null, null]).map(cell);
-    const last = h("td", { "data-value": own ?? "" }, error && [chip, number(own)]);
+    const last = h("td", { "data-value": own ?? "" }, error && [chip, percent(own)]);
     const marks = { "data-probe": key, class: isCurrent ? "current" : "" };
     return h("tr", marks, h("th", { scope: "row" }, name), cells, last);
   };
