@@ -90,6 +90,17 @@ macro_rules! listed {
 }
 pub(crate) use listed;
 
+/// Capitalises the first letter.
+pub fn capitalised(text: &str) -> String {
+    let mut letters = text.chars();
+    letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
+}
+
+/// Writes a name in words: `level_mapping` as "Level mapping".
+pub fn in_words(name: &str) -> String {
+    capitalised(&name.replace(['_', '-'], " "))
+}
+
 /// Writes "a camera", "an axis".
 pub fn with_article(what: &str) -> String {
     format!("{} {what}", if what.starts_with(['a', 'e', 'i', 'o', 'u']) { "an" } else { "a" })

@@ -10,7 +10,7 @@ use splitsum::experiment::config::SEED;
 use splitsum::experiment::lights::{coordinates, parse_light};
 use splitsum::experiment::value::{Kind, Value};
 use splitsum::scene::{CameraKind, Light, Orbit, Scene};
-use splitsum::spelling::Listed;
+use splitsum::spelling::{Listed, capitalised};
 
 /// Flags beside the axes.
 #[derive(Args, Clone, Debug)]
@@ -20,7 +20,7 @@ pub struct SeenFlags {
     camera: CameraKind,
     /// Turn the camera: yaw and pitch in degrees, and a distance factor in [0.1, 4].
     #[arg(long, value_name = "YAW,PITCH,DISTANCE", allow_hyphen_values = true, value_parser = parse_orbit)]
-    orbit: Option<Orbit>,
+    pub orbit: Option<Orbit>,
     /// Show the environment behind the scene.
     #[arg(long)]
     pub background: bool,
@@ -97,14 +97,12 @@ impl AxisFlags {
 
 /// Writes one line of help: phrase, values, default.
 fn help(named: Named) -> String {
-    let about = named.about();
-    let first = about.chars().next().map(|c| c.to_uppercase().to_string()).unwrap_or_default();
+    let about = capitalised(named.about());
     let default = if named.is_second() { Value::Unset } else { (named.entry().default)() };
     let values = if matches!(named.kind(), Kind::Input) { String::new() } else { named.kind().describe() };
     let default = if default == Value::Unset { String::new() } else { format!("default: {default}") };
     let facts: Vec<String> = [values, default].into_iter().filter(|text| !text.is_empty()).collect();
-    let rest = &about[about.chars().next().map_or(0, char::len_utf8)..];
-    if facts.is_empty() { format!("{first}{rest}") } else { format!("{first}{rest} [{}]", facts.join("; ")) }
+    if facts.is_empty() { about } else { format!("{about} [{}]", facts.join("; ")) }
 }
 
 pub fn flag(named: Named, parser: ValueParser) -> Arg {

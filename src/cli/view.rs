@@ -3,21 +3,25 @@
 use super::Failure;
 use super::flags::{AxisFlags, SeenFlags};
 use clap::Args;
-use splitsum::experiment::axis::{AXES, DFG_TABLE, METHOD, PREFILTERED, Point, REFERENCE, SIZE};
+use splitsum::experiment::axis::{
+    ALPHA, AXES, DFG_TABLE, ENVIRONMENT, METALLIC, METHOD, PREFILTERED, Point, REFERENCE, SCENE, SIZE,
+};
 use splitsum::experiment::value::Value;
 use splitsum::files::{TEXT_BYTES_MAX, read_text};
 use splitsum::pipeline::Options;
-use splitsum::scene::{Scene, scene_extensions};
-use splitsum::shade::{FILE_PREFIX, METHODS, own};
+use splitsum::scene::{Scene, is_design, scene_extensions};
+use splitsum::shade::{FILE_PREFIX, own};
 use splitsum::spelling::Listed;
-use splitsum::view::{Opened, Picture, State, Windowed, open};
+use splitsum::view::{HOME, Opened, Picture, State, Windowed, has_materials, open};
 use std::path::{Path, PathBuf};
 
 /// Open a window with two methods side by side, and a reference that refines.
 #[derive(Args, Debug)]
 #[command(
     allow_negative_numbers = true,
-    after_help = after_help()
+    after_help = after_help(),
+    mut_arg("camera", |arg| arg.default_value("perspective")),
+    mut_arg("background", |arg| arg.hide(true)),
 )]
 pub struct Arguments {
     /// Open a saved state; excludes flags of the view.
@@ -26,6 +30,9 @@ pub struct Arguments {
     /// Save states in DIR.
     #[arg(long, value_name = "DIR", default_value = ".")]
     out: PathBuf,
+    /// Leave the environment out of the picture.
+    #[arg(long, conflicts_with = "state")]
+    no_background: bool,
     /// Choose the method of the right half.
     #[arg(long, value_name = "NAME", value_parser = |text: &str| AXES[METHOD].kind.parse_text(text))]
     right: Option<Value>,
@@ -39,19 +46,18 @@ pub struct Arguments {
 }
 
 fn after_help() -> String {
-    let point = first_point();
-    let ([width, height], method) = (point[SIZE].pair(), &point[METHOD]);
+    let [method, scene, environment] = FIRST.map(|(_, name)| name);
     let pictures = Picture::names();
     format!(
-        "Defaults here: --method {method}, --right {REFERENCE}, --size {width}x{height}. The window uses the program's own tables.\n\n\
-        Pictures (list at the top left): {}. \"image\", \"error\" and \"signed error\" show a half for each method; errors are \
+        "Defaults here: --method {method}, --right {REFERENCE}, --scene {scene}, --environment {environment}, a metal of roughness 0.25 (unless \
+        the model has its own materials), the size of the window. The window uses the program's own tables.\n\n\
+        Pictures (toolbar, and the list under Advanced): {}. \"image\", \"error\" and \"signed error\" show a half for each method; errors are \
         against the reference. \"difference\" is left minus right. Other pictures show the left half's g-buffer and tables.\n\n\
-        Mouse: drag to turn the camera, shift+drag to turn the light, wheel to zoom. Keys: space shows the other half; d the left half \
-        alone; e error; s signed error; t tone; [ ] exposure; + - 0 and arrows the camera; shift+arrows the light; 1 to 9 the left \
-        method; ctrl+S saves.\n\n\
-        Below the picture: linear values under the pointer (left, right, reference and its standard error) and times of frames and \
-        passes.\n\n\
-        Drop an environment (.hdr, .exr) or a scene ({}) on the window; on Wayland type its path instead. Saving makes a folder view-N \
+        Mouse: drag the line to compare the halves, drag elsewhere to turn the camera, shift+drag to turn the light, wheel to zoom. Keys: \
+        space shows the other half; d the left half alone; e error; s signed error; p linear values under the pointer; t times of frames and \
+        passes; [ ] exposure; + - 0 and arrows the camera; shift+arrows the light; 1 to 9 the left method; f the whole screen; ctrl+S \
+        saves.\n\n\
+        Open an environment (.hdr, .exr) or a model ({}) with the buttons Open, or drop it on the window. Saving makes a folder view-N \
         with the picture, linear images, the state, `render` commands and an experiment.\n\n\
         Exit codes: 2 no display or bad input; 75 the device, the window or the display was lost.\n\n\
         Examples:\n  splitsum view --environment studio.hdr --scene teapot.obj\n  splitsum view --state view-1/state.json",
@@ -112,21 +118,24 @@ fn state(arguments: &Arguments) -> Result<State, Failure> {
         let text = read_text(path, TEXT_BYTES_MAX).map_err(|error| fault(&error))?;
         return State::parse(&text).map_err(|why| fault(&why));
     }
-    let first = first_point();
+    let is_given = |axis: usize| arguments.axes.get(axis).is_some();
     let mut point: Point = arguments.axes.point();
-    for axis in [METHOD, SIZE].into_iter().filter(|axis| arguments.axes.get(*axis).is_none()) {
-        point[axis] = first[axis].clone();
+    let mut firsts = FIRST.to_vec();
+    if !is_given(SCENE) || !has_materials(point[SCENE].text()) {
+        firsts.extend([(METALLIC, "1"), (ALPHA, "0.0625")]);
     }
-    let state = State::new(point, arguments.seen.view());
+    for (axis, text) in firsts.into_iter().filter(|(axis, _)| !is_given(*axis)) {
+        point[axis] = AXES[axis].kind.parse_text(text).expect("a valid default");
+    }
+    let mut view = arguments.seen.view();
+    if !is_design(point[SCENE].text()) {
+        view.background = !arguments.no_background;
+        view.orbit = arguments.seen.orbit.unwrap_or(HOME);
+    }
+    let state = State::new(point, view);
     let right = arguments.right.clone().unwrap_or(state.right.clone());
-    Ok(State { right, ..state })
+    Ok(State { right, fill: !is_given(SIZE), ..state })
 }
 
-/// Starts with the split sum beside the reference.
-fn first_point() -> Point {
-    let mut point = Point::default();
-    let first = METHODS.iter().find(|method| method.uses_prefiltered()).expect("a method that looks a map up");
-    point[METHOD] = Value::Text(first.name.to_owned().into());
-    point[SIZE] = Value::Pair([512; 2]);
-    point
-}
+/// The first state: the textbook split sum beside the reference, on a metal under a studio.
+const FIRST: [(usize, &str); 3] = [(METHOD, "split-sum"), (SCENE, "shader-ball"), (ENVIRONMENT, "builtin:studio")];

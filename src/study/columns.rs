@@ -4,6 +4,7 @@ use super::questions::{QUESTIONS, WEIGHT};
 use crate::experiment::axis::Named;
 use crate::metrics::METRICS;
 use crate::run::columns::{CELL, Column, TABLES};
+use crate::spelling::capitalised;
 use crate::table::markdown::{Align, MarkdownTable};
 use std::fmt::Write;
 
@@ -12,15 +13,15 @@ pub fn page() -> String {
                     their digits. An interval is a 95 % interval.\n\n"
         .to_owned();
     let _ = write!(text, "`{}`: {}\n\n## Axes\n\n", CELL.name, CELL.about);
-    text += &table(Named::all().map(|axis| (axis.name(), format!("{}.", sentence(axis.about())))));
+    text += &table(Named::all().map(|axis| (axis.name(), format!("{}.", capitalised(axis.about())))));
     text += "\nAn axis is empty in the rows of methods that do not use it.\n\n## Metrics\n\n";
     let metric = |d: &crate::metrics::Metric| {
         let constants: Vec<String> = d.parameters.iter().map(|(name, value)| format!("{name} = {value}")).collect();
         let constants = if constants.is_empty() { String::new() } else { format!(" ({})", constants.join(", ")) };
         format!(
             "{}{constants}. {} values, better: {}.",
-            sentence(d.formula.trim_end_matches('.')),
-            sentence(d.space.name()),
+            capitalised(d.formula.trim_end_matches('.')),
+            capitalised(d.space.name()),
             d.better.name()
         )
     };
@@ -50,10 +51,4 @@ fn table<'n>(rows: impl Iterator<Item = (&'n str, String)>) -> String {
     let mut table = MarkdownTable::new(&[("column", Align::Left), ("meaning", Align::Left)]);
     rows.for_each(|(name, about)| table.row(&[format!("`{name}`"), about]));
     table.to_string()
-}
-
-/// Capitalizes the first letter.
-fn sentence(text: &str) -> String {
-    let mut letters = text.chars();
-    letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
 }

@@ -1,29 +1,42 @@
-//! A control for each axis, made from the list of axes.
+//! The panel: eight controls that matter most, and the rest of the axes under "Advanced".
 
-use super::overlay::text;
+use super::browse::Browse;
+use super::picture::{Picture, Tone};
 use super::state::{Side, State};
+use super::theme;
+use super::worker::Shown;
 use crate::environment::{BUILTIN_PREFIX, BUILTINS};
-use crate::experiment::axis::{AXES, ENVIRONMENT, METHOD, Named, Part, Point, SAMPLES, SIZE};
+use crate::experiment::axis::{
+    ALBEDO, ALPHA, AXES, ENVIRONMENT, EXPOSURE, F0, METALLIC, METHOD, Named, Part, Point, SAMPLES, SCENE, SIZE,
+};
+use crate::experiment::lights::{light_text, parse_light};
 use crate::experiment::value::{Kind, Range, Value};
-use crate::scene::SCENES;
-use egui::{Align2, ComboBox, DragValue, Rect, Response, Slider, SliderClamping, TextEdit, Ui};
+use crate::scene::{CameraKind, Light, SCENES};
+use crate::shade::Method;
+use crate::spelling::{Listed, capitalised, in_words};
+use egui::{Align, Align2, ComboBox, DragValue, Layout, Rect, Response, Slider, SliderClamping, TextEdit, Ui, vec2};
 use std::collections::BTreeMap;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
-/// Sides in the size menu.
-const SIZES: [u32; 5] = [128, 256, 512, 768, 1024];
 /// Range of sliders over many decades; other numbers can be typed.
 const DECADES: [f64; 2] = [1e-3, 1e3];
 /// Largest sample count of a slider.
 const SAMPLES_MAX: u32 = 4096;
-const SLIDER_WIDTH: f32 = 100.0;
-const LABEL: egui::Vec2 = egui::vec2(112.0, 18.0);
+/// Sample counts for the reference.
+const REFERENCE_COUNTS: [u32; 6] = [32, 256, 1024, 4096, 16384, 65536];
+const LABEL: egui::Vec2 = vec2(112.0, 26.0);
+const SLIDER_WIDTH: f32 = 84.0;
+const MENU_WIDTH: f32 = 176.0;
 
-/// Places of the controls by name, for tests, and unfinished text.
+/// Controls with their places by name, for tests.
 #[derive(Default)]
 pub struct Controls {
     pub places: BTreeMap<String, Rect>,
-    typed: BTreeMap<usize, String>,
+    /// Whether the probe and the times are shown.
+    pub overlays: [bool; 2],
+    browse: Option<Browse>,
+    /// Unfinished text of a light.
+    typed: Option<(usize, String)>,
 }
 
 impl Controls {
@@ -31,116 +44,220 @@ impl Controls {
         self.places.insert(name.into(), response.rect);
     }
 
-    /// Shows every axis under the headings of `render`'s help.
-    pub fn axes(&mut self, ui: &mut Ui, state: &mut State) {
-        let used = [Side::Left, Side::Right].map(|side| {
-            let mut point = state.image(side, 1).point;
-            // The reference has its own count.
-            if point.method().is_integrated() {
-                point[SAMPLES] = Value::Unset;
-            }
-            point
-        });
-        for part in [Part::Case, Part::Method, Part::Display, Part::Table] {
-            let (heading, is_open) = (part.heading(), part != Part::Table);
-            // The rest concerns flags of `render`.
-            let short = heading.split(',').next().unwrap_or(heading);
-            let section = egui::CollapsingHeader::new(short).default_open(is_open).show(ui, |ui| {
-                for axis in (0..AXES.len()).filter(|&axis| AXES[axis].part.heading() == heading) {
-                    let is_used = AXES[axis].part == Part::Display
-                        || used.iter().any(|point| point[axis] != Value::Unset)
-                        || state.point[axis] == Value::Unset;
-                    self.axis(ui, axis, is_used, &mut state.point);
-                    if axis == METHOD {
-                        let right = &mut state.right;
-                        self.row(ui, "right", "method of the right half", |controls, ui| {
-                            controls.value(ui, "right", (METHOD, Named::usual(METHOD), true), right)
-                        });
-                    }
-                }
-            });
-            self.place(heading, &section.header_response);
+    /// Shows every control. Returns a file that the user chose.
+    pub fn ui(&mut self, ui: &mut Ui, state: &mut State, shown: &Shown) -> Option<PathBuf> {
+        ui.add_space(10.0);
+        self.input(ui, ENVIRONMENT, state);
+        self.input(ui, SCENE, state);
+        self.axis(ui, ALPHA, state);
+        self.axis(ui, METALLIC, state);
+        self.labelled(ui, f0(state), "F0", state);
+        self.method(ui, "left", state);
+        self.method(ui, "right", state);
+        let uses_samples = |side| {
+            let method = state.image(side, 1).point.method();
+            method.uses_samples && !method.is_integrated()
+        };
+        if [Side::Left, Side::Right].into_iter().any(uses_samples) {
+            self.axis(ui, SAMPLES, state);
         }
+        self.axis(ui, EXPOSURE, state);
+        ui.add_space(4.0);
+        let advanced =
+            egui::CollapsingHeader::new("Advanced").show_unindented(ui, |ui| self.advanced(ui, state, shown));
+        self.place("advanced", &advanced.header_response);
+        let mut browse = self.browse.take()?;
+        let chosen = browse.ui(ui, self);
+        if chosen.is_none() {
+            self.browse = Some(browse);
+        }
+        chosen.flatten()
     }
 
-    pub fn row(&mut self, ui: &mut Ui, name: &str, about: &str, add: impl FnOnce(&mut Self, &mut Ui)) {
+    fn advanced(&mut self, ui: &mut Ui, state: &mut State, shown: &Shown) {
+        self.row(ui, "Picture", "What the window shows: image, errors, g-buffer or tables", |controls, ui| {
+            let items = Picture::names().into_iter().map(|name| (name.to_owned(), capitalised(name)));
+            let chosen = controls.menu(ui, "picture", state.picture.name(), items.collect());
+            state.picture = chosen.map_or(state.picture, |name| *Picture::listed(&name));
+        });
+        if state.picture == Picture::Prefiltered {
+            self.row(ui, "Level", "Level of the prefiltered map", |controls, ui| {
+                let last = shown.level_count.max(1) - 1;
+                controls.place("level", &ui.add(Slider::new(&mut state.level, 0..=last)));
+            });
+        }
+        self.row(ui, "Camera", "Drag to turn, wheel to zoom, 0 to reset", |controls, ui| {
+            for (kind, word) in CameraKind::all().zip(["Parallel", "Perspective"]) {
+                controls.place(kind.name(), &ui.radio_value(&mut state.view.camera, *kind, word));
+            }
+        });
+        self.row(ui, "Tone", "The tone curve of `render`, or plain sRGB clipped at 1", |controls, ui| {
+            for (tone, word) in Tone::all().zip(["Curve", "sRGB"]) {
+                controls.place(tone.name(), &ui.radio_value(&mut state.tone, *tone, word));
+            }
+        });
+        let [probe, times] = &mut self.overlays;
+        let switches = [
+            ("background", "Environment as background", &mut state.view.background),
+            ("fill", "Picture as large as the window", &mut state.fill),
+            ("probe", "Values under the pointer (P)", probe),
+            ("times", "Times of frames and passes (T)", times),
+        ];
+        let placed = switches.map(|(name, label, is_on)| (name, ui.checkbox(is_on, label)));
+        placed.iter().for_each(|(name, response)| self.place(*name, response));
+        self.row(ui, "Reference up to", "Samples a pixel at which the reference stops", |controls, ui| {
+            let count = &mut state.view.reference_samples;
+            let items = REFERENCE_COUNTS.map(|count| (count.to_string(), count.to_string()));
+            let chosen = controls.menu(ui, "reference samples", &count.to_string(), items.into());
+            *count = chosen.and_then(|text| text.parse().ok()).unwrap_or(*count);
+        });
+        for part in [Part::Case, Part::Method, Part::Display, Part::Table] {
+            let heading = part.heading();
+            ui.add_space(8.0);
+            // The rest concerns flags of `render`.
+            ui.heading(heading.split(',').next().unwrap_or(heading));
+            let eight = [ENVIRONMENT, SCENE, ALPHA, METALLIC, f0(state), METHOD, SAMPLES, EXPOSURE];
+            let is_here = |axis: &usize| AXES[*axis].part.heading() == heading && !eight.contains(axis);
+            (0..AXES.len()).filter(is_here).for_each(|axis| self.axis(ui, axis, state));
+        }
+        ui.add_space(8.0);
+        ui.heading("Analytic lights");
+        self.lights(ui, &mut state.view.lights);
+    }
+
+    fn row(&mut self, ui: &mut Ui, label: &str, about: &str, add: impl FnOnce(&mut Self, &mut Ui)) {
         ui.horizontal(|ui| {
-            let label = name.replace('_', " ").replace("sample count", "samples");
-            let label = label.replace("environment ", "").replace("perceptual ", "");
             let (place, response) = ui.allocate_exact_size(LABEL, egui::Sense::hover());
-            text(ui, place.left_center(), Align2::LEFT_CENTER, &label, 13.0, ui.visuals().text_color());
+            let font = egui::TextStyle::Body.resolve(ui.style());
+            ui.painter().text(place.left_center(), Align2::LEFT_CENTER, label, font, theme::INK);
             response.on_hover_text(about);
             add(self, ui);
         });
     }
 
-    /// Shows a menu and returns the name that was clicked.
-    pub fn menu(&mut self, ui: &mut Ui, name: &str, width: f32, shown: &str, items: &[String]) -> Option<String> {
-        let combo = ComboBox::from_id_salt(name).width(width).height(520.0).selected_text(shown);
-        let response = combo.show_ui(ui, |ui| {
-            let is_clicked = |item: &&String| {
-                let response = ui.selectable_label(*item == shown, *item);
-                self.place(format!("choice {item}"), &response);
+    /// Shows a menu of codes with their words and returns the code that was clicked.
+    fn menu(&mut self, ui: &mut Ui, name: &str, shown: &str, items: Vec<(String, String)>) -> Option<String> {
+        let words = items.iter().find(|(code, _)| code == shown).map_or(shown, |(_, words)| words);
+        let combo = ComboBox::from_id_salt(name).width(ui.available_width().min(MENU_WIDTH)).height(520.0).truncate();
+        let response = combo.selected_text(words).show_ui(ui, |ui| {
+            ui.set_min_width(MENU_WIDTH);
+            let is_clicked = |(code, words): &&(String, String)| {
+                let response = ui.selectable_label(code == shown, words).on_hover_text(code);
+                self.place(format!("choice {code}"), &response);
                 response.clicked()
             };
-            items.iter().filter(is_clicked).last().cloned()
+            items.iter().filter(is_clicked).last().map(|(code, _)| code.clone())
         });
         self.place(name, &response.response);
         response.inner.flatten()
     }
 
-    fn axis(&mut self, ui: &mut Ui, axis: usize, is_used: bool, point: &mut Point) {
+    /// Shows the built-in names of an environment or scene, and a button for files.
+    fn input(&mut self, ui: &mut Ui, axis: usize, state: &mut State) {
+        let named = Named::own(axis);
+        let text = state.point[axis].text().to_owned();
+        self.row(ui, &named.label(), &capitalised(named.about()), |controls, ui| {
+            let open = |ui: &mut Ui| ui.button("Open").on_hover_text("Choose a file, or drop one on the picture");
+            let (button, chosen) = ui
+                .with_layout(Layout::right_to_left(Align::Center), |ui| {
+                    let button = open(ui);
+                    let mut names: Vec<String> = match axis {
+                        ENVIRONMENT => BUILTINS.iter().map(|built| format!("{BUILTIN_PREFIX}{}", built.name)).collect(),
+                        _ => SCENES.iter().map(|scene| scene.name.to_owned()).collect(),
+                    };
+                    if !names.contains(&text) {
+                        names.push(text.clone());
+                    }
+                    let words = |name: &String| match Path::new(name).extension().and(Path::new(name).file_name()) {
+                        Some(file) => file.to_string_lossy().into_owned(),
+                        None => in_words(name.trim_start_matches(BUILTIN_PREFIX)),
+                    };
+                    let items = names.iter().map(|name| (name.clone(), words(name))).collect();
+                    (button, controls.menu(ui, named.name(), &text, items))
+                })
+                .inner;
+            controls.place(format!("open {}", named.name()), &button);
+            if button.clicked() {
+                controls.browse = Some(Browse::new(axis, Path::new(&text)));
+            }
+            if let Some(name) = chosen {
+                state.point[axis] = Value::from(name);
+            }
+        });
+    }
+
+    fn method(&mut self, ui: &mut Ui, side: &str, state: &mut State) {
+        let value = if side == "left" { &mut state.point[METHOD] } else { &mut state.right };
+        self.row(ui, &capitalised(side), &format!("Method of the {side} half"), |controls, ui| {
+            let mut methods: Vec<&Method> = Method::all().collect();
+            let current = Method::listed(value.text());
+            if !methods.iter().any(|method| method.name == current.name) {
+                methods.push(current);
+            }
+            let items = methods.iter().map(|method| (method.name.to_owned(), method.title.to_owned())).collect();
+            if let Some(name) = controls.menu(ui, side, current.name, items) {
+                *value = Value::from(name);
+            }
+        });
+    }
+
+    fn axis(&mut self, ui: &mut Ui, axis: usize, state: &mut State) {
+        let offers_one = matches!(AXES[axis].kind, Kind::NameOrFile { names, .. } if names().len() < 2);
+        if !offers_one {
+            self.labelled(ui, axis, &Named::usual(axis).label(), state);
+        }
+    }
+
+    fn labelled(&mut self, ui: &mut Ui, axis: usize, label: &str, state: &mut State) {
         let named = Named::usual(axis);
-        let may_be_unset = (AXES[axis].default)() == Value::Unset;
-        self.row(ui, named.name(), named.about(), |controls, ui| {
+        let is_used = |side| {
+            let point = state.image(side, 1).point;
+            // The reference has its own count.
+            point[axis] != Value::Unset && !(axis == SAMPLES && point.method().is_integrated())
+        };
+        let is_unset = state.point[axis] == Value::Unset;
+        let is_used =
+            AXES[axis].part == Part::Display || is_unset || [Side::Left, Side::Right].into_iter().any(is_used);
+        let point = &mut state.point;
+        self.row(ui, label, &capitalised(named.about()), |controls, ui| {
             ui.add_enabled_ui(is_used, |ui| {
-                if may_be_unset {
-                    let mut is_set = point[axis] != Value::Unset;
-                    let about = "without a tick the scene or layout decides; the slider sets it";
-                    let response = ui.checkbox(&mut is_set, "").on_hover_text(about);
-                    controls.place(format!("{} set", named.name()), &response);
-                    if response.changed() {
-                        point[axis] = if is_set { first(axis, named, point) } else { Value::Unset };
-                    }
-                    if !is_set {
-                        ui.multiply_opacity(0.5);
-                    }
-                }
                 // A control of an unset axis shows its first value; moving it sets the axis.
-                let is_set = point[axis] != Value::Unset;
-                let before = if is_set { point[axis].clone() } else { first(axis, named, point) };
+                let before = if is_unset { first(axis, named, point) } else { point[axis].clone() };
                 let mut value = before.clone();
-                controls.value(ui, named.name(), (axis, named, is_set), &mut value);
+                controls.value(ui, named, !is_unset, &mut value);
                 if value != before {
+                    state.fill &= axis != SIZE;
                     point[axis] = value;
+                }
+                if !is_unset && (AXES[axis].default)() == Value::Unset {
+                    let response = ui.small_button("×").on_hover_text("Use the default or the model's own");
+                    controls.place(format!("{} reset", named.name()), &response);
+                    if response.clicked() {
+                        point[axis] = Value::Unset;
+                    }
                 }
             });
         });
     }
 
     /// Shows a value; ignores invalid input.
-    fn value(&mut self, ui: &mut Ui, name: &str, (axis, named, is_set): (usize, Named, bool), value: &mut Value) {
+    fn value(&mut self, ui: &mut Ui, named: Named, is_set: bool, value: &mut Value) {
         ui.spacing_mut().slider_width = SLIDER_WIDTH;
-        let shown = named.shown(value);
+        let (name, shown) = (named.name(), named.shown(value));
         let mut found: Option<String> = None;
         match (named.kind(), &shown) {
-            (Kind::Number(_) | Kind::Alpha | Kind::NumberOrName { .. }, Value::Number(x)) => {
-                let (range, is_log) = reach(named.kind());
-                let mut number = *x;
+            (kind, Value::Number(_) | Value::Count(_)) => {
+                let ((range, is_log), is_count) = (reach(kind), matches!(kind, Kind::Count { .. }));
+                let mut number = shown.size().unwrap_or_default();
                 let slider = Slider::new(&mut number, range).logarithmic(is_log).clamping(SliderClamping::Never);
-                let response = ui.add(numbered(slider.max_decimals(3), is_set));
-                found = response.changed().then(|| short(number));
-                self.place(name, &response);
-            }
-            (Kind::Count { min, max }, Value::Count(n)) => {
-                let mut count = *n;
-                let range = min..=max.min(SAMPLES_MAX.max(min));
-                let slider = Slider::new(&mut count, range).logarithmic(true).clamping(SliderClamping::Never);
-                let response = ui.add(slider);
-                found = response.changed().then(|| count.to_string());
+                let slider = if is_count { slider.integer() } else { slider.max_decimals(3) };
+                let response = ui.add(numbered(slider, is_set));
+                found = response.changed().then(|| if is_count { number.to_string() } else { short(number) });
                 self.place(name, &response);
             }
             (Kind::Color(_), Value::Color([r, g, b])) => {
+                ui.spacing_mut().slider_width = SLIDER_WIDTH - 40.0;
+                ui.spacing_mut().interact_size.x = 28.0;
                 let mut grey = (r + g + b) / 3.0;
                 let mut color = [*r, *g, *b];
                 let response = ui.add(numbered(Slider::new(&mut grey, 0.0..=1.0).max_decimals(3), is_set));
@@ -158,50 +275,58 @@ impl Controls {
                     let response = ui.add(DragValue::new(side).range(min..=max).prefix(label));
                     self.place(format!("{name}{label}"), &response);
                 }
-                if axis == SIZE {
-                    let items = SIZES.map(|side| side.to_string());
-                    let chosen = self.menu(ui, &format!("{name} list"), 50.0, "…", &items);
-                    sides = chosen.and_then(|side| side.parse().ok()).map_or(sides, |side| [side; 2]);
-                }
                 found = (sides != *pair).then(|| format!("{}x{}", sides[0], sides[1]));
             }
             (Kind::Name { names, .. } | Kind::NameOrFile { names, .. }, Value::Text(text)) => {
-                let items: Vec<String> = names().into_iter().map(str::to_owned).collect();
-                found = self.menu(ui, name, SLIDER_WIDTH + 58.0, text, &items);
+                let items = names().into_iter().map(|name| (name.to_owned(), name.to_owned()));
+                found = self.menu(ui, name, text, items.collect());
             }
-            (Kind::Input, Value::Text(text)) => found = self.input(ui, name, axis, text),
             _ => {}
         }
-        // Ignores numbers out of range and unfinished words.
+        // Ignores numbers out of range.
         if let Some(Ok(parsed)) = found.map(|text| named.parse_text(&text)) {
             *value = parsed;
         }
     }
 
-    /// Shows a list of built-in names and a field for a path.
-    fn input(&mut self, ui: &mut Ui, name: &str, axis: usize, text: &str) -> Option<String> {
-        let typed = self.typed.entry(axis).or_insert_with(|| text.to_owned());
-        let field = TextEdit::singleline(typed).desired_width(SLIDER_WIDTH + 14.0).hint_text("path of a file");
-        let field = ui.add(field).on_hover_text(text);
-        let found = (field.lost_focus() && *typed != text).then(|| typed.clone());
-        // Shows the folder only while editing.
-        if field.gained_focus() {
-            text.clone_into(typed);
-        } else if !field.has_focus() && found.is_none() {
-            *typed = Path::new(text).file_name().unwrap_or_default().to_string_lossy().into_owned();
+    /// Lists the lights as `--light` writes them.
+    fn lights(&mut self, ui: &mut Ui, lights: &mut Vec<Light>) {
+        for index in 0..lights.len() {
+            ui.horizontal(|ui| {
+                let typed = self.typed.take_if(|(typed, _)| *typed == index).map(|(_, text)| text);
+                let mut text = typed.unwrap_or_else(|| light_text(&lights[index]));
+                let field = ui.add(TextEdit::singleline(&mut text).desired_width(MENU_WIDTH + 60.0));
+                self.place(format!("light {index}"), &field);
+                if let Ok(light) = parse_light(&text) {
+                    lights[index] = light;
+                }
+                if ui.small_button("×").on_hover_text("Remove the light").clicked() {
+                    lights.remove(index);
+                } else if field.has_focus() {
+                    self.typed = Some((index, text));
+                }
+            });
         }
-        let list: Vec<String> = match axis {
-            ENVIRONMENT => BUILTINS.iter().map(|builtin| format!("{BUILTIN_PREFIX}{}", builtin.name)).collect(),
-            _ => SCENES.iter().map(|scene| scene.name.to_owned()).collect(),
-        };
-        self.place(name, &field);
-        self.menu(ui, &format!("{name} list"), 24.0, "…", &list).or(found)
+        ui.horizontal(|ui| {
+            for (kind, first) in [("directional", "directional:1,2,2:1,1,1"), ("point", "point:1.5,2,2.5:1,1,1")] {
+                let button = ui.button(format!("Add {kind}")).on_hover_text("Kind, direction or position, colour");
+                self.place(format!("add {kind}"), &button);
+                if button.clicked() {
+                    lights.push(parse_light(first).expect("a valid light"));
+                }
+            }
+        });
     }
+}
+
+/// Returns the axis of F0: a metal's is its albedo.
+fn f0(state: &State) -> usize {
+    if state.point[METALLIC] == Value::Number(1.0) { ALBEDO } else { F0 }
 }
 
 /// Shows the slider's number if the axis is set.
 fn numbered(slider: Slider<'_>, is_set: bool) -> Slider<'_> {
-    if is_set { slider } else { slider.custom_formatter(|_, _| "default".to_owned()) }
+    if is_set { slider } else { slider.custom_formatter(|_, _| "own".to_owned()) }
 }
 
 /// Returns the first value of an axis that the user sets.
@@ -224,6 +349,7 @@ fn reach(kind: Kind) -> (std::ops::RangeInclusive<f64>, bool) {
         Kind::Number(Range { min, max, .. }) | Kind::NumberOrName { range: Range { min, max, .. }, .. } => {
             (min..=max, false)
         }
+        Kind::Count { min, max } => (f64::from(min)..=f64::from(max.min(SAMPLES_MAX.max(min))), true),
         _ => (crate::experiment::value::ALPHA_MIN..=1.0, false),
     }
 }

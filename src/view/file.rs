@@ -26,6 +26,8 @@ struct Written {
     picture: String,
     tone: String,
     wipe: f32,
+    #[serde(default)]
+    fill: bool,
     level: u32,
 }
 
@@ -45,6 +47,7 @@ impl State {
             picture: self.picture.name().to_owned(),
             tone: self.tone.name().to_owned(),
             wipe: self.wipe,
+            fill: self.fill,
             level: self.level,
         };
         serde_json::to_string_pretty(&written).expect("plain data") + "\n"
@@ -76,8 +79,8 @@ impl State {
         if !(0.0..=1.0).contains(&written.wipe) {
             return Err(format!("wipe: {} is outside [0, 1]", written.wipe));
         }
-        let state = Self { right, picture, tone, wipe: written.wipe, level: written.level, ..Self::new(point, view) };
-        state.checked()
+        let Written { wipe, fill, level, .. } = written;
+        Self { right, picture, tone, wipe, fill, level, ..Self::new(point, view) }.checked()
     }
 
     /// Checks the reference's sample count.

@@ -3,15 +3,18 @@
 //! The renderer has its own thread and device; the window never waits for it. The window is painted on the CPU, so it
 //! survives a lost device. [`crate::pipeline::Pipeline`] makes every picture.
 
+mod browse;
 mod controls;
 mod file;
+mod keys;
 mod overlay;
 mod panel;
 mod picture;
 mod state;
+mod theme;
 mod window;
 mod worker;
 
-pub use picture::Picture;
-pub use state::State;
+pub use picture::{GROUND, Picture};
+pub use state::{HOME, State, has_materials};
 pub use window::{Opened, Windowed, open};

@@ -1,84 +1,214 @@
-//! Overlays, and the picture of both halves.
+//! The picture of both halves, and what lies on it: captions, legend, wipe, probe, times.
 
+use super::picture::at;
+use super::theme;
 use super::worker::{Shot, Shown};
 use crate::experiment::axis::SAMPLES;
-use crate::pixels::Rgb8Image;
-use crate::table::colormap::ColorScale;
-use egui::{Align2, Color32, FontId, Pos2, Rect, Stroke, Ui, pos2, vec2};
+use crate::metrics::HEADLINE;
+use crate::pixels::{Rgb8Image, RgbImage};
+use crate::table::colormap::{ColorScale, Range};
+use crate::table::markdown::significant;
+use egui::text::{LayoutJob, TextFormat};
+use egui::{Align, Color32, FontId, Rect, Stroke, Ui, pos2, vec2};
 
-/// Describes an image: method, samples, resolution.
-pub fn label(shot: &Shot) -> String {
-    let point = &shot.image.point;
-    let count = match point.method().is_integrated() || point.diffuse().is_integrated() {
-        true => Some(shot.image.view.reference_samples),
-        false => point.method().uses_samples.then(|| point[SAMPLES].count()),
-    };
-    let count = count.map_or_else(String::new, |count| format!(", {count} samples"));
-    let coarse = if shot.scale > 1 { format!(" (1/{})", shot.scale) } else { String::new() };
-    format!("{}{count}{coarse}", point.method().name)
+/// Brightness of a half that is out of date, of 256.
+const DIM: u32 = 96;
+
+/// Place of the picture in the window, in its pixels.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Canvas {
+    pub corner: [u32; 2],
+    pub size: [u32; 2],
+    /// Share of the width for the left half.
+    pub wipe: f32,
+    /// Whether each half is out of date.
+    pub is_stale: [bool; 2],
 }
 
-/// Joins both halves at the resolution of the finer one.
+impl Canvas {
+    /// Calls `put` with each row of each half: its place and colours. Does nothing before the first picture.
+    pub fn paint(&self, shown: &Shown, mut put: impl FnMut(u32, u32, &[[u8; 3]])) {
+        let [width, height] = self.size;
+        let edge = (self.wipe * width as f32).round() as u32;
+        let halves = [(&shown.left, 0..edge), (&shown.right, edge..width)];
+        for ((shot, columns), is_stale) in halves.into_iter().zip(self.is_stale) {
+            let Some(Shot { picture, scale, .. }) = shot else { continue };
+            let brightness = if is_stale { DIM } else { 256 };
+            let across: Vec<Texel> = columns.clone().map(|x| Texel::at(x, width, picture.width, *scale)).collect();
+            let stretched = |y: u32| -> Vec<[u32; 3]> {
+                let row = &picture.data[(y * picture.width) as usize..][..picture.width as usize];
+                across
+                    .iter()
+                    .map(|texel| texel.mean(row[texel.first].map(u32::from), row[texel.second].map(u32::from)))
+                    .collect()
+            };
+            let mut rows = [(0, stretched(0)), (0, stretched(0))];
+            let mut line = vec![[0; 3]; columns.len()];
+            for y in 0..height {
+                let down = Texel::at(y, height, picture.height, *scale);
+                for (row, place) in rows.iter_mut().zip([down.first, down.second]) {
+                    if row.0 != place {
+                        *row = (place, stretched(place as u32));
+                    }
+                }
+                for ((color, above), below) in line.iter_mut().zip(&rows[0].1).zip(&rows[1].1) {
+                    let [r, g, b] = down.mean(*above, *below);
+                    *color = [r, g, b].map(|c| (c * brightness >> 24) as u8);
+                }
+                put(columns.start, y, &line);
+            }
+        }
+    }
+}
+
+/// The two texels that a pixel lies between, and the weight of the second, of 256.
+struct Texel {
+    first: usize,
+    second: usize,
+    weight: u32,
+}
+
+impl Texel {
+    /// Interpolates coarse pictures; pixels of whole ones stay squares.
+    fn at(at: u32, whole: u32, side: u32, scale: u32) -> Self {
+        let place = (at as f32 + 0.5) * side as f32 / whole as f32;
+        let place = if scale == 1 { place.floor() } else { (place - 0.5).max(0.0) };
+        let (first, last) = (place as usize, side as usize - 1);
+        Self { first: first.min(last), second: (first + 1).min(last), weight: ((place - first as f32) * 256.0) as u32 }
+    }
+
+    /// Returns 256 times the weighted mean.
+    fn mean(&self, [r, g, b]: [u32; 3], [s, h, c]: [u32; 3]) -> [u32; 3] {
+        let near = 256 - self.weight;
+        [r * near + s * self.weight, g * near + h * self.weight, b * near + c * self.weight]
+    }
+}
+
+/// Returns the picture as it is saved: at the resolution of the finer half.
 pub fn composed(shown: &Shown, wipe: f32) -> Option<Rgb8Image> {
-    if let Some(part) = &shown.part {
-        return Some((**part).clone());
-    }
-    let (left, right) = (shown.left.as_ref()?, shown.right.as_ref()?);
-    let finer = if left.scale <= right.scale { left } else { right };
-    let (width, height) = (finer.picture.width, finer.picture.height);
-    let edge = (wipe * width as f32).round() as u32;
-    let sample = |shot: &Shot, x: u32, y: u32| {
-        let picture = &shot.picture;
-        let place = |at: u32, side: u32, whole: u32| (u64::from(at) * u64::from(side) / u64::from(whole)) as u32;
-        picture.get(place(x, picture.width, width), place(y, picture.height, height))
+    let [width, height] = shown.size()?;
+    let mut image = Rgb8Image::filled(width, height, [0; 3]);
+    let canvas = Canvas { size: [width, height], wipe, ..Canvas::default() };
+    canvas.paint(shown, |x, y, row| image.data[(y * width + x) as usize..][..row.len()].copy_from_slice(row));
+    Some(image)
+}
+
+/// Writes what a half shows into a corner: method, resolution, score.
+pub fn caption(ui: &Ui, place: Rect, align: egui::Align2, shot: &Shot, is_stale: bool) {
+    let (point, method) = (&shot.image.point, shot.image.point.method());
+    let samples = match method.is_integrated() {
+        true => Some(shot.image.view.reference_samples),
+        false => method.uses_samples.then(|| point[SAMPLES].count()),
     };
-    Some(Rgb8Image::from_fn(width, height, |x, y| sample(if x < edge { left } else { right }, x, y)))
-}
-
-/// Writes white text on a dark ground.
-pub fn outlined(ui: &Ui, place: Pos2, align: Align2, text: &str, width: f32) {
-    let font = FontId::proportional(13.0);
-    let galley = ui.painter().layout(text.to_owned(), font, Color32::WHITE, width);
-    let rect = align.anchor_size(place, galley.size());
-    ui.painter().rect_filled(rect.expand(3.0), 3.0, Color32::from_black_alpha(150));
-    ui.painter().galley(rect.min, galley, Color32::WHITE);
-}
-
-/// Writes plain text.
-pub fn text(ui: &Ui, place: Pos2, align: Align2, text: &str, size: f32, color: Color32) {
-    ui.painter().text(place, align, text, FontId::proportional(size), color);
-}
-
-/// Draws the colours of an error with their values.
-pub fn legend(ui: &Ui, rect: Rect, colors: &ColorScale, about: &str) {
-    let bar = Rect::from_min_size(rect.left_bottom() + vec2(24.0, -36.0), vec2(180.0, 10.0));
-    let back = bar.expand2(vec2(18.0, 20.0));
-    ui.painter().rect_filled(back, 3.0, Color32::from_black_alpha(170));
-    text(ui, back.center_top() + vec2(0.0, 3.0), Align2::CENTER_TOP, about, 11.0, Color32::WHITE);
-    for step in 0..90 {
-        let [r, g, b] = colors.palette.color(f64::from(step) / 89.0);
-        let x = bar.left() + step as f32 * 2.0;
-        ui.painter().rect_filled(
-            Rect::from_min_size(pos2(x, bar.top()), vec2(2.0, bar.height())),
-            0.0,
-            Color32::from_rgb(r, g, b),
-        );
+    let mut details = Vec::new();
+    if shot.scale > 1 && !is_stale {
+        details.push(format!("1/{} of the resolution", shot.scale));
     }
-    for tick in colors.ticks() {
-        let x = bar.left() + colors.place(tick) as f32 * bar.width();
-        text(ui, pos2(x, bar.bottom() + 3.0), Align2::CENTER_TOP, &tick.to_string(), 10.0, Color32::WHITE);
+    if let Some(score) = shot.score.filter(|_| !is_stale) {
+        let percent = significant(100.0 * score.sqrt(), 2);
+        details.push(format!("relMSE {} · {percent} % rms", significant(score, 2)));
     }
+    let mut job = LayoutJob::default();
+    let mut add = |text: &str, font: FontId, color| job.append(text, 0.0, TextFormat::simple(font, color));
+    add(
+        &method.words(samples.map(|count| count.to_string()).as_deref()),
+        theme::medium(13.5),
+        theme::color(method.role()),
+    );
+    let (below, color) =
+        if is_stale { ("updating".to_owned(), theme::WARN) } else { (details.join(" · "), theme::MUTED) };
+    if !below.is_empty() {
+        add(&format!("\n{below}"), FontId::proportional(12.0), color);
+    }
+    job.halign = align.x();
+    veiled(ui, place, align, job);
 }
 
-/// Draws the line between the halves at `x`, with its handle at `place`.
-pub fn wipe_line(ui: &Ui, rect: Rect, x: f32, place: Rect) {
+/// Writes text on a dark ground, within `place`.
+pub fn veiled(ui: &Ui, place: Rect, align: egui::Align2, mut job: LayoutJob) -> Rect {
+    job.wrap.max_width = place.width();
+    let galley = ui.painter().layout_job(job);
+    let rect = align.anchor_size(align.pos_in_rect(&place), galley.size());
+    ui.painter().rect_filled(rect.expand2(vec2(8.0, 5.0)), 6.0, theme::VEIL);
+    let x = if align.x() == Align::Max { rect.right() } else { rect.left() };
+    ui.painter().galley(pos2(x, rect.top()), galley, theme::INK);
+    rect
+}
+
+/// Draws the colours of an error with their values, in percent.
+pub fn legend(ui: &Ui, rect: Rect, colors: &ColorScale) {
+    let percent = |value: f64| format!("{} %", 100.0 * value);
+    let (low, high) = match colors.range {
+        Range::Log { lo, hi } => (format!("Error {}", percent(lo)), format!("{} or more", percent(hi))),
+        Range::Linear { lo, hi } => (format!("{} too dark", percent(-lo)), format!("{} too bright", percent(hi))),
+    };
+    let font = || FontId::proportional(12.0);
+    let [low, high] = [low, high].map(|text| ui.painter().layout_no_wrap(text, font(), theme::INK));
+    let (bar, gap) = (vec2(132.0, 8.0), 8.0);
+    let size = vec2(low.size().x + bar.x + high.size().x + 2.0 * gap, low.size().y);
+    // Beside the toolbar, or below it.
+    let place =
+        if rect.width() > 800.0 { pos2(rect.right() - size.x - 18.0, 20.0) } else { pos2(rect.left() + 18.0, 58.0) };
+    let back = Rect::from_min_size(place + vec2(0.0, rect.top()), size);
+    ui.painter().rect_filled(back.expand2(vec2(8.0, 5.0)), 6.0, theme::VEIL);
+    let first = back.left() + low.size().x + gap;
+    for step in 0..bar.x as u32 {
+        let [r, g, b] = colors.palette.color(f64::from(step) / f64::from(bar.x - 1.0));
+        let place = pos2(first + step as f32, back.center().y - 0.5 * bar.y);
+        ui.painter().rect_filled(Rect::from_min_size(place, vec2(1.0, bar.y)), 0.0, Color32::from_rgb(r, g, b));
+    }
+    ui.painter().galley(back.left_top(), low, theme::INK);
+    ui.painter().galley(pos2(first + bar.x + gap, back.top()), high, theme::INK);
+}
+
+/// Draws the line between the halves with its handle.
+pub fn wipe_line(ui: &Ui, line: Rect) {
     let painter = ui.painter();
+    let (x, y) = (line.center().x, line.center().y);
     // Dark beside light is visible on any picture.
-    painter.vline(x, rect.y_range(), Stroke::new(3.0, Color32::from_black_alpha(90)));
-    painter.vline(x, rect.y_range(), Stroke::new(1.0, Color32::from_white_alpha(200)));
-    painter.rect_filled(place.shrink2(vec2(3.0, 1.0)), 5.0, Color32::from_black_alpha(90));
-    painter.rect_filled(place.shrink2(vec2(4.0, 2.0)), 4.0, Color32::from_white_alpha(220));
-    for dx in [-1.5, 1.5] {
-        painter.vline(x + dx, place.shrink(9.0).y_range(), Stroke::new(1.0, Color32::DARK_GRAY));
+    painter.vline(x, line.y_range(), Stroke::new(3.0, Color32::from_black_alpha(90)));
+    painter.vline(x, line.y_range(), Stroke::new(1.0, Color32::from_white_alpha(200)));
+    painter.circle(pos2(x, y), 11.0, theme::VEIL, Stroke::new(1.5, theme::INK));
+    for side in [-1.0, 1.0] {
+        let tip = [vec2(2.0, -3.5), vec2(5.5, 0.0), vec2(2.0, 3.5)].map(|v| pos2(x + side * v.x, y + v.y));
+        painter.line(tip.to_vec(), Stroke::new(1.5, theme::INK));
     }
+}
+
+/// Shows linear values under the pointer.
+pub fn probe(ui: &mut Ui, shown: &Shown, probed: Option<[u32; 2]>) {
+    let place = probed.map_or_else(|| "Point at a pixel".to_owned(), |[x, y]| format!("Pixel {x}, {y}"));
+    egui::Grid::new("probe").num_columns(3).spacing(vec2(12.0, 2.0)).show(ui, |ui| {
+        ["", "Red, green, blue (linear)", "Standard error"].iter().for_each(|head| drop(ui.weak(*head)));
+        ui.end_row();
+        for (name, shot) in [("Left", &shown.left), ("Right", &shown.right), ("Reference", &shown.truth)] {
+            ui.label(name);
+            let value = |image: &RgbImage| {
+                let ([x, y], scale) = (probed?, shot.as_ref()?.scale);
+                at(image, x / scale, y / scale).map(|rgb| rgb.map(|c| format!("{c:.4}")).join(" "))
+            };
+            let frame = shot.as_ref().map(|shot| &shot.frame);
+            // As wide as the values, so that columns stay in place.
+            ui.monospace(
+                frame.and_then(|frame| value(&frame.radiance)).unwrap_or_else(|| "–      –      –     ".to_owned()),
+            );
+            ui.monospace(frame.and_then(|frame| value(frame.standard_error.as_ref()?)).unwrap_or_default());
+            ui.end_row();
+        }
+    });
+    ui.weak(format!("{place} · {HEADLINE} in the captions"));
+}
+
+/// Shows the times of the left half's last frame and its passes, ms.
+pub fn times(ui: &mut Ui, shown: &Shown) {
+    let is_cpu = shown.device.as_ref().is_some_and(|device| device.device_type == "cpu");
+    let Some(timings) = shown.left.as_ref().map(|shot| &shot.frame.timings) else { return };
+    ui.weak(format!("Left half {:.0} ms, {} times", timings.wall_ms, if is_cpu { "CPU" } else { "GPU" }));
+    egui::Grid::new("passes").num_columns(2).spacing(vec2(12.0, 0.0)).show(ui, |ui| {
+        for time in &timings.frame {
+            ui.label(time.pass);
+            ui.monospace(format!("{:6.2} ms", time.ms));
+            ui.end_row();
+        }
+    });
 }

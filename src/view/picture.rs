@@ -7,9 +7,12 @@ use crate::pipeline::{Frame, LightTables, Pipeline, PipelineError};
 use crate::pixels::{Pixels, Rgb8Image, RgbImage};
 use crate::scene::Camera;
 use crate::spelling::listed;
-use crate::table::colormap::{ColorScale, OFF_MASK_COLOR, RELATIVE_ERROR, SIGNED_ERROR};
+use crate::table::colormap::{ColorScale, RELATIVE_ERROR, SIGNED_ERROR};
 use crate::tonemap::ToneCurve;
 use glam::DVec3;
+
+/// Colour of errors and of the g-buffer beside the scene.
+pub const GROUND: [u8; 3] = [0x31, 0x36, 0x3b];
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Picture {
@@ -110,36 +113,37 @@ pub struct Look {
     pub level: u32,
 }
 
-/// Paints a half; `None` if an error lacks its reference.
+/// Paints a half. An error needs its reference.
 pub fn of_frame(
     pipeline: &mut Pipeline,
     look: Look,
     frame: &Frame,
     truth: Option<&Frame>,
     epsilon: Epsilon,
-) -> Result<Option<Rgb8Image>, PipelineError> {
+) -> Result<Rgb8Image, PipelineError> {
     let curve = look.curve;
     let Some(scale) = look.picture.scale() else {
-        return Ok(Some(match look.tone {
+        return Ok(match look.tone {
             Tone::Curve => pipeline.tonemap(&frame.radiance, curve)?.0,
             Tone::Srgb => {
                 let code = |x: f32| (255.0 * srgb_encode(x * curve.exposure)).round() as u8;
                 frame.radiance.map(|texel| texel.map(code))
             }
-        }));
+        });
     };
-    let truth = truth.filter(|truth| truth.radiance.data.len() == frame.radiance.data.len());
-    let Some(truth) = truth else { return Ok(None) };
-    let blank = || Pixels::filled(frame.mask.width, frame.mask.height, OFF_MASK_COLOR);
     // A scene out of sight has no error.
-    let Ok(comparison) = Comparison::new(&frame.radiance, &truth.radiance, &frame.mask, curve, epsilon) else {
-        return Ok(Some(blank()));
+    let comparison = truth.map(|truth| Comparison::new(&frame.radiance, &truth.radiance, &frame.mask, curve, epsilon));
+    let Some(Ok(comparison)) = comparison else {
+        return Ok(Pixels::filled(frame.mask.width, frame.mask.height, GROUND));
     };
     let map = match look.picture {
         Picture::Signed | Picture::Difference => comparison.signed_error_map(),
         _ => comparison.relative_error_map(),
     };
-    Ok(Some(scale.image(&map, &frame.mask)))
+    let mut image = scale.image(&map, &frame.mask);
+    let uncovered = image.data.iter_mut().zip(&frame.mask.data).filter(|(_, covered)| **covered == 0.0);
+    uncovered.for_each(|(texel, _)| *texel = GROUND);
+    Ok(image)
 }
 
 /// Paints a part of the g-buffer: positions within the box `bounds`, normals as 0.5 + 0.5 n, the rest unchanged.
@@ -152,7 +156,7 @@ pub fn of_gbuffer(part: Part, gbuffer: &Gbuffer<f32>, camera: &Camera, (low, hig
         let normal = gbuffer.normal_alpha.get(x, y);
         let material = gbuffer.albedo_metallic.get(x, y);
         if mask.get(x, y) == 0.0 {
-            return OFF_MASK_COLOR;
+            return GROUND;
         }
         let side = (high - low).max(DVec3::splat(f64::MIN_POSITIVE));
         code(match part {

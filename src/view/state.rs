@@ -4,11 +4,12 @@ use super::picture::{Look, Picture, Tone};
 use crate::bakes::given::Given;
 use crate::environment::{BUILTIN_PREFIX, Environment};
 use crate::experiment::axis::{
-    AXES, ENVIRONMENT, METHOD, Part, Point, REFERENCE, Reference, SAMPLES, SCENE, SIZE, View,
+    ALBEDO, ALPHA, AXES, ENVIRONMENT, F0, METALLIC, METHOD, Part, Point, REFERENCE, Reference, SAMPLES, SCENE, SIZE,
+    View,
 };
 use crate::experiment::value::Value;
 use crate::pipeline::RenderRequest;
-use crate::scene::Scene;
+use crate::scene::{Camera, Orbit, Scene, scene_extensions, scene_format};
 use std::path::Path;
 use std::sync::Arc;
 
@@ -30,12 +31,24 @@ pub struct State {
     pub tone: Tone,
     /// Share of the width for the left half.
     pub wipe: f32,
+    /// Whether the picture has the size of its place in the window.
+    pub fill: bool,
     /// Shown level of the prefiltered map.
     pub level: u32,
 }
 
+/// The first view: some room around the model.
+pub const HOME: Orbit = Orbit { yaw_deg: 0.0, pitch_deg: 0.0, distance: 1.15 };
 /// Samples per pixel of the reference's first picture.
 const FIRST_SAMPLES: u32 = 32;
+
+/// What the images of a state share.
+pub struct Inputs {
+    pub environment: Arc<Environment>,
+    /// With the state's material.
+    pub scene: Arc<Scene>,
+    pub camera: Camera,
+}
 
 /// One image of a state; equal images have equal pixels.
 #[derive(Clone, Debug, PartialEq)]
@@ -48,7 +61,7 @@ impl State {
     /// Shows `point` on the left and the reference on the right.
     pub fn new(point: Point, view: View) -> Self {
         let right = Value::Text(REFERENCE.to_owned().into());
-        Self { point, right, view, picture: Picture::Image, tone: Tone::Curve, wipe: 0.5, level: 0 }
+        Self { point, right, view, picture: Picture::Image, tone: Tone::Curve, wipe: 0.5, fill: false, level: 0 }
     }
 
     /// Makes paths absolute, so that saved files find them.
@@ -61,6 +74,28 @@ impl State {
             {
                 self.point[axis] = Value::Text(whole.display().to_string().into());
             }
+        }
+    }
+
+    /// Opens an environment or a model; a model that has materials shows them. Returns what it is.
+    pub fn open(&mut self, path: &Path) -> Result<&'static str, String> {
+        let unknown = || format!("{}: expected an .hdr, .exr, {} file", path.display(), scene_extensions());
+        let axis = file_axis(path).ok_or_else(unknown)?;
+        self.point[axis] = Value::from(path.display().to_string());
+        if axis == SCENE && has_materials(self.point[SCENE].text()) {
+            [ALPHA, METALLIC, F0, ALBEDO].into_iter().for_each(|axis| self.point[axis] = Value::Unset);
+        }
+        Ok(if axis == SCENE { "Model" } else { "Environment" })
+    }
+
+    /// Returns the left half's share; an error against the reference takes the whole width.
+    pub fn shown_wipe(&self) -> f32 {
+        let is_reference = [Side::Left, Side::Right].map(|side| self.method(side).text() == REFERENCE);
+        match (self.picture.scale().is_some(), is_reference) {
+            _ if !self.picture.has_sides() => 1.0,
+            (true, [false, true]) => 1.0,
+            (true, [true, false]) => 0.0,
+            _ => self.wipe,
         }
     }
 
@@ -128,8 +163,23 @@ impl State {
     }
 }
 
+/// Returns the axis that takes a file of this name.
+pub fn file_axis(path: &Path) -> Option<usize> {
+    let is_map = path.extension().is_some_and(|end| end.eq_ignore_ascii_case("hdr") || end.eq_ignore_ascii_case("exr"));
+    if is_map { Some(ENVIRONMENT) } else { scene_format(path).map(|_| SCENE) }
+}
+
+/// Whether a model has materials of its own.
+pub fn has_materials(name: &str) -> bool {
+    let path = Path::new(name);
+    let is_obj = path.extension().is_some_and(|end| end.eq_ignore_ascii_case("obj"));
+    let names_library = || std::fs::read(path).is_ok_and(|text| text.windows(7).any(|word| word == b"mtllib "));
+    name == "spheres" || scene_format(path).is_some() && (!is_obj || names_library())
+}
+
 impl Image {
-    pub fn request(&self, environment: &Arc<Environment>, scene: &Scene) -> RenderRequest {
-        self.point.settings().request(environment, scene, &self.view, Given::default())
+    pub fn request(&self, inputs: &Inputs) -> RenderRequest {
+        let Inputs { environment, scene, camera } = inputs;
+        self.point.settings().seen_by(*camera, environment, scene.clone(), &self.view, Given::default())
     }
 }

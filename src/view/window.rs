@@ -3,8 +3,9 @@
 //! Long because the events of a window and their handling are read together.
 
 use super::overlay::composed;
-use super::panel::Panel;
+use super::panel::{BUSY_AFTER, Panel};
 use super::state::{Side, State};
+use super::theme;
 use super::worker::{Shown, Standing, Worker};
 use crate::environment::LoadOptions;
 use crate::experiment::axis::{ENVIRONMENT, SCENE};
@@ -22,7 +23,7 @@ use winit::application::ApplicationHandler;
 use winit::dpi::{LogicalSize, PhysicalSize};
 use winit::event::{StartCause, WindowEvent};
 use winit::event_loop::{ActiveEventLoop, ControlFlow, EventLoop, EventLoopProxy};
-use winit::window::{Window, WindowId};
+use winit::window::{Fullscreen, Window, WindowId};
 
 pub struct Opened {
     pub state: State,
@@ -44,11 +45,9 @@ pub enum Windowed {
 
 /// Names a file for tests: places of the controls, and what is shown.
 const TOLD: &str = "SPLITSUM_TEST_WINDOW";
-/// Delay before the window says that it is busy.
-const TOLD_AFTER: Duration = Duration::from_millis(150);
-const SIZE: [f64; 2] = [1180.0, 800.0];
-/// Fits the numbers below the picture.
-const SMALLEST: [f64; 2] = [1144.0, 640.0];
+const SIZE: [f64; 2] = [1280.0, 800.0];
+/// Fits the toolbar.
+const SMALLEST: [f64; 2] = [800.0, 480.0];
 
 #[derive(Debug)]
 struct Arrived;
@@ -179,8 +178,7 @@ impl Heard {
 impl App {
     fn new(opened: Opened, proxy: EventLoopProxy<Arrived>) -> Self {
         let context = egui::Context::default();
-        context.set_fonts(fonts());
-        context.set_theme(egui::Theme::Dark);
+        theme::apply(&context);
         // A slow frame must not turn a click into a drag.
         context.options_mut(|options| options.input_options.max_click_duration = f64::INFINITY);
         Self {
@@ -245,7 +243,7 @@ impl App {
         let input = screen.egui_input();
         self.is_press_unseen = false;
         for file in input.dropped_files.iter().filter_map(|file| file.path.clone()) {
-            self.panel.dropped(&file, &mut self.state);
+            self.panel.open(&file, &mut self.state);
         }
         let (panel, state, shown) = (&mut self.panel, &mut self.state, &self.shown);
         let output = self.context.run_ui(input, |ui| panel.ui(ui, state, shown));
@@ -255,8 +253,16 @@ impl App {
         let shapes = self.context.tessellate(output.shapes, output.pixels_per_point);
         let presented = screen.surface.resize(columns, rows).and_then(|()| {
             let mut buffer = screen.surface.buffer_mut()?;
-            buffer.fill(0);
+            let [r, g, b, _] = theme::PAPER.to_array().map(u32::from);
+            buffer.fill(r << 16 | g << 8 | b);
             let pixels: &mut [[u8; 4]] = bytemuck::cast_slice_mut(&mut buffer);
+            let canvas = self.panel.canvas;
+            let [left, top] = canvas.corner;
+            canvas.paint(shown, |x, y, row| {
+                let (x, y) = ((left + x).min(width), (top + y).min(height - 1));
+                let places = &mut pixels[(y * width + x) as usize..((y + 1) * width) as usize];
+                places.iter_mut().zip(row).for_each(|(place, [r, g, b])| *place = [*b, *g, *r, 0]);
+            });
             let target = &mut BufferMutRef::new(pixels, width as usize, height as usize);
             screen.painter.render(target, &shapes, &output.textures_delta, output.pixels_per_point);
             screen.window.pre_present_notify();
@@ -280,6 +286,12 @@ impl App {
         if std::mem::take(&mut self.panel.wants_save) {
             self.save();
         }
+        if std::mem::take(&mut self.panel.wants_fullscreen)
+            && let Some(screen) = &self.screen
+        {
+            let is_full = screen.window.fullscreen().is_some();
+            screen.window.set_fullscreen((!is_full).then_some(Fullscreen::Borderless(None)));
+        }
     }
 
     /// Sends a changed state to the renderer.
@@ -291,11 +303,12 @@ impl App {
             return;
         }
         self.generation += 1;
+        self.panel.ask(self.generation);
         if let Some(worker) = &self.worker {
             worker.ask(self.generation, wanted.clone());
         }
         self.shown.standing = Standing::Busy;
-        let soon = Instant::now() + TOLD_AFTER;
+        let soon = Instant::now() + BUSY_AFTER;
         self.wakes_at = Some(self.wakes_at.map_or(soon, |at| at.min(soon)));
         self.asked = Some(wanted);
     }
@@ -335,8 +348,8 @@ impl App {
 
     fn save(&mut self) {
         match self.saved() {
-            Ok(folder) => self.panel.tell(format!("saved in {}", folder.display())),
-            Err(why) => self.panel.tell_fault(format!("not saved: {why}")),
+            Ok(folder) => self.panel.tell(format!("Saved in {}", folder.display())),
+            Err(why) => self.panel.tell_fault(format!("Not saved: {why}")),
         }
         if let Some(screen) = &self.screen {
             screen.window.request_redraw();
@@ -360,7 +373,7 @@ impl App {
             write_radiance(&path, &shot.frame).map_err(|error| error.to_string())?;
             commands += &(self.state.command_line(&shot.image, &format!("{name}-again.exr")) + "\n");
         }
-        let picture = composed(&self.shown, self.state.wipe).ok_or("there is no picture yet")?;
+        let picture = composed(&self.shown, self.state.shown_wipe()).ok_or("there is no picture yet")?;
         png::write_rgb8(&folder.join("picture.png"), &picture).map_err(|error| error.to_string())?;
         let texts = [
             ("render.sh", commands),
@@ -394,6 +407,7 @@ impl App {
             "is_done": self.shown.standing == Standing::Done,
             "standing": format!("{:?}", self.shown.standing),
             "scales": scales,
+            "stale": self.panel.canvas.is_stale,
             "reference": self.shown.truth.as_ref().map(|shot| shot.image.view.reference_samples),
             "notice": self.panel.notice,
             "state": self.state.text(),
@@ -406,18 +420,6 @@ impl App {
             *before = text;
         }
     }
-}
-
-fn fonts() -> egui::FontDefinitions {
-    let mut fonts = egui::FontDefinitions::empty();
-    let files = [("text", epaint_default_fonts::UBUNTU_LIGHT), ("code", epaint_default_fonts::HACK_REGULAR)];
-    for (name, bytes) in files {
-        fonts.font_data.insert(name.to_owned(), std::sync::Arc::new(egui::FontData::from_static(bytes)));
-    }
-    let both = |first: &str, second: &str| vec![first.to_owned(), second.to_owned()];
-    fonts.families.insert(egui::FontFamily::Proportional, both("text", "code"));
-    fonts.families.insert(egui::FontFamily::Monospace, both("code", "text"));
-    fonts
 }
 
 impl ApplicationHandler<Arrived> for App {
@@ -437,7 +439,6 @@ impl ApplicationHandler<Arrived> for App {
                 Ok(worker) => self.worker = Some(worker),
                 Err(error) => return self.end(events, Windowed::Failed(format!("no thread: {error}"))),
             }
-            self.ask();
         }
     }
 

@@ -1,15 +1,13 @@
 //! The renderer's thread. It takes the newest state, shows it coarsely if the whole takes long, then whole, then
 //! refines the reference until the state changes.
 
-use super::picture::{Picture, of_frame, of_gbuffer, of_tables};
-use super::state::{Image, Side, State};
+use super::picture::{Look, Picture, of_frame, of_gbuffer, of_tables};
+use super::state::{Image, Inputs, Side, State};
 use crate::environment::{Environment, LoadOptions};
-use crate::experiment::axis::{AXES, Part, Point};
-use crate::experiment::value::Value;
 use crate::metrics::{Comparison, HEADLINE, Metric};
-use crate::pipeline::{DeviceInfo, Frame, Options, Pipeline, PipelineError, Recent};
+use crate::pipeline::{DeviceInfo, Frame, Options, Pipeline, PipelineError, Recent, RenderRequest};
 use crate::pixels::Rgb8Image;
-use crate::scene::Scene;
+use crate::scene::{Camera, CameraKind, MaterialOverride, Scene};
 use crate::spelling::Listed;
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -17,14 +15,12 @@ use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-/// Time to show a changed state, ms.
-const COARSE_MS: f64 = 60.0;
+/// Times between which the resolution of a moving picture stays, ms; half the side takes a quarter of the time.
+const COARSE_MS: std::ops::Range<f64> = 15.0..120.0;
 /// A first picture that takes longer, because of its tables, gives way to the next state.
 const PATIENCE: Duration = Duration::from_secs(5);
 /// Divisor of the coarsest resolution.
 const COARSEST: u32 = 8;
-/// Side of the first picture, before any time is known.
-const FIRST_SIDE: f64 = 128.0;
 /// Whole frames in memory.
 const KEPT: usize = 8;
 /// Texels of the largest level in a picture of tables.
@@ -35,6 +31,9 @@ pub struct Shot {
     pub image: Image,
     pub frame: Arc<Frame>,
     pub picture: Arc<Rgb8Image>,
+    pub kind: Picture,
+    /// The state that it belongs to.
+    pub generation: u64,
     /// Divisor of the state's resolution.
     pub scale: u32,
     /// The headline metric, once there is a reference.
@@ -60,8 +59,6 @@ pub struct Shown {
     pub left: Option<Shot>,
     pub right: Option<Shot>,
     pub truth: Option<Shot>,
-    /// A picture without halves.
-    pub part: Option<Arc<Rgb8Image>>,
     /// Levels of the prefiltered map, if it was read.
     pub level_count: u32,
     pub standing: Standing,
@@ -75,6 +72,13 @@ impl Shown {
             Side::Left => self.left.as_ref(),
             Side::Right => self.right.as_ref(),
         }
+    }
+
+    /// Returns the size of the picture: the finer half's; `None` before the first one.
+    pub fn size(&self) -> Option<[u32; 2]> {
+        let (left, right) = (self.left.as_ref()?, self.right.as_ref()?);
+        let picture = if left.scale <= right.scale { &left.picture } else { &right.picture };
+        Some([picture.width, picture.height])
     }
 }
 
@@ -168,10 +172,12 @@ struct Renderer<'a> {
     load: LoadOptions,
     environment: Option<(String, Option<f64>, Arc<Environment>)>,
     scene: Option<(String, Arc<Scene>)>,
+    /// The scene with a material, and its camera before it orbits.
+    framed: Option<((MaterialOverride, CameraKind, [u32; 2]), Arc<Scene>, Camera)>,
     kept: Recent<Image, Arc<Frame>>,
     shown: Shown,
-    /// Time per pixel of the last coarse picture, ms, and the point that it depends on.
-    pixel_ms: Option<(Point, f64)>,
+    /// Divisor of the resolution while the state changes.
+    coarse: u32,
 }
 
 enum Stop {
@@ -190,8 +196,9 @@ impl<'a> Renderer<'a> {
         let pipeline = Pipeline::new(Options { is_interactive: true, ..options })?;
         let shown = Shown { device: Some(pipeline.device().clone()), ..Shown::default() };
         let kept = Recent::weighed(KEPT, |frame: &Arc<Frame>| frame.bytes());
-        let (environment, scene) = (None, None);
-        let mut renderer = Self { post, wake, pipeline, load, environment, scene, kept, shown, pixel_ms: None };
+        let (environment, scene, framed) = (None, None, None);
+        let mut renderer =
+            Self { post, wake, pipeline, load, environment, scene, framed, kept, shown, coarse: COARSEST };
         while let Some((generation, state)) = renderer.next() {
             renderer.shown.generation = generation;
             let standing = match renderer.show(&state) {
@@ -233,8 +240,8 @@ impl<'a> Renderer<'a> {
     }
 
     fn show(&mut self, state: &State) -> Result<(), Stop> {
-        let (environment, scene) = self.inputs(state)?;
-        if let Some(why) = state.view.lights.iter().find_map(|light| light.fault_in(&scene)) {
+        let inputs = &self.inputs(state)?;
+        if let Some(why) = state.view.lights.iter().find_map(|light| light.fault_in(&inputs.scene)) {
             return Err(Stop::Refused(why));
         }
         self.pipeline.interrupt_by(Some(self.post.is_overdue.clone()));
@@ -242,40 +249,41 @@ impl<'a> Renderer<'a> {
         if self.shown.truth.as_ref().is_some_and(|shot| !counts.iter().any(|&count| state.truth(count) == shot.image)) {
             self.shown.truth = None;
         }
-        if state.picture.has_sides() {
-            self.shown.part = None;
-        } else if state.picture != Picture::Difference {
-            self.show_part(state, (&environment, &scene), counts[0])?;
-        }
-        let is_there = |side| self.kept.get(&state.image(side, counts[0])).is_some();
-        let is_there = [Side::Left, Side::Right].into_iter().all(is_there);
-        let scale = if is_there { 1 } else { self.scale(state) };
-        if scale > 1 {
-            let started = Instant::now();
-            let coarse = state.scaled(scale);
-            let made = self.shoot(&coarse, state, (&environment, &scene), counts[0], scale)?;
-            self.tell(Standing::Busy);
-            let [width, height] = coarse.size().map(f64::from);
+        // Goes on from the most samples that are in memory.
+        let mut is_there = |count: &u32| {
+            let halves = [Side::Left, Side::Right].map(|side| state.image(side, *count));
+            let truth = state.picture.scale().map(|_| state.truth(*count));
+            halves.iter().chain(&truth).all(|image| self.kept.get(image).is_some())
+        };
+        let known = counts.iter().rposition(&mut is_there);
+        let (is_there, counts) = (known.is_some(), &counts[known.unwrap_or(0)..]);
+        if !is_there {
+            let (started, scale) = (Instant::now(), self.coarse);
+            let made = self.shoot(state, inputs, counts[0], scale)?;
+            let ms = started.elapsed().as_secs_f64() * 1e3;
             // Tables are made once.
-            if !made {
-                self.pixel_ms = Some((cost_of(state), started.elapsed().as_secs_f64() * 1e3 / (width * height)));
+            self.coarse = match () {
+                () if made || COARSE_MS.contains(&ms) => scale,
+                () if ms < COARSE_MS.start => (scale / 2).max(1),
+                () => (scale * 2).min(COARSEST),
+            };
+            // Only a first picture is finished before the next state.
+            self.pipeline.interrupt_by(Some(self.post.interrupt.clone()));
+            if scale > 2 {
+                self.shoot(state, inputs, counts[0], 2)?;
             }
         }
-        // Only a first picture is finished before the next state.
-        if is_there || scale > 1 {
-            self.pipeline.interrupt_by(Some(self.post.interrupt.clone()));
-        }
-        for count in counts {
-            self.shoot(state, state, (&environment, &scene), count, 1)?;
-            self.pipeline.interrupt_by(Some(self.post.interrupt.clone()));
-            self.refine(state, (&environment, &scene), count)?;
+        self.pipeline.interrupt_by(Some(self.post.interrupt.clone()));
+        for &count in counts {
+            self.shoot(state, inputs, count, 1)?;
+            self.refine(state, inputs, count)?;
             self.tell(Standing::Busy);
         }
         Ok(())
     }
 
     /// Loads the environment and scene, unless they are the last ones.
-    fn inputs(&mut self, state: &State) -> Result<(Arc<Environment>, Arc<Scene>), Stop> {
+    fn inputs(&mut self, state: &State) -> Result<Inputs, Stop> {
         let settings = state.point.settings();
         settings.shading.precompute.validate().map_err(|error| Stop::Refused(error.to_string()))?;
         let (name, clip, here) = (&settings.environment, settings.environment_clip_log2, Path::new(""));
@@ -288,34 +296,27 @@ impl<'a> Renderer<'a> {
         if self.scene.as_ref().is_none_or(|(known, _)| *known != settings.scene) {
             let scene = Scene::load(&settings.scene, here).map_err(|error| Stop::Refused(error.to_string()))?;
             self.scene = Some((settings.scene.clone(), Arc::new(scene)));
+            self.framed = None;
             self.kept.clear();
         }
         let environment = self.environment.as_ref().map(|(.., environment)| environment.clone());
-        let scene = self.scene.as_ref().map(|(_, scene)| scene.clone());
-        Ok((environment.expect("loaded above"), scene.expect("loaded above")))
-    }
-
-    /// Estimates the divisor of the resolution that can be shown in time.
-    fn scale(&self, state: &State) -> u32 {
-        let [width, height] = state.size().map(f64::from);
-        let pixels = match &self.pixel_ms {
-            Some((point, ms)) if *point == cost_of(state) => COARSE_MS / ms,
-            _ => FIRST_SIDE * FIRST_SIDE,
-        };
-        let fits = |scale: &u32| width * height / f64::from(scale * scale) <= pixels;
-        [1, 2, 4].into_iter().find(fits).unwrap_or(COARSEST)
+        let seen = (settings.material, state.view.camera, settings.size);
+        if self.framed.as_ref().is_none_or(|(known, ..)| *known != seen) {
+            let (_, scene) = self.scene.as_ref().expect("loaded above");
+            let scene = Arc::new(scene.apply(&settings.material));
+            let camera = Camera::for_scene(state.view.camera, &scene, settings.size);
+            self.framed = Some((seen, scene, camera));
+        }
+        let (_, scene, camera) = self.framed.clone().expect("framed above");
+        let camera = camera.orbited(state.view.orbit, &scene);
+        Ok(Inputs { environment: environment.expect("loaded above"), scene, camera })
     }
 
     /// Shows both halves, and the reference if needed. Returns whether it made a table.
-    fn shoot(
-        &mut self,
-        state: &State,
-        whole: &State,
-        inputs: (&Arc<Environment>, &Scene),
-        count: u32,
-        scale: u32,
-    ) -> Result<bool, Stop> {
-        let mut made = false;
+    fn shoot(&mut self, whole: &State, inputs: &Inputs, count: u32, scale: u32) -> Result<bool, Stop> {
+        let state = &whole.scaled(scale);
+        let (mut made, generation) = (false, self.shown.generation);
+        let is_first = self.shown.side(Side::Left).is_none_or(|shot| shot.generation != generation || shot.scale > 1);
         let truth = match state.picture {
             Picture::Difference => Some(self.frame(&state.image(Side::Right, count), inputs)?),
             picture if picture.scale().is_some() => Some(self.frame(&state.truth(count), inputs)?),
@@ -325,29 +326,26 @@ impl<'a> Renderer<'a> {
             let image = state.image(side, count);
             let frame = self.frame(&image, inputs)?;
             made |= !frame.timings.precompute.is_empty();
-            let epsilon = image.request(inputs.0, inputs.1).epsilon();
-            let picture = of_frame(&mut self.pipeline, whole.look(), &frame, truth.as_deref(), epsilon)?;
-            let picture = Arc::new(picture.expect("the reference has the size of the halves"));
-            if (state.picture, side) == (Picture::Difference, Side::Left) {
-                self.shown.part = Some(picture.clone());
-            }
-            let shot = Some(Shot { image, frame, picture, scale, score: None });
+            let request = image.request(inputs);
+            let picture = Arc::new(self.picture(state.look(), &request, &frame, truth.as_deref())?);
+            let shot = Some(Shot { image, frame, picture, kind: state.picture, generation, scale, score: None });
             match side {
                 Side::Left => self.shown.left = shot,
                 Side::Right => self.shown.right = shot,
             }
-            if scale == 1 && count == state.counts()[0] {
+            if scale == 1 && is_first {
                 self.tell(Standing::Busy);
             }
         }
+        self.tell(Standing::Busy);
         Ok(made)
     }
 
     /// Renders the reference with `count` samples per pixel and scores the halves.
-    fn refine(&mut self, state: &State, inputs: (&Arc<Environment>, &Scene), count: u32) -> Result<(), Stop> {
+    fn refine(&mut self, state: &State, inputs: &Inputs, count: u32) -> Result<(), Stop> {
         let image = state.truth(count);
         let truth = self.frame(&image, inputs)?;
-        let request = image.request(inputs.0, inputs.1);
+        let request = image.request(inputs);
         let headline = Metric::listed(HEADLINE);
         for shot in [&mut self.shown.left, &mut self.shown.right].into_iter().flatten() {
             let curve = state.point.settings().curve;
@@ -356,42 +354,37 @@ impl<'a> Renderer<'a> {
             let is_other = !Arc::ptr_eq(&shot.frame, &truth);
             shot.score = comparison.ok().filter(|_| is_other).map(|comparison| comparison.evaluate(&[headline])[0].1);
         }
-        let picture = Arc::new(Rgb8Image::filled(1, 1, [0; 3]));
-        self.shown.truth = Some(Shot { image, frame: truth, picture, scale: 1, score: None });
+        let (picture, generation) = (Arc::new(Rgb8Image::filled(1, 1, [0; 3])), self.shown.generation);
+        self.shown.truth =
+            Some(Shot { image, frame: truth, picture, kind: Picture::Image, generation, scale: 1, score: None });
         Ok(())
     }
 
-    fn show_part(&mut self, state: &State, inputs: (&Arc<Environment>, &Scene), count: u32) -> Result<(), Stop> {
-        let request = state.image(Side::Left, count).request(inputs.0, inputs.1);
-        let picture = match state.picture {
+    /// Paints a half.
+    fn picture(
+        &mut self,
+        look: Look,
+        request: &RenderRequest,
+        frame: &Frame,
+        truth: Option<&Frame>,
+    ) -> Result<Rgb8Image, PipelineError> {
+        match look.picture {
             Picture::Part(part) => {
-                of_gbuffer(part, &self.pipeline.gbuffer(&request)?, &request.camera, request.scene.bounds())
+                let gbuffer = self.pipeline.gbuffer(request)?;
+                Ok(of_gbuffer(part, &gbuffer, &request.camera, request.scene.bounds()))
             }
-            _ => {
-                let tables = self.pipeline.light_tables(&request, TABLE_TEXELS)?;
+            picture if picture.is_table() => {
+                let tables = self.pipeline.light_tables(request, TABLE_TEXELS)?;
                 self.shown.level_count = tables.prefiltered.len() as u32;
-                of_tables(state.look(), &tables)
+                Ok(of_tables(look, &tables))
             }
-        };
-        self.shown.part = Some(Arc::new(picture));
-        self.tell(Standing::Busy);
-        Ok(())
+            _ => of_frame(&mut self.pipeline, look, frame, truth, request.epsilon()),
+        }
     }
 
     /// Renders an image unless its frame is in memory.
-    fn frame(&mut self, image: &Image, (environment, scene): (&Arc<Environment>, &Scene)) -> Result<Arc<Frame>, Stop> {
-        let render = || Ok(Arc::new(self.pipeline.render(&image.request(environment, scene))?));
+    fn frame(&mut self, image: &Image, inputs: &Inputs) -> Result<Arc<Frame>, Stop> {
+        let render = || Ok(Arc::new(self.pipeline.render(&image.request(inputs))?));
         self.kept.get_or_make(image.clone(), render)
     }
-}
-
-/// Keeps the values that the time of a pixel depends on.
-fn cost_of(state: &State) -> Point {
-    let mut point = state.image(Side::Left, 1).point;
-    for (axis, value) in AXES.iter().zip(&mut point.0) {
-        if !axis.frames_cost && axis.part != Part::Count {
-            *value = Value::Unset;
-        }
-    }
-    point
 }

@@ -10,7 +10,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 use tempfile::TempDir;
 
-const SIZE: [u32; 2] = [1280, 1600];
+const SIZE: [u32; 2] = [1280, 2000];
 /// A window that says nothing for so long hangs. Everything else waits for events.
 const PATIENCE: Duration = Duration::from_secs(300);
 
@@ -274,6 +274,12 @@ impl Win<'_> {
     pub fn choose(&self, list: &str, entry: &str) {
         self.click(list, [0.5, 0.5]);
         self.click(entry, [0.5, 0.5]);
+    }
+
+    /// Opens the rest of the controls and ends the reference early.
+    pub fn few_samples(&self) {
+        self.click("advanced", [0.2, 0.5]);
+        self.choose("reference samples", "choice 32");
     }
 
     /// From one place of a control to another, in fractions of its size.

@@ -24,6 +24,7 @@ const LIST: &[Axis] = &{
 const IMAGE_AXES: &[Axis] = &[
     Axis {
         name: "size",
+        label: "Size (px)",
         about: "width and height of the image",
         plural: "image sizes",
         sheet: Sheet::Page,
@@ -47,6 +48,7 @@ const IMAGE_AXES: &[Axis] = &[
     },
     Axis {
         name: "scene",
+        label: "Model",
         about: "the scene: a name of `splitsum list scenes`, or an .obj, .glb or .gltf file",
         plural: "scenes",
         sheet: Sheet::Page,
@@ -58,6 +60,7 @@ const IMAGE_AXES: &[Axis] = &[
     },
     Axis {
         name: "brdf",
+        label: "BRDF",
         about: "microfacet model",
         plural: "BRDF models",
         sheet: Sheet::Page,
@@ -103,6 +106,7 @@ const IMAGE_AXES: &[Axis] = &[
     },
     Axis {
         name: "samples",
+        label: "Samples a pixel",
         part: Part::Count,
         about: "samples per pixel of sampled methods",
         plural: "sample counts",
@@ -162,6 +166,7 @@ const IMAGE_AXES: &[Axis] = &[
         kind: Kind::Alpha,
         spelling: Some(Spelling {
             name: "perceptual_roughness",
+            label: "Roughness",
             about: "roughness of every material, as in files; alpha is its square",
             plural: "roughnesses",
             symbol: Symbol::Before("roughness"),
@@ -174,6 +179,7 @@ const IMAGE_AXES: &[Axis] = &[
     },
     Axis {
         name: "f0",
+        label: "F0",
         about: "reflectance at normal incidence of every dielectric",
         plural: "values of F0",
         symbol: Symbol::Before("F0"),
@@ -181,6 +187,7 @@ const IMAGE_AXES: &[Axis] = &[
         kind: Kind::Color(Range::closed(0.0, 1.0)),
         spelling: Some(Spelling {
             name: "ior",
+            label: "Index of refraction",
             about: "index of refraction of every dielectric; determines f0",
             plural: "indices of refraction",
             symbol: Symbol::Before("ior"),
@@ -211,6 +218,7 @@ const IMAGE_AXES: &[Axis] = &[
     },
     Axis {
         name: "exposure",
+        label: "Exposure (×)",
         part: Part::Display,
         about: "factor before the tone curve",
         plural: "exposures",
@@ -233,6 +241,7 @@ const IMAGE_AXES: &[Axis] = &[
     },
     Axis {
         name: "environment_orientation",
+        label: "Orientation",
         about: "rotates the map by the k-th of a fixed even set of 3D rotations; 0 keeps it",
         plural: "orientations",
         symbol: Symbol::Before("orientation"),
@@ -244,6 +253,7 @@ const IMAGE_AXES: &[Axis] = &[
     },
     Axis {
         name: "environment_rotation_deg",
+        label: "Light turn (°)",
         about: "rotates the map around +y, after environment_orientation",
         plural: "rotations",
         symbol: Symbol::After("deg", "degrees"),
@@ -255,6 +265,7 @@ const IMAGE_AXES: &[Axis] = &[
     },
     Axis {
         name: "environment_scale",
+        label: "Light scale (×)",
         about: "multiplies the environment's radiance",
         plural: "radiance scales",
         symbol: Symbol::Before("scale"),
@@ -266,6 +277,7 @@ const IMAGE_AXES: &[Axis] = &[
     },
     Axis {
         name: "environment_clip_log2",
+        label: "Light clip (2^x)",
         about: "clips radiance at 2 to this power, for the reference too",
         plural: "clips",
         symbol: Symbol::Before("clip 2^"),
@@ -299,6 +311,7 @@ const IMAGE_AXES: &[Axis] = &[
     },
     Axis {
         name: "lod_bias",
+        label: "Mip bias (levels)",
         part: Part::Parameter,
         about: "added to the mip level of filtered samples",
         plural: "level biases",

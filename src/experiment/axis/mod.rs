@@ -98,6 +98,8 @@ impl Symbol {
 pub struct Axis {
     /// Name in files, on the command line and in tables.
     pub name: &'static str,
+    /// Label of its control, with the unit; empty if the name in words does.
+    pub label: &'static str,
     /// One phrase for help texts.
     pub about: &'static str,
     /// Plural: "environments".

@@ -2,12 +2,13 @@
 
 use super::{AXES, Axis, Symbol};
 use crate::experiment::value::{Kind, Raw, Value};
-use crate::spelling::suggestion;
+use crate::spelling::{in_words, suggestion};
 
 /// A second name of an axis, with values of its own.
 #[derive(Clone, Copy, Debug)]
 pub struct Spelling {
     pub name: &'static str,
+    pub label: &'static str,
     pub about: &'static str,
     pub plural: &'static str,
     pub symbol: Symbol,
@@ -53,6 +54,12 @@ impl Named {
 
     pub fn name(self) -> &'static str {
         self.spelling.map_or(self.entry().name, |spelling| spelling.name)
+    }
+
+    /// Labels its control: `Roughness`, `Map size (px)`.
+    pub fn label(self) -> String {
+        let label = self.spelling.map_or(self.entry().label, |spelling| spelling.label);
+        if label.is_empty() { in_words(self.name()) } else { label.to_owned() }
     }
 
     /// Returns the name that users set: the second one, if it can write every value.

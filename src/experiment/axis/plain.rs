@@ -9,6 +9,7 @@ pub(super) const LEVELS: Range = Range::closed(-16.0, 16.0);
 /// Defaults that the entries override.
 pub(super) const PLAIN: Axis = Axis {
     name: "",
+    label: "",
     about: "",
     plural: "",
     symbol: Symbol::None,

@@ -60,6 +60,20 @@ impl Settings {
 
     /// Builds the request: `scene` with the settings' material and the `given` tables.
     pub fn request(self, environment: &Arc<Environment>, scene: &Scene, view: &View, given: Given) -> RenderRequest {
+        let scene = Arc::new(scene.apply(&self.material));
+        let camera = Camera::for_scene(view.camera, &scene, self.size).orbited(view.orbit, &scene);
+        self.seen_by(camera, environment, scene, view, given)
+    }
+
+    /// Builds the request for a camera and a scene that has the settings' material.
+    pub fn seen_by(
+        self,
+        camera: Camera,
+        environment: &Arc<Environment>,
+        scene: Arc<Scene>,
+        view: &View,
+        given: Given,
+    ) -> RenderRequest {
         let mut shading = self.shading;
         let precompute = &mut shading.precompute;
         if let Some(map) = &given.prefiltered {
@@ -71,10 +85,9 @@ impl Settings {
         }
         precompute.dfg_size = given.dfg.as_ref().map_or(precompute.dfg_size, |table| table.side);
         precompute.dfg_axes = self.dfg_axes();
-        let scene = Arc::new(scene.apply(&self.material));
         RenderRequest {
             environment: environment.clone(),
-            camera: Camera::for_scene(view.camera, &scene, self.size).orbited(view.orbit, &scene),
+            camera,
             scene,
             size: self.size,
             shading,

@@ -29,6 +29,7 @@ const TABLE: Axis = Axis { part: Part::Table, tables_cost: true, ..PLAIN };
 pub(super) const TABLE_AXES: &[Axis] = &[
     Axis {
         name: "layout",
+        label: "Map layout",
         about: "texel layout of the filtered maps; `splitsum list layouts`",
         plural: "layouts",
         frames_cost: true,
@@ -56,6 +57,7 @@ pub(super) const TABLE_AXES: &[Axis] = &[
     },
     Axis {
         name: "dfg",
+        label: "DFG table",
         about: "the DFG table: own, centres (at texel centres, as engines do), or another tool's as file:PATH#PRESET (docs/bakes.md)",
         plural: "DFG tables",
         symbol: Symbol::Before("table"),
@@ -69,6 +71,7 @@ pub(super) const TABLE_AXES: &[Axis] = &[
     },
     Axis {
         name: "prefilter_size",
+        label: "Map size (px)",
         about: "face size of the first prefiltered level [default: 128x128 by layout cube, 320x320 octahedral, 448x224 equirect]",
         plural: "prefilter sizes",
         needs_memory: true,
@@ -81,6 +84,7 @@ pub(super) const TABLE_AXES: &[Axis] = &[
     },
     Axis {
         name: "prefilter_level_count",
+        label: "Map levels",
         about: "levels of the prefiltered map",
         plural: "level counts",
         symbol: Symbol::After("lv", "levels"),
@@ -93,6 +97,7 @@ pub(super) const TABLE_AXES: &[Axis] = &[
     },
     Axis {
         name: "prefilter",
+        label: "Map filter",
         about: "how to filter maps: exactly in spherical harmonics, or by samples on the device",
         plural: "ways to prefilter",
         symbol: Symbol::After("prefilter", "prefilter"),
@@ -105,6 +110,7 @@ pub(super) const TABLE_AXES: &[Axis] = &[
     },
     Axis {
         name: "prefilter_sample_count",
+        label: "Map samples",
         about: "samples per texel of a sampled prefiltered map",
         plural: "prefilter sample counts",
         symbol: Symbol::After("spp", "samples"),
@@ -131,6 +137,7 @@ pub(super) const TABLE_AXES: &[Axis] = &[
     },
     Axis {
         name: "prefilter_weight",
+        label: "Map weight",
         part: Part::Parameter,
         about: "weight of a direction in a prefiltered texel; `splitsum list prefilter-weights`",
         plural: "prefilter weights",
@@ -146,6 +153,7 @@ pub(super) const TABLE_AXES: &[Axis] = &[
     },
     Axis {
         name: "prefilter_lod_bias",
+        label: "Map bias (levels)",
         about: "added to the mip level of lookups in a sampled prefilter; `splitsum list level-biases`",
         plural: "prefilter level biases",
         symbol: Symbol::Before("prefilter bias"),
@@ -162,6 +170,7 @@ pub(super) const TABLE_AXES: &[Axis] = &[
     },
     Axis {
         name: "dfg_size",
+        label: "DFG size (px)",
         about: "side of the DFG table",
         plural: "DFG sizes",
         symbol: Symbol::Before("DFG"),
@@ -175,6 +184,7 @@ pub(super) const TABLE_AXES: &[Axis] = &[
     },
     Axis {
         name: "dfg_sample_count",
+        label: "DFG samples",
         about: "samples per texel of the DFG table",
         plural: "DFG sample counts",
         symbol: Symbol::After("DFG spp", "DFG samples"),
@@ -187,6 +197,7 @@ pub(super) const TABLE_AXES: &[Axis] = &[
     },
     Axis {
         name: "irradiance_size",
+        label: "Irradiance (px)",
         about: "face size of the irradiance map [default: 18x18 by layout cube, 45x45 octahedral, 64x32 equirect]",
         plural: "irradiance map sizes",
         symbol: Symbol::Before("irradiance"),
@@ -200,6 +211,7 @@ pub(super) const TABLE_AXES: &[Axis] = &[
     },
     Axis {
         name: "irradiance_sample_count",
+        label: "Irr. samples",
         about: "azimuth and polar samples per texel of a sampled irradiance map",
         plural: "irradiance sample counts",
         symbol: Symbol::After("irradiance spp", "irradiance samples"),
@@ -212,6 +224,7 @@ pub(super) const TABLE_AXES: &[Axis] = &[
     },
     Axis {
         name: "storage_format",
+        label: "Number format",
         about: "number format of the prefiltered map, DFG table and irradiance map; f16 ends at 65504",
         plural: "storage formats",
         frames_cost: true,
