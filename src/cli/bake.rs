@@ -15,7 +15,7 @@ use splitsum::experiment::axis::{
 use splitsum::experiment::value::Value;
 use splitsum::pipeline::BakeRequest;
 use splitsum::run::RenderFault;
-use splitsum::spelling::{Listed, suggestion};
+use splitsum::spelling::{Listed, not_one_of, suggestion};
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -42,11 +42,16 @@ pub struct Arguments {
     #[command(flatten)]
     device: DeviceFlag,
     /// Write an engine's files instead, exact and without a device.
-    #[arg(long = "for", value_name = "ENGINE", long_help = engines_help(), value_parser = Preset::parse)]
+    #[arg(long = "for", value_name = "ENGINE", long_help = engines_help(), value_parser = parse_engine)]
     engine: Option<&'static Preset>,
     /// Set the pixel format of --for's cubes: rgba16f, rgba32f, rgb9e5, ...
     #[arg(long, value_name = "NAME", requires = "engine", value_parser = Texel::parse)]
     format: Option<&'static Texel>,
+}
+
+fn parse_engine(text: &str) -> Result<&'static Preset, String> {
+    let engines: Vec<&str> = PRESETS.iter().map(|preset| preset.product.engine).collect();
+    Preset::by_name(text).ok_or_else(|| not_one_of("engine", text, &engines, ""))
 }
 
 fn engines_help() -> String {

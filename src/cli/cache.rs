@@ -17,8 +17,12 @@ pub struct CacheArguments {
     #[arg(long)]
     no_cache: bool,
     /// Limit the cache's size, dropping the least recently used.
-    #[arg(long, value_name = "MIB", default_value_t = 2048)]
+    #[arg(long, value_name = "MIB", default_value = "2048", value_parser = parse_mib)]
     cache_limit: u64,
+}
+
+fn parse_mib(text: &str) -> Result<u64, String> {
+    text.parse().map_err(|_| format!("{text:?} is not a whole number of MiB, such as 2048"))
 }
 
 impl CacheArguments {

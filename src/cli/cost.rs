@@ -1,7 +1,7 @@
 //! `splitsum cost`, and the hidden command of its child.
 
 use super::flags::flag;
-use super::shared::check_out;
+use super::shared::{check_out, own_method};
 use super::{Failure, print, tell};
 use clap::builder::ValueParser;
 use clap::{ArgAction, ArgMatches, Args, Command, FromArgMatches};
@@ -12,9 +12,9 @@ use splitsum::cost::pass::passes;
 use splitsum::cost::table::{Shaded, csv, markdown};
 use splitsum::experiment::axis::{AXES, BRDF, METHOD, Named, Point};
 use splitsum::experiment::value::{Kind, Value};
-use splitsum::shade::{FILE_PREFIX, METHODS, own};
+use splitsum::shade::{FILE_PREFIX, METHODS};
 use splitsum::spelling::{Listed, expected};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 const ALL: &str = "all";
 
@@ -165,7 +165,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
 fn asked(flags: &SweptFlags) -> Result<Vec<(Point, Job)>, Failure> {
     let methods = flags.get(METHOD).map_or_else(leading, <[Value]>::to_vec);
     for file in methods.iter().filter(|method| method.text().starts_with(FILE_PREFIX)) {
-        own::load(file.text(), Path::new("")).map_err(Failure::input)?;
+        own_method(file.text())?;
     }
     let mut points: Vec<Point> = methods
         .iter()

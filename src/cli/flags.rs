@@ -64,7 +64,7 @@ impl SeenFlags {
 }
 
 fn parse_orbit(text: &str) -> Result<Orbit, String> {
-    coordinates(text).map_err(|_| format!("{text:?} is not yaw,pitch,distance")).and_then(Orbit::new)
+    coordinates(text).map_err(|_| format!("{text:?} is not yaw,pitch,distance, such as 30,10,1")).and_then(Orbit::new)
 }
 
 #[derive(Clone, Debug, Default)]
@@ -111,7 +111,7 @@ pub fn flag(named: Named, parser: ValueParser) -> Arg {
         .value_name(named.kind().value_name())
         .help(help(named))
         .help_heading(named.entry().part.heading())
-        .allow_hyphen_values(named.kind().has_negative())
+        .allow_hyphen_values(named.kind().has_negative() || matches!(named.kind(), Kind::Pair { .. }))
         .value_parser(parser);
     if named.is_second() { arg.conflicts_with(AXES[named.axis].name) } else { arg }
 }

@@ -1,7 +1,7 @@
 //! `splitsum render`: one image.
 
 use super::flags::{AxisFlags, Given, SeenFlags};
-use super::shared::check_out;
+use super::shared::{check_out, own_method, scene};
 use super::{Failure, print, progress, tell};
 use clap::Args;
 use splitsum::bakes::given;
@@ -10,9 +10,8 @@ use splitsum::experiment::axis::{AXES, METHOD, Point, Reference, SAMPLES, View};
 use splitsum::experiment::value::{Kind, Range, Value};
 use splitsum::pixels::png;
 use splitsum::run::{RenderFault, write_radiance};
-use splitsum::scene::Scene;
+use splitsum::shade::FILE_PREFIX;
 use splitsum::shade::reference_pass::pair_count;
-use splitsum::shade::{FILE_PREFIX, own};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -54,11 +53,11 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let seen = &arguments.seen;
     let here = Path::new("");
     let whole = Environment::load(&settings.environment, here, &seen.inputs.options());
-    let scene = Scene::load(&settings.scene, here);
+    let scene = scene(&settings.scene);
     let (whole, scene) = match (whole, scene) {
         (Ok(whole), Ok(scene)) => (whole, scene),
         (whole, scene) => {
-            let faults = [whole.err().map(|e| e.to_string()), scene.err().map(|e| e.to_string())];
+            let faults = [whole.err().map(|e| e.to_string()), scene.err()];
             return Err(Failure::input(faults.into_iter().flatten().collect::<Vec<_>>().join("\n")));
         }
     };
@@ -113,7 +112,7 @@ fn point(arguments: &Arguments) -> Result<Point, Failure> {
         point[METHOD] = Value::from(format!("{FILE_PREFIX}{}", file.display()).as_str());
     }
     if point[METHOD].text().starts_with(FILE_PREFIX) {
-        own::load(point[METHOD].text(), Path::new("")).map_err(Failure::input)?;
+        own_method(point[METHOD].text())?;
     }
     if arguments.axes.get(SAMPLES).is_none() && point.method().is_integrated() {
         point[SAMPLES] = Value::Count(Reference::default().samples);

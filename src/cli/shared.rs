@@ -5,6 +5,8 @@ use clap::Args;
 use splitsum::environment::{Environment, LoadOptions};
 use splitsum::pipeline::{DeviceChoice, Options, Pipeline};
 use splitsum::run::RenderFault;
+use splitsum::scene::Scene;
+use splitsum::shade::own;
 use std::path::{Path, PathBuf};
 
 #[derive(Args, Clone, Copy, Debug)]
@@ -25,6 +27,22 @@ impl InputFlags {
         warn_all(&environment.name, &environment.warnings);
         Ok(environment)
     }
+}
+
+/// Compiles a method in a file, `file:PATH`.
+pub fn own_method(name: &str) -> Result<(), Failure> {
+    let method = own::load(name, Path::new(""));
+    method
+        .map(drop)
+        .map_err(|why| Failure::input(format!("--method: {why}; expected file:PATH of a shader (docs/own-method.md)")))
+}
+
+/// Loads a scene: a name or a file relative to the current folder.
+pub fn scene(name: &str) -> Result<Scene, String> {
+    Scene::load(name, Path::new("")).map_err(|why| {
+        let hint = if Path::new(name).exists() { "" } else { "; expected a file, or a name of `splitsum list scenes`" };
+        format!("--scene: {why}{hint}")
+    })
 }
 
 #[derive(Args, Clone, Copy, Debug)]

@@ -2,18 +2,19 @@
 
 use super::Failure;
 use super::flags::{AxisFlags, SeenFlags};
+use super::shared::{own_method, scene};
 use clap::Args;
 use splitsum::experiment::axis::{
-    ALPHA, AXES, DFG_TABLE, ENVIRONMENT, METALLIC, METHOD, PREFILTERED, Point, REFERENCE, SCENE, SIZE,
+    ALPHA, AXES, DFG_TABLE, ENVIRONMENT, METALLIC, METHOD, PREFILTERED, Point, REFERENCE, SAMPLES, SCENE, SIZE,
 };
 use splitsum::experiment::value::Value;
-use splitsum::files::{TEXT_BYTES_MAX, read_text};
 use splitsum::pipeline::Options;
-use splitsum::scene::{Scene, is_design, scene_extensions};
-use splitsum::shade::{FILE_PREFIX, own};
+use splitsum::scene::{is_design, scene_extensions};
+use splitsum::shade::FILE_PREFIX;
+use splitsum::shade::reference_pass::pair_count;
 use splitsum::spelling::Listed;
-use splitsum::view::{HOME, Opened, Picture, State, Windowed, has_materials, open};
-use std::path::{Path, PathBuf};
+use splitsum::view::{HOME, Picture, State, Windowed, has_materials, open};
+use std::path::PathBuf;
 
 /// Open a window with two methods side by side, and a reference that refines.
 #[derive(Args, Debug)]
@@ -24,18 +25,18 @@ use std::path::{Path, PathBuf};
     mut_arg("background", |arg| arg.hide(true)),
 )]
 pub struct Arguments {
-    /// Open a saved state; excludes flags of the view.
-    #[arg(long, value_name = "FILE", conflicts_with_all = ["right", "camera", "orbit", "background", "lights", "seed"])]
-    state: Option<PathBuf>,
     /// Save states in DIR.
     #[arg(long, value_name = "DIR", default_value = ".")]
     out: PathBuf,
     /// Leave the environment out of the picture.
-    #[arg(long, conflicts_with = "state")]
+    #[arg(long)]
     no_background: bool,
     /// Choose the method of the right half.
     #[arg(long, value_name = "NAME", value_parser = |text: &str| AXES[METHOD].kind.parse_text(text))]
     right: Option<Value>,
+    /// Stop the reference at N samples per pixel [default: 4096].
+    #[arg(long, value_name = "N", value_parser = parse_samples)]
+    reference_samples: Option<u32>,
     /// Use the validation layer; its messages make the exit code 1.
     #[arg(long, hide = true)]
     validation: bool,
@@ -58,18 +59,18 @@ fn after_help() -> String {
         passes; [ ] exposure; + - 0 and arrows the camera; shift+arrows the light; 1 to 9 the left method; f the whole screen; ctrl+S \
         saves.\n\n\
         Open an environment (.hdr, .exr) or a model ({}) with the buttons Open, or drop it on the window. Saving makes a folder view-N \
-        with the picture, linear images, the state, `render` commands and an experiment.\n\n\
+        with the picture, linear images, the `view` and `render` commands and an experiment.\n\n\
         Exit codes: 2 no display or bad input; 75 the device, the window or the display was lost.\n\n\
-        Examples:\n  splitsum view --environment studio.hdr --scene teapot.obj\n  splitsum view --state view-1/state.json",
+        Examples:\n  splitsum view --environment studio.hdr --scene teapot.obj\n  sh view-1/view.sh",
         pictures.join(", "),
         scene_extensions(),
     )
 }
 
 pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
-    let state = state(arguments)?;
+    let state = state(arguments);
     for method in [&state.point[METHOD], &state.right].into_iter().filter(|name| name.text().starts_with(FILE_PREFIX)) {
-        own::load(method.text(), Path::new("")).map_err(Failure::input)?;
+        own_method(method.text())?;
     }
     if let Some(axis) =
         [PREFILTERED, DFG_TABLE].into_iter().find(|axis| state.point[*axis].to_string().starts_with(FILE_PREFIX))
@@ -78,9 +79,9 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         return Err(Failure::input(format!("--{name}: the window uses its own tables; `splitsum render` takes files")));
     }
     // Bad input is reported before a window opens.
-    let (settings, here) = (state.point.settings(), Path::new(""));
+    let settings = state.point.settings();
     arguments.seen.inputs.environment(&settings.environment)?;
-    let scene = Scene::load(&settings.scene, here).map_err(Failure::input)?;
+    let scene = scene(&settings.scene).map_err(Failure::input)?;
     super::warn_all(&scene.name, &scene.warnings);
     arguments.seen.check(&scene)?;
     if !arguments.out.is_dir() {
@@ -89,12 +90,16 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let (device, load) = (arguments.seen.device.choice(), arguments.seen.inputs.options());
     let options = Options { device, validation: arguments.validation, ..Options::default() };
     #[cfg(target_os = "linux")]
+    if let Some(why) = splitsum::gpu::x11::missing_library() {
+        return Err(Failure::input(why));
+    }
+    #[cfg(target_os = "linux")]
     splitsum::gpu::x11::when_server_ends(|| {
         let Failure { code, text } = server_ended();
         super::tell(&text);
         code
     });
-    match open(Opened { state, options, load, out: arguments.out.clone() }) {
+    match open(state, options, load, arguments.out.clone()) {
         #[cfg(target_os = "linux")]
         Windowed::Lost(_) if splitsum::gpu::x11::has_server_ended() => Err(server_ended()),
         Windowed::Closed => Ok(()),
@@ -109,15 +114,12 @@ fn server_ended() -> Failure {
     Failure::passing("the display was lost: the X server has ended")
 }
 
-fn state(arguments: &Arguments) -> Result<State, Failure> {
-    if let Some(path) = &arguments.state {
-        if let Some(given) = arguments.axes.iter().next() {
-            return Err(Failure::input(format!("--{}: is in the file of --state, too; leave one out", given.flag)));
-        }
-        let fault = |why: &dyn std::fmt::Display| Failure::input(format!("{}: {why}", path.display()));
-        let text = read_text(path, TEXT_BYTES_MAX).map_err(|error| fault(&error))?;
-        return State::parse(&text).map_err(|why| fault(&why));
-    }
+fn parse_samples(text: &str) -> Result<u32, String> {
+    let count = AXES[SAMPLES].kind.parse_text(text)?.count();
+    pair_count(count).map(|_| count).map_err(|fault| fault.to_string())
+}
+
+fn state(arguments: &Arguments) -> State {
     let is_given = |axis: usize| arguments.axes.get(axis).is_some();
     let mut point: Point = arguments.axes.point();
     let mut firsts = FIRST.to_vec();
@@ -128,13 +130,14 @@ fn state(arguments: &Arguments) -> Result<State, Failure> {
         point[axis] = AXES[axis].kind.parse_text(text).expect("a valid default");
     }
     let mut view = arguments.seen.view();
+    view.reference_samples = arguments.reference_samples.unwrap_or(view.reference_samples);
     if !is_design(point[SCENE].text()) {
         view.background = !arguments.no_background;
         view.orbit = arguments.seen.orbit.unwrap_or(HOME);
     }
     let state = State::new(point, view);
     let right = arguments.right.clone().unwrap_or(state.right.clone());
-    Ok(State { right, fill: !is_given(SIZE), ..state })
+    State { right, fill: !is_given(SIZE), ..state }
 }
 
 /// The first state: the textbook split sum beside the reference, on a metal under a studio.

@@ -57,7 +57,10 @@ pub fn light(kind: LightKind, vector: [f32; 3], color: Option<[f32; 3]>) -> Resu
 
 /// Parses `x,y,z`.
 pub fn coordinates(text: &str) -> Result<[f32; 3], String> {
-    Kind::Color(COORDINATE).parse_text(text).map(|v| v.color()).map_err(|_| format!("{text:?} is not x,y,z"))
+    // A colour may be one number, a place may not.
+    let is_whole = text.split(',').count() == 3;
+    let numbers = Kind::Color(COORDINATE).parse_text(text).ok().filter(|_| is_whole);
+    numbers.map(|numbers| numbers.color()).ok_or_else(|| format!("{text:?} is not x,y,z"))
 }
 
 /// Parses `directional:X,Y,Z:R,G,B` (towards the light; irradiance) or `point:X,Y,Z:R,G,B` (intensity).

@@ -6,6 +6,7 @@ use super::fault::{Faults, Place};
 use super::toml_tree::unknown_key;
 use super::value::{Kind, Value};
 use crate::environment::BUILTIN_PREFIX;
+use indexmap::IndexSet;
 use std::collections::HashSet;
 use std::path::Path;
 
@@ -121,13 +122,13 @@ impl Config {
             .collect();
         if !strangers.is_empty() {
             let (name, strangers) = (AXES[wanted.axis].name, strangers.join(", "));
-            let rows: Vec<String> = own.values.iter().take(ROWS_SHOWN).map(|placed| placed.value.to_string()).collect();
-            let more = if own.values.len() > ROWS_SHOWN { " ..." } else { "" };
-            let rows = rows.join(", ");
-            faults.add(
-                place,
-                format!("axes.{name}: {strangers} is not in any row of its zip; the rows have {rows}{more}"),
+            let rows: IndexSet<String> = own.values.iter().map(|placed| placed.value.to_string()).collect();
+            let rows = rows.into_iter().collect::<Vec<_>>().join(", ");
+            let all = zip.iter().map(|axis| AXES[*axis].name).collect::<Vec<_>>().join(", ");
+            let fault = format!(
+                "axes.{name}: {strangers} is in no [[zip]] row; choose from {rows}, or set {all} together for new rows"
             );
+            faults.add(place, fault);
             return;
         }
         let kept: Vec<bool> = own.values.iter().map(|placed| asked.contains(&placed.value)).collect();
@@ -142,9 +143,6 @@ impl Config {
 fn by_answers(key: &str) -> &'static str {
     if key == METRIC_KEY { ", or give --metric to `splitsum answers`" } else { "" }
 }
-
-/// Rows that a message lists.
-const ROWS_SHOWN: usize = 8;
 
 /// The items of a list with commas. A comma between the parameters of a formula ends no item:
 /// `builtin:cap:half_angle_deg=10,radiance=100,builtin:sky` are two.

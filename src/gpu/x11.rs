@@ -1,4 +1,4 @@
-//! Detects the end of the X server. Xlib exits with code 1, winit panics, or the window's surface is lost.
+//! Detects a missing library of the display, and the end of the X server. Xlib exits with code 1, winit panics, or the window's surface is lost.
 
 use std::ffi::c_int;
 use std::sync::OnceLock;
@@ -55,4 +55,20 @@ extern "C" fn on_io_error(_: *mut Display) -> c_int {
 
 fn end() -> ! {
     _exit(LAST_WORDS.get().map_or(1, |last_words| last_words()).into())
+}
+
+/// Names a library that winit loads and panics without.
+pub fn missing_library() -> Option<String> {
+    let is_set = |name: &str| std::env::var_os(name).is_some_and(|value| !value.is_empty());
+    let is_x11 = is_set("DISPLAY") && !is_set("WAYLAND_DISPLAY") && !is_set("WAYLAND_SOCKET");
+    let (library, package) = if xkbcommon_dl::xkbcommon_option().is_none() {
+        ("libxkbcommon", "libxkbcommon0")
+    } else if is_x11 && xkbcommon_dl::x11::xkbcommon_x11_option().is_none() {
+        ("libxkbcommon-x11", "libxkbcommon-x11-0")
+    } else {
+        return None;
+    };
+    Some(format!(
+        "the window needs the library {library}: install the package {package} (its name on Debian and Ubuntu)"
+    ))
 }

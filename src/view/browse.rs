@@ -13,7 +13,6 @@ pub struct Browse {
     axis: usize,
     folder: PathBuf,
     typed: String,
-    fault: String,
     /// Folders, then files, each with its name.
     entries: Vec<(PathBuf, String)>,
 }
@@ -23,22 +22,18 @@ impl Browse {
     pub fn new(axis: usize, near: &Path) -> Self {
         let beside = near.parent().filter(|folder| folder.is_dir()).map(Path::to_owned);
         let folder = beside.or_else(|| std::env::current_dir().ok()).unwrap_or_default();
-        let mut browse =
-            Self { axis, folder: PathBuf::new(), typed: String::new(), fault: String::new(), entries: Vec::new() };
+        let mut browse = Self { axis, folder: PathBuf::new(), typed: String::new(), entries: Vec::new() };
         browse.enter(folder);
         browse
     }
 
     fn enter(&mut self, folder: PathBuf) {
-        let listed = match std::fs::read_dir(&folder) {
-            Ok(listed) => listed,
-            Err(error) => return self.fault = format!("{}: {error}", folder.display()),
-        };
+        let Ok(listed) = std::fs::read_dir(&folder) else { return };
         let paths = listed.flatten().map(|entry| (entry.path(), entry.file_name().to_string_lossy().into_owned()));
         let is_listed = |path: &Path| path.is_dir() || file_axis(path) == Some(self.axis);
         self.entries = paths.filter(|(path, name)| !name.starts_with('.') && is_listed(path)).collect();
         self.entries.sort_by_cached_key(|(path, name)| (!path.is_dir(), name.to_lowercase()));
-        (self.folder, self.typed, self.fault) = (folder, String::new(), String::new());
+        (self.folder, self.typed) = (folder, String::new());
     }
 
     /// Shows the list. Returns `None` while it is open, then the chosen file, if any.
@@ -55,9 +50,6 @@ impl Browse {
                 chosen = Some(self.folder.join(self.typed.trim()));
             } else if ui.memory(|memory| memory.focused().is_none()) {
                 field.request_focus();
-            }
-            if !self.fault.is_empty() {
-                ui.colored_label(theme::WARN, &self.fault);
             }
             ScrollArea::vertical().max_height(SIZE[1]).auto_shrink([false, true]).show(ui, |ui| {
                 if let Some(above) = self.folder.parent()
@@ -78,10 +70,8 @@ impl Browse {
         });
         match chosen {
             Some(path) if path.is_dir() => self.enter(path),
-            Some(path) if path.is_file() => return Some(Some(path)),
-            Some(path) => self.fault = format!("there is no file {}", path.display()),
-            None if modal.inner || modal.should_close() => return Some(None),
-            None => {}
+            None if !modal.inner && !modal.should_close() => {}
+            chosen => return Some(chosen),
         }
         None
     }

@@ -1,7 +1,7 @@
 //! The panel: eight controls that matter most, and the rest of the axes under "Advanced".
 
 use super::browse::Browse;
-use super::picture::{Picture, Tone};
+use super::picture::Picture;
 use super::state::{Side, State};
 use super::theme;
 use super::worker::Shown;
@@ -14,7 +14,7 @@ use crate::experiment::value::{Kind, Range, Value};
 use crate::scene::{CameraKind, Light, SCENES};
 use crate::shade::Method;
 use crate::spelling::{Listed, capitalised, in_words};
-use egui::{Align, Align2, ComboBox, DragValue, Layout, Rect, Response, Slider, SliderClamping, TextEdit, Ui, vec2};
+use egui::{Align2, ComboBox, DragValue, Rect, Response, Slider, SliderClamping, TextEdit, Ui, vec2};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
@@ -27,6 +27,8 @@ const REFERENCE_COUNTS: [u32; 6] = [32, 256, 1024, 4096, 16384, 65536];
 const LABEL: egui::Vec2 = vec2(112.0, 26.0);
 const SLIDER_WIDTH: f32 = 84.0;
 const MENU_WIDTH: f32 = 176.0;
+/// Leaves room for a button.
+const INPUT_WIDTH: f32 = 116.0;
 
 /// Controls with their places by name, for tests.
 #[derive(Default)]
@@ -77,7 +79,7 @@ impl Controls {
     fn advanced(&mut self, ui: &mut Ui, state: &mut State, shown: &Shown) {
         self.row(ui, "Picture", "What the window shows: image, errors, g-buffer or tables", |controls, ui| {
             let items = Picture::names().into_iter().map(|name| (name.to_owned(), capitalised(name)));
-            let chosen = controls.menu(ui, "picture", state.picture.name(), items.collect());
+            let chosen = controls.menu(ui, "picture", MENU_WIDTH, state.picture.name(), items.collect());
             state.picture = chosen.map_or(state.picture, |name| *Picture::listed(&name));
         });
         if state.picture == Picture::Prefiltered {
@@ -89,11 +91,6 @@ impl Controls {
         self.row(ui, "Camera", "Drag to turn, wheel to zoom, 0 to reset", |controls, ui| {
             for (kind, word) in CameraKind::all().zip(["Parallel", "Perspective"]) {
                 controls.place(kind.name(), &ui.radio_value(&mut state.view.camera, *kind, word));
-            }
-        });
-        self.row(ui, "Tone", "The tone curve of `render`, or plain sRGB clipped at 1", |controls, ui| {
-            for (tone, word) in Tone::all().zip(["Curve", "sRGB"]) {
-                controls.place(tone.name(), &ui.radio_value(&mut state.tone, *tone, word));
             }
         });
         let [probe, times] = &mut self.overlays;
@@ -108,7 +105,7 @@ impl Controls {
         self.row(ui, "Reference up to", "Samples a pixel at which the reference stops", |controls, ui| {
             let count = &mut state.view.reference_samples;
             let items = REFERENCE_COUNTS.map(|count| (count.to_string(), count.to_string()));
-            let chosen = controls.menu(ui, "reference samples", &count.to_string(), items.into());
+            let chosen = controls.menu(ui, "reference samples", MENU_WIDTH, &count.to_string(), items.into());
             *count = chosen.and_then(|text| text.parse().ok()).unwrap_or(*count);
         });
         for part in [Part::Case, Part::Method, Part::Display, Part::Table] {
@@ -136,9 +133,16 @@ impl Controls {
     }
 
     /// Shows a menu of codes with their words and returns the code that was clicked.
-    fn menu(&mut self, ui: &mut Ui, name: &str, shown: &str, items: Vec<(String, String)>) -> Option<String> {
+    fn menu(
+        &mut self,
+        ui: &mut Ui,
+        name: &str,
+        width: f32,
+        shown: &str,
+        items: Vec<(String, String)>,
+    ) -> Option<String> {
         let words = items.iter().find(|(code, _)| code == shown).map_or(shown, |(_, words)| words);
-        let combo = ComboBox::from_id_salt(name).width(ui.available_width().min(MENU_WIDTH)).height(520.0).truncate();
+        let combo = ComboBox::from_id_salt(name).width(width).height(700.0).truncate();
         let response = combo.selected_text(words).show_ui(ui, |ui| {
             ui.set_min_width(MENU_WIDTH);
             let is_clicked = |(code, words): &&(String, String)| {
@@ -157,31 +161,25 @@ impl Controls {
         let named = Named::own(axis);
         let text = state.point[axis].text().to_owned();
         self.row(ui, &named.label(), &capitalised(named.about()), |controls, ui| {
-            let open = |ui: &mut Ui| ui.button("Open").on_hover_text("Choose a file, or drop one on the picture");
-            let (button, chosen) = ui
-                .with_layout(Layout::right_to_left(Align::Center), |ui| {
-                    let button = open(ui);
-                    let mut names: Vec<String> = match axis {
-                        ENVIRONMENT => BUILTINS.iter().map(|built| format!("{BUILTIN_PREFIX}{}", built.name)).collect(),
-                        _ => SCENES.iter().map(|scene| scene.name.to_owned()).collect(),
-                    };
-                    if !names.contains(&text) {
-                        names.push(text.clone());
-                    }
-                    let words = |name: &String| match Path::new(name).extension().and(Path::new(name).file_name()) {
-                        Some(file) => file.to_string_lossy().into_owned(),
-                        None => in_words(name.trim_start_matches(BUILTIN_PREFIX)),
-                    };
-                    let items = names.iter().map(|name| (name.clone(), words(name))).collect();
-                    (button, controls.menu(ui, named.name(), &text, items))
-                })
-                .inner;
+            let mut names: Vec<String> = match axis {
+                ENVIRONMENT => BUILTINS.iter().map(|built| format!("{BUILTIN_PREFIX}{}", built.name)).collect(),
+                _ => SCENES.iter().map(|scene| scene.name.to_owned()).collect(),
+            };
+            if !names.contains(&text) {
+                names.push(text.clone());
+            }
+            let words = |name: &String| match Path::new(name).extension().and(Path::new(name).file_name()) {
+                Some(file) => file.to_string_lossy().into_owned(),
+                None => in_words(name.trim_start_matches(BUILTIN_PREFIX)),
+            };
+            let items = names.iter().map(|name| (name.clone(), words(name))).collect();
+            if let Some(name) = controls.menu(ui, named.name(), INPUT_WIDTH, &text, items) {
+                state.point[axis] = Value::from(name);
+            }
+            let button = ui.button("Open").on_hover_text("Choose a file, or drop one on the picture");
             controls.place(format!("open {}", named.name()), &button);
             if button.clicked() {
                 controls.browse = Some(Browse::new(axis, Path::new(&text)));
-            }
-            if let Some(name) = chosen {
-                state.point[axis] = Value::from(name);
             }
         });
     }
@@ -189,13 +187,10 @@ impl Controls {
     fn method(&mut self, ui: &mut Ui, side: &str, state: &mut State) {
         let value = if side == "left" { &mut state.point[METHOD] } else { &mut state.right };
         self.row(ui, &capitalised(side), &format!("Method of the {side} half"), |controls, ui| {
-            let mut methods: Vec<&Method> = Method::all().collect();
             let current = Method::listed(value.text());
-            if !methods.iter().any(|method| method.name == current.name) {
-                methods.push(current);
-            }
-            let items = methods.iter().map(|method| (method.name.to_owned(), method.title.to_owned())).collect();
-            if let Some(name) = controls.menu(ui, side, current.name, items) {
+            let in_file = Some(current).filter(|current| !Method::names().contains(&current.name));
+            let items = Method::all().chain(in_file).map(|method| (method.name.to_owned(), method.title.to_owned()));
+            if let Some(name) = controls.menu(ui, side, MENU_WIDTH, current.name, items.collect()) {
                 *value = Value::from(name);
             }
         });
@@ -279,7 +274,7 @@ impl Controls {
             }
             (Kind::Name { names, .. } | Kind::NameOrFile { names, .. }, Value::Text(text)) => {
                 let items = names().into_iter().map(|name| (name.to_owned(), name.to_owned()));
-                found = self.menu(ui, name, text, items.collect());
+                found = self.menu(ui, name, MENU_WIDTH, text, items.collect());
             }
             _ => {}
         }

@@ -1,125 +1,41 @@
-//! A state as a file, as `render` commands and as an experiment.
+//! A state as commands and as an experiment.
 
-use super::picture::{Picture, Tone};
 use super::state::{Image, Side, State};
-use crate::experiment::axis::{AXES, METHOD, Named, Point, SAMPLES, View};
-use crate::experiment::lights::{light_text, parse_light};
+use crate::experiment::axis::{AXES, ENVIRONMENT, METHOD, Named, Point, SAMPLES, SCENE, SIZE, View};
+use crate::experiment::lights::light_text;
 use crate::experiment::value::Value;
-use crate::scene::{CameraKind, LightKind, Orbit};
+use crate::scene::LightKind;
 use crate::spelling::Listed;
-use serde::{Deserialize, Serialize};
-use std::collections::BTreeMap;
 use std::fmt::Write;
 
-#[derive(Debug, Deserialize, Serialize)]
-#[serde(deny_unknown_fields)]
-struct Written {
-    /// By the names of axes; missing ones have their defaults.
-    axes: BTreeMap<String, String>,
-    right: String,
-    camera: String,
-    orbit: [f32; 3],
-    background: bool,
-    lights: Vec<String>,
-    seed: u32,
-    reference_samples: u32,
-    picture: String,
-    tone: String,
-    wipe: f32,
-    #[serde(default)]
-    fill: bool,
-    level: u32,
-}
+/// Axes whose defaults differ between `render` and `view`.
+const ALWAYS: [usize; 4] = [ENVIRONMENT, SCENE, METHOD, SAMPLES];
 
 impl State {
-    /// Writes the state for [`State::parse`].
-    pub fn text(&self) -> String {
-        let axes = AXES.iter().zip(&self.point.0).filter(|(_, value)| **value != Value::Unset);
-        let written = Written {
-            axes: axes.map(|(axis, value)| (axis.name.to_owned(), value.to_string())).collect(),
-            right: self.right.to_string(),
-            camera: self.view.camera.name().to_owned(),
-            orbit: self.view.orbit.numbers(),
-            background: self.view.background,
-            lights: self.view.lights.iter().map(light_text).collect(),
-            seed: self.view.seed,
-            reference_samples: self.view.reference_samples,
-            picture: self.picture.name().to_owned(),
-            tone: self.tone.name().to_owned(),
-            wipe: self.wipe,
-            fill: self.fill,
-            level: self.level,
-        };
-        serde_json::to_string_pretty(&written).expect("plain data") + "\n"
-    }
-
-    /// Reads the text of a state file.
-    pub fn parse(text: &str) -> Result<Self, String> {
-        let written: Written = serde_json::from_str(text).map_err(|error| error.to_string())?;
-        let mut point = Point::default();
-        for (name, value) in &written.axes {
-            let named = Named::find(name).ok_or_else(|| format!("axes: {name:?} is not an axis"))?;
-            point[named.axis] = named.parse_text(value).map_err(|fault| format!("axes.{name}: {fault}"))?;
-        }
-        let lights: Result<Vec<_>, String> = written.lights.iter().map(|text| parse_light(text)).collect();
-        let camera = *CameraKind::parse(&written.camera).map_err(|fault| format!("camera: {fault}"))?;
-        let view = View {
-            camera,
-            orbit: Orbit::new(written.orbit).map_err(|fault| format!("orbit: {fault}"))?,
-            background: written.background,
-            antialias: false,
-            lights: lights.map_err(|fault| format!("lights: {fault}"))?,
-            seed: written.seed,
-            reference_error: None,
-            reference_samples: written.reference_samples,
-        };
-        let tone = *Tone::parse(&written.tone).map_err(|fault| format!("tone: {fault}"))?;
-        let picture = *Picture::parse(&written.picture).map_err(|fault| format!("picture: {fault}"))?;
-        let right = AXES[METHOD].kind.parse_text(&written.right).map_err(|fault| format!("right: {fault}"))?;
-        if !(0.0..=1.0).contains(&written.wipe) {
-            return Err(format!("wipe: {} is outside [0, 1]", written.wipe));
-        }
-        let Written { wipe, fill, level, .. } = written;
-        Self { right, picture, tone, wipe, fill, level, ..Self::new(point, view) }.checked()
-    }
-
-    /// Checks the reference's sample count.
-    pub fn checked(self) -> Result<Self, String> {
-        let count = self.view.reference_samples;
-        crate::shade::reference_pass::pair_count(count).map_err(|fault| format!("reference_samples: {fault}"))?;
-        Ok(self)
-    }
-
     /// Writes the `render` command of an image into the file `out`.
-    pub fn command_line(&self, image: &Image, out: &str) -> String {
-        let mut words = vec!["splitsum".to_owned(), "render".to_owned()];
-        let mut add = |flag: &str, value: String| words.push(format!("--{flag}={}", quoted(&value)));
-        let defaults = Point::default();
-        let is_picture = out.ends_with(".png");
-        for named in Named::all().filter(|named| !named.is_second()) {
-            let axis = named.axis;
-            let (value, is_display) = (&image.point[axis], !AXES[axis].changes_radiance());
-            let value = if is_display { &self.point[axis] } else { value };
-            let is_shown = *value != defaults[axis] || [METHOD, SAMPLES].contains(&axis);
-            if *value != Value::Unset && is_shown && (is_picture || !is_display) {
-                add(&named.flag(), value.to_string());
-            }
-        }
-        let View { camera, orbit, lights, seed, reference_samples, background, .. } = &image.view;
+    pub fn render_command(&self, image: &Image, out: &str) -> String {
+        let mut words = axis_flags(&image.point);
+        words.extend(view_flags(&image.view));
         if image.point[SAMPLES] == Value::Unset && image.point.diffuse().is_integrated() {
-            add(&AXES[SAMPLES].name.replace('_', "-"), reference_samples.to_string());
+            words.push(format!("--samples={}", image.view.reference_samples));
         }
-        add("camera", camera.name().to_owned());
-        if !orbit.is_still() {
-            add("orbit", orbit.numbers().map(|x| x.to_string()).join(","));
+        words.push(format!("--out={out}"));
+        words.extend(image.view.background.then(|| "--background".to_owned()));
+        format!("splitsum render {}", words.join(" "))
+    }
+
+    /// Writes the `view` command that opens the state again.
+    pub fn view_command(&self) -> String {
+        let mut point = self.point.clone();
+        if self.fill {
+            point[SIZE] = Point::default()[SIZE].clone();
         }
-        lights.iter().for_each(|light| add("light", light_text(light)));
-        add("seed", seed.to_string());
-        add("out", out.to_owned());
-        if *background {
-            words.push("--background".to_owned());
-        }
-        words.join(" ")
+        let mut words = axis_flags(&point);
+        words.push(format!("--right={}", quoted(&self.right.to_string())));
+        words.extend(view_flags(&self.view));
+        words.push(format!("--reference-samples={}", self.view.reference_samples));
+        words.extend((!self.view.background).then(|| "--no-background".to_owned()));
+        format!("splitsum view {}", words.join(" "))
     }
 
     /// Writes an experiment whose cells are the halves.
@@ -152,6 +68,26 @@ impl State {
         }
         text
     }
+}
+
+/// Writes the flags of values that are not defaults of `render`, and of inputs, method and samples.
+fn axis_flags(point: &Point) -> Vec<String> {
+    let defaults = Point::default();
+    let is_shown = |axis: usize| point[axis] != defaults[axis] || ALWAYS.contains(&axis);
+    let names = Named::all().filter(|named| !named.is_second() && point[named.axis] != Value::Unset);
+    names
+        .filter(|named| is_shown(named.axis))
+        .map(|named| format!("--{}={}", named.flag(), quoted(&point[named.axis].to_string())))
+        .collect()
+}
+
+fn view_flags(view: &View) -> Vec<String> {
+    let mut words = vec![format!("--camera={}", view.camera.name()), format!("--seed={}", view.seed)];
+    if !view.orbit.is_still() {
+        words.push(format!("--orbit={}", view.orbit.numbers().map(|x| x.to_string()).join(",")));
+    }
+    words.extend(view.lights.iter().map(|light| format!("--light={}", light_text(light))));
+    words
 }
 
 fn toml_text(value: &Value) -> String {

@@ -17,4 +17,4 @@ mod worker;
 
 pub use picture::{GROUND, Picture};
 pub use state::{HOME, State, has_materials};
-pub use window::{Opened, Windowed, open};
+pub use window::{Windowed, open};

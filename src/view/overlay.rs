@@ -4,7 +4,6 @@ use super::picture::at;
 use super::theme;
 use super::worker::{Shot, Shown};
 use crate::experiment::axis::SAMPLES;
-use crate::metrics::HEADLINE;
 use crate::pixels::{Rgb8Image, RgbImage};
 use crate::table::colormap::{ColorScale, Range};
 use crate::table::markdown::significant;
@@ -30,8 +29,7 @@ impl Canvas {
     pub fn paint(&self, shown: &Shown, mut put: impl FnMut(u32, u32, &[[u8; 3]])) {
         let [width, height] = self.size;
         let edge = (self.wipe * width as f32).round() as u32;
-        let halves = [(&shown.left, 0..edge), (&shown.right, edge..width)];
-        for ((shot, columns), is_stale) in halves.into_iter().zip(self.is_stale) {
+        for ((shot, columns), is_stale) in shown.halves.iter().zip([0..edge, edge..width]).zip(self.is_stale) {
             let Some(Shot { picture, scale, .. }) = shot else { continue };
             let brightness = if is_stale { DIM } else { 256 };
             let across: Vec<Texel> = columns.clone().map(|x| Texel::at(x, width, picture.width, *scale)).collect();
@@ -125,14 +123,13 @@ pub fn caption(ui: &Ui, place: Rect, align: egui::Align2, shot: &Shot, is_stale:
 }
 
 /// Writes text on a dark ground, within `place`.
-pub fn veiled(ui: &Ui, place: Rect, align: egui::Align2, mut job: LayoutJob) -> Rect {
+pub fn veiled(ui: &Ui, place: Rect, align: egui::Align2, mut job: LayoutJob) {
     job.wrap.max_width = place.width();
     let galley = ui.painter().layout_job(job);
     let rect = align.anchor_size(align.pos_in_rect(&place), galley.size());
     ui.painter().rect_filled(rect.expand2(vec2(8.0, 5.0)), 6.0, theme::VEIL);
     let x = if align.x() == Align::Max { rect.right() } else { rect.left() };
     ui.painter().galley(pos2(x, rect.top()), galley, theme::INK);
-    rect
 }
 
 /// Draws the colours of an error with their values, in percent.
@@ -181,7 +178,7 @@ pub fn probe(ui: &mut Ui, shown: &Shown, probed: Option<[u32; 2]>) {
     egui::Grid::new("probe").num_columns(3).spacing(vec2(12.0, 2.0)).show(ui, |ui| {
         ["", "Red, green, blue (linear)", "Standard error"].iter().for_each(|head| drop(ui.weak(*head)));
         ui.end_row();
-        for (name, shot) in [("Left", &shown.left), ("Right", &shown.right), ("Reference", &shown.truth)] {
+        for (name, shot) in ["Left", "Right", "Reference"].into_iter().zip(shown.halves.iter().chain([&shown.truth])) {
             ui.label(name);
             let value = |image: &RgbImage| {
                 let ([x, y], scale) = (probed?, shot.as_ref()?.scale);
@@ -196,13 +193,13 @@ pub fn probe(ui: &mut Ui, shown: &Shown, probed: Option<[u32; 2]>) {
             ui.end_row();
         }
     });
-    ui.weak(format!("{place} · {HEADLINE} in the captions"));
+    ui.weak(place);
 }
 
 /// Shows the times of the left half's last frame and its passes, ms.
 pub fn times(ui: &mut Ui, shown: &Shown) {
     let is_cpu = shown.device.as_ref().is_some_and(|device| device.device_type == "cpu");
-    let Some(timings) = shown.left.as_ref().map(|shot| &shot.frame.timings) else { return };
+    let Some(timings) = shown.halves[0].as_ref().map(|shot| &shot.frame.timings) else { return };
     ui.weak(format!("Left half {:.0} ms, {} times", timings.wall_ms, if is_cpu { "CPU" } else { "GPU" }));
     egui::Grid::new("passes").num_columns(2).spacing(vec2(12.0, 0.0)).show(ui, |ui| {
         for time in &timings.frame {

@@ -22,6 +22,8 @@ const MARGIN: f32 = 14.0;
 const GRIP: f32 = 9.0;
 /// Pixels of the largest picture that fills the window; larger windows enlarge it.
 const PIXELS_MAX: f32 = (1 << 21) as f32;
+/// Time that a notice stays.
+const NOTICE: Duration = Duration::from_secs(10);
 /// Delay before the window says that it is busy.
 pub const BUSY_AFTER: Duration = Duration::from_millis(250);
 
@@ -32,6 +34,7 @@ pub struct Panel {
     /// One line about the last action.
     pub notice: String,
     is_fault: bool,
+    noticed: Option<Instant>,
     pub wants_save: bool,
     pub wants_fullscreen: bool,
     pub canvas: Canvas,
@@ -60,21 +63,17 @@ impl Panel {
         self.generation = generation;
     }
 
-    pub fn tell(&mut self, notice: String) {
-        (self.notice, self.is_fault) = (notice, false);
-    }
-
-    pub fn tell_fault(&mut self, notice: String) {
-        (self.notice, self.is_fault) = (notice, true);
+    /// Shows what an action did, for a while, or why it failed.
+    pub fn tell(&mut self, notice: Result<String, String>) {
+        (self.is_fault, self.noticed) = (notice.is_err(), Some(Instant::now()));
+        self.notice = notice.unwrap_or_else(|why| why);
     }
 
     /// Opens a file that was chosen or dropped on the window.
     pub fn open(&mut self, path: &std::path::Path, state: &mut State) {
         self.has_opened = true;
-        match state.open(path) {
-            Ok(what) => self.tell(format!("{what}: {}", path.display())),
-            Err(why) => self.tell_fault(why),
-        }
+        let opened = state.open(path);
+        self.tell(opened.map(|what| format!("{what}: {}", path.display())));
     }
 
     pub fn ui(&mut self, ui: &mut Ui, state: &mut State, shown: &Shown) {
@@ -177,7 +176,7 @@ impl Panel {
                     }
                     ui.separator();
                     let actions = [
-                        ("Save", "Picture, linear images, state, commands, experiment (Ctrl+S)"),
+                        ("Save", "Picture, linear images, commands, experiment (Ctrl+S)"),
                         ("Reset camera", "The first view (0)"),
                         ("Fullscreen", "The window on the whole screen, and back (F)"),
                     ];
@@ -227,7 +226,8 @@ impl Panel {
                 state.view.orbit = turned(state.view.orbit, -dx, dy);
             }
         }
-        if response.hovered() && wheel != 0.0 {
+        // The line between the halves lies above the picture.
+        if ui.rect_contains_pointer(rect) && wheel != 0.0 {
             state.view.orbit = nearer(state.view.orbit, (f64::from(wheel) * -0.002).exp());
         }
         let [width, height] = state.size();
@@ -254,9 +254,10 @@ impl Panel {
     /// Shows the last notice, or how far the renderer is, in one line.
     fn status(&mut self, ui: &mut Ui, shown: &Shown) {
         let device = shown.device.as_ref().map_or("", |device| device.name.as_str());
+        let is_recent = self.noticed.is_some_and(|at| self.is_fault || at.elapsed() < NOTICE);
         let (text, is_fault) = match &shown.standing {
             Standing::Refused(why) | Standing::Lost(why) | Standing::Failed(why) => (why.clone(), true),
-            _ if !self.notice.is_empty() => (self.notice.clone(), self.is_fault),
+            _ if is_recent => (self.notice.clone(), self.is_fault),
             standing => (progress(shown, *standing == Standing::Done), false),
         };
         let hint = if self.has_opened { device } else { "Drop an .hdr or a model here" };

@@ -1,12 +1,11 @@
 //! Pictures of a frame: the image, its error, parts of the g-buffer, tables.
 
-use crate::color::srgb_encode;
 use crate::gbuffer::Gbuffer;
 use crate::metrics::{Comparison, Epsilon};
 use crate::pipeline::{Frame, LightTables, Pipeline, PipelineError};
 use crate::pixels::{Pixels, Rgb8Image, RgbImage};
 use crate::scene::Camera;
-use crate::spelling::listed;
+use crate::spelling::{Listed, listed};
 use crate::table::colormap::{ColorScale, RELATIVE_ERROR, SIGNED_ERROR};
 use crate::tonemap::ToneCurve;
 use glam::DVec3;
@@ -20,13 +19,6 @@ pub enum Picture {
     Error,
     Signed,
     Difference,
-    Part(Part),
-    Prefiltered,
-    Dfg,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Part {
     Position,
     Normal,
     NDotV,
@@ -34,6 +26,8 @@ pub enum Part {
     Metallic,
     Alpha,
     F0,
+    Prefiltered,
+    Dfg,
 }
 
 listed!(Picture, "picture", {
@@ -41,13 +35,13 @@ listed!(Picture, "picture", {
     "error": Error,
     "signed error": Signed,
     "difference": Difference,
-    "position": Part(Part::Position),
-    "normal": Part(Part::Normal),
-    "n·v": Part(Part::NDotV),
-    "albedo": Part(Part::Albedo),
-    "metallic": Part(Part::Metallic),
-    "alpha": Part(Part::Alpha),
-    "F0": Part(Part::F0),
+    "position": Position,
+    "normal": Normal,
+    "n·v": NDotV,
+    "albedo": Albedo,
+    "metallic": Metallic,
+    "alpha": Alpha,
+    "F0": F0,
     "prefiltered map": Prefiltered,
     "DFG table": Dfg,
 });
@@ -65,21 +59,12 @@ impl Picture {
     /// Explains the colours.
     pub fn about(self) -> &'static str {
         match self {
-            Self::Image => "",
-            Self::Error => "relative error against the reference",
-            Self::Signed => "relative error: blue darker, red brighter",
-            Self::Difference => "left minus right, relative to the right",
-            Self::Part(Part::Position) => "position as a fraction of the scene's box",
-            Self::Part(Part::Normal) => "0.5 + 0.5 normal",
-            Self::Part(Part::NDotV) => "n·v",
-            Self::Part(Part::Albedo) => "albedo",
-            Self::Part(Part::Metallic) => "metallic",
-            Self::Part(Part::Alpha) => "alpha, the width of the lobe",
-            Self::Part(Part::F0) => "F0",
+            Self::Position => "position as a fraction of the scene's box",
+            Self::Normal => "0.5 + 0.5 normal",
+            Self::Alpha => "alpha, the width of the lobe",
             Self::Prefiltered => "one level; of a cube: +x -x +y above -y +z -z",
-            Self::Dfg => {
-                "n·v to the right, roughness downwards, in steps of the axis dfg; red scales F0, green is added"
-            }
+            Self::Dfg => "n·v to the right, roughness downwards; red scales F0, green is added",
+            other => other.name(),
         }
     }
 
@@ -93,21 +78,10 @@ impl Picture {
     }
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Tone {
-    /// The tone curve of `render`.
-    Curve,
-    /// Exposed, clipped at 1, sRGB.
-    Srgb,
-}
-
-listed!(Tone, "tone", { "curve": Curve, "sRGB": Srgb });
-
 /// How a frame becomes a picture.
 #[derive(Clone, Copy, Debug)]
 pub struct Look {
     pub picture: Picture,
-    pub tone: Tone,
     pub curve: ToneCurve,
     /// Level of the prefiltered map.
     pub level: u32,
@@ -123,13 +97,7 @@ pub fn of_frame(
 ) -> Result<Rgb8Image, PipelineError> {
     let curve = look.curve;
     let Some(scale) = look.picture.scale() else {
-        return Ok(match look.tone {
-            Tone::Curve => pipeline.tonemap(&frame.radiance, curve)?.0,
-            Tone::Srgb => {
-                let code = |x: f32| (255.0 * srgb_encode(x * curve.exposure)).round() as u8;
-                frame.radiance.map(|texel| texel.map(code))
-            }
-        });
+        return Ok(pipeline.tonemap(&frame.radiance, curve)?.0);
     };
     // A scene out of sight has no error.
     let comparison = truth.map(|truth| Comparison::new(&frame.radiance, &truth.radiance, &frame.mask, curve, epsilon));
@@ -147,7 +115,7 @@ pub fn of_frame(
 }
 
 /// Paints a part of the g-buffer: positions within the box `bounds`, normals as 0.5 + 0.5 n, the rest unchanged.
-pub fn of_gbuffer(part: Part, gbuffer: &Gbuffer<f32>, camera: &Camera, (low, high): (DVec3, DVec3)) -> Rgb8Image {
+pub fn of_gbuffer(part: Picture, gbuffer: &Gbuffer<f32>, camera: &Camera, (low, high): (DVec3, DVec3)) -> Rgb8Image {
     let code = |xyz: [f64; 3]| xyz.map(|x| (255.0 * x.clamp(0.0, 1.0)).round() as u8);
     let three = |texel: [f32; 4]| DVec3::new(texel[0].into(), texel[1].into(), texel[2].into());
     let mask = gbuffer.mask();
@@ -160,13 +128,13 @@ pub fn of_gbuffer(part: Part, gbuffer: &Gbuffer<f32>, camera: &Camera, (low, hig
         }
         let side = (high - low).max(DVec3::splat(f64::MIN_POSITIVE));
         code(match part {
-            Part::Position => ((three(gbuffer.position_mask.get(x, y)) - low) / side).to_array(),
-            Part::Normal => (0.5 * three(normal) + DVec3::splat(0.5)).to_array(),
-            Part::NDotV => [n_dot_v.get(x, y).into(); 3],
-            Part::Albedo => three(material).to_array(),
-            Part::Metallic => [material[3].into(); 3],
-            Part::Alpha => [normal[3].into(); 3],
-            Part::F0 => three(gbuffer.f0_material.get(x, y)).to_array(),
+            Picture::Position => ((three(gbuffer.position_mask.get(x, y)) - low) / side).to_array(),
+            Picture::Normal => (0.5 * three(normal) + DVec3::splat(0.5)).to_array(),
+            Picture::NDotV => [n_dot_v.get(x, y).into(); 3],
+            Picture::Albedo => three(material).to_array(),
+            Picture::Metallic => [material[3].into(); 3],
+            Picture::Alpha => [normal[3].into(); 3],
+            _ => three(gbuffer.f0_material.get(x, y)).to_array(),
         })
     })
 }

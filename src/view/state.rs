@@ -1,6 +1,6 @@
 //! The window's state as data: it becomes requests, and by [`super::file`] a file, commands and an experiment.
 
-use super::picture::{Look, Picture, Tone};
+use super::picture::{Look, Picture};
 use crate::bakes::given::Given;
 use crate::environment::{BUILTIN_PREFIX, Environment};
 use crate::experiment::axis::{
@@ -28,7 +28,6 @@ pub struct State {
     /// Its `reference_samples` end the refinement.
     pub view: View,
     pub picture: Picture,
-    pub tone: Tone,
     /// Share of the width for the left half.
     pub wipe: f32,
     /// Whether the picture has the size of its place in the window.
@@ -61,7 +60,7 @@ impl State {
     /// Shows `point` on the left and the reference on the right.
     pub fn new(point: Point, view: View) -> Self {
         let right = Value::Text(REFERENCE.to_owned().into());
-        Self { point, right, view, picture: Picture::Image, tone: Tone::Curve, wipe: 0.5, fill: false, level: 0 }
+        Self { point, right, view, picture: Picture::Image, wipe: 0.5, fill: false, level: 0 }
     }
 
     /// Makes paths absolute, so that saved files find them.
@@ -104,7 +103,7 @@ impl State {
     }
 
     pub fn look(&self) -> Look {
-        Look { picture: self.picture, tone: self.tone, curve: self.point.settings().curve, level: self.level }
+        Look { picture: self.picture, curve: self.point.settings().curve, level: self.level }
     }
 
     pub fn scaled(&self, scale: u32) -> Self {

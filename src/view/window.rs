@@ -8,13 +8,15 @@ use super::state::{Side, State};
 use super::theme;
 use super::worker::{Shown, Standing, Worker};
 use crate::environment::LoadOptions;
-use crate::experiment::axis::{ENVIRONMENT, SCENE};
+use crate::experiment::axis::{AXES, ENVIRONMENT, SCENE};
 use crate::experiment::value::Value;
 use crate::pipeline::Options;
 use crate::pixels::png;
 use crate::run::write_radiance;
+use crate::spelling::Listed;
 use egui::ViewportId;
 use egui_software_backend::{BufferMutRef, ColorFieldOrder, EguiSoftwareRender};
+use std::collections::BTreeMap;
 use std::num::NonZeroU32;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
@@ -24,14 +26,6 @@ use winit::dpi::{LogicalSize, PhysicalSize};
 use winit::event::{StartCause, WindowEvent};
 use winit::event_loop::{ActiveEventLoop, ControlFlow, EventLoop, EventLoopProxy};
 use winit::window::{Fullscreen, Window, WindowId};
-
-pub struct Opened {
-    pub state: State,
-    pub options: Options,
-    pub load: LoadOptions,
-    /// Folder of saved states.
-    pub out: PathBuf,
-}
 
 #[derive(Debug, PartialEq, Eq)]
 pub enum Windowed {
@@ -52,16 +46,13 @@ const SMALLEST: [f64; 2] = [800.0, 480.0];
 #[derive(Debug)]
 struct Arrived;
 
-/// Opens the window and runs until it is closed.
-pub fn open(opened: Opened) -> Windowed {
-    if let Some(why) = missing_library() {
-        return Windowed::NoDisplay(why);
-    }
+/// Opens the window, which saves states in the folder `out`, and runs until it is closed.
+pub fn open(state: State, options: Options, load: LoadOptions, out: PathBuf) -> Windowed {
     let Ok(events) = EventLoop::<Arrived>::with_user_event().build() else {
         let why = "there is no display to open a window on: set DISPLAY or WAYLAND_DISPLAY";
         return Windowed::NoDisplay(why.to_owned());
     };
-    let mut app = App::new(opened, events.create_proxy());
+    let mut app = App::new(state, (options, load), out, events.create_proxy());
     if events.run_app(&mut app).is_err() {
         return Windowed::Lost("the display was lost".to_owned());
     }
@@ -78,28 +69,6 @@ fn words(error: &winit::error::OsError) -> String {
     let text = error.to_string();
     let place = text.strip_prefix("os error at ").and_then(|rest| rest.split_once(": "));
     place.map_or(text.clone(), |(_, words)| words.to_owned())
-}
-
-/// Names a library that winit loads and panics without.
-#[cfg(target_os = "linux")]
-fn missing_library() -> Option<String> {
-    let is_set = |name: &str| std::env::var_os(name).is_some_and(|value| !value.is_empty());
-    let is_x11 = is_set("DISPLAY") && !is_set("WAYLAND_DISPLAY") && !is_set("WAYLAND_SOCKET");
-    let (library, package) = if xkbcommon_dl::xkbcommon_option().is_none() {
-        ("libxkbcommon", "libxkbcommon0")
-    } else if is_x11 && xkbcommon_dl::x11::xkbcommon_x11_option().is_none() {
-        ("libxkbcommon-x11", "libxkbcommon-x11-0")
-    } else {
-        return None;
-    };
-    Some(format!(
-        "the window needs the library {library}: install the package {package} (its name on Debian and Ubuntu)"
-    ))
-}
-
-#[cfg(not(target_os = "linux"))]
-fn missing_library() -> Option<String> {
-    None
 }
 
 type Surface = softbuffer::Surface<Rc<Window>, Rc<Window>>;
@@ -162,6 +131,8 @@ struct Heard {
     pointer: [f64; 2],
     /// States with a picture.
     pictures: u64,
+    /// Passes with a dimmed half.
+    dimmed: u64,
 }
 
 impl Heard {
@@ -176,19 +147,19 @@ impl Heard {
 }
 
 impl App {
-    fn new(opened: Opened, proxy: EventLoopProxy<Arrived>) -> Self {
+    fn new(state: State, opened: (Options, LoadOptions), out: PathBuf, proxy: EventLoopProxy<Arrived>) -> Self {
         let context = egui::Context::default();
         theme::apply(&context);
         // A slow frame must not turn a click into a drag.
         context.options_mut(|options| options.input_options.max_click_duration = f64::INFINITY);
         Self {
-            opened: Some((opened.options, opened.load)),
+            opened: Some(opened),
             proxy,
-            state: opened.state,
+            state,
             asked: None,
             generation: 0,
             accepted: None,
-            out: opened.out,
+            out,
             worker: None,
             shown: Shown::default(),
             panel: Panel::default(),
@@ -281,6 +252,7 @@ impl App {
             return;
         }
         self.is_renewed = false;
+        self.heard.dimmed += u64::from(self.panel.canvas.is_stale.contains(&true));
         self.ask();
         self.tell(delay.is_none_or(|delay| delay > Duration::ZERO));
         if std::mem::take(&mut self.panel.wants_save) {
@@ -324,7 +296,7 @@ impl App {
             // Returns to the last file that loaded.
             Standing::Refused(why) if self.shown.generation == self.generation => {
                 if let Some(before) = self.accepted.clone().filter(|before| *before != inputs) {
-                    self.panel.tell_fault(why.clone());
+                    self.panel.tell(Err(why.clone()));
                     for (axis, value) in [ENVIRONMENT, SCENE].into_iter().zip(before) {
                         self.state.point[axis] = value;
                     }
@@ -347,10 +319,8 @@ impl App {
     }
 
     fn save(&mut self) {
-        match self.saved() {
-            Ok(folder) => self.panel.tell(format!("Saved in {}", folder.display())),
-            Err(why) => self.panel.tell_fault(format!("Not saved: {why}")),
-        }
+        let saved = self.saved().map(|folder| format!("Saved in {}", folder.display()));
+        self.panel.tell(saved.map_err(|why| format!("Not saved: {why}")));
         if let Some(screen) = &self.screen {
             screen.window.request_redraw();
         }
@@ -371,14 +341,14 @@ impl App {
             let shot = self.shown.side(side).expect("asked above");
             let path = folder.join(format!("{name}.exr"));
             write_radiance(&path, &shot.frame).map_err(|error| error.to_string())?;
-            commands += &(self.state.command_line(&shot.image, &format!("{name}-again.exr")) + "\n");
+            commands += &(self.state.render_command(&shot.image, &format!("{name}-again.exr")) + "\n");
         }
         let picture = composed(&self.shown, self.state.shown_wipe()).ok_or("there is no picture yet")?;
         png::write_rgb8(&folder.join("picture.png"), &picture).map_err(|error| error.to_string())?;
         let texts = [
             ("render.sh", commands),
             ("experiment.toml", self.state.experiment(&format!("view-{number}"))),
-            ("state.json", self.state.text()),
+            ("view.sh", format!("#!/bin/sh\n# Opens this state again.\n{}\n", self.state.view_command())),
         ];
         for (name, text) in texts {
             let path = folder.join(name);
@@ -393,7 +363,7 @@ impl App {
         let scale = f64::from(self.context.pixels_per_point());
         let place =
             |rect: &egui::Rect| [rect.left(), rect.top(), rect.width(), rect.height()].map(|x| f64::from(x) * scale);
-        let controls: std::collections::BTreeMap<_, _> =
+        let controls: BTreeMap<_, _> =
             self.panel.controls.places.iter().map(|(name, rect)| (name, place(rect))).collect();
         let scales = [Side::Left, Side::Right].map(|side| self.shown.side(side).map(|shot| shot.scale));
         let text = serde_json::json!({
@@ -408,9 +378,16 @@ impl App {
             "standing": format!("{:?}", self.shown.standing),
             "scales": scales,
             "stale": self.panel.canvas.is_stale,
+            "dimmed": self.heard.dimmed,
             "reference": self.shown.truth.as_ref().map(|shot| shot.image.view.reference_samples),
             "notice": self.panel.notice,
-            "state": self.state.text(),
+            "state": {
+                "axes": AXES.iter().zip(&self.state.point.0).map(|(axis, value)| (axis.name, value.to_string())).collect::<BTreeMap<_, _>>(),
+                "right": self.state.right.to_string(),
+                "orbit": self.state.view.orbit.numbers(),
+                "picture": self.state.picture.name(),
+                "wipe": self.state.wipe,
+            },
         })
         .to_string();
         if text != *before {

@@ -56,8 +56,8 @@ pub enum Standing {
 #[derive(Clone, Debug, Default)]
 pub struct Shown {
     pub generation: u64,
-    pub left: Option<Shot>,
-    pub right: Option<Shot>,
+    /// Left and right.
+    pub halves: [Option<Shot>; 2],
     pub truth: Option<Shot>,
     /// Levels of the prefiltered map, if it was read.
     pub level_count: u32,
@@ -68,17 +68,13 @@ pub struct Shown {
 
 impl Shown {
     pub fn side(&self, side: Side) -> Option<&Shot> {
-        match side {
-            Side::Left => self.left.as_ref(),
-            Side::Right => self.right.as_ref(),
-        }
+        self.halves[side as usize].as_ref()
     }
 
     /// Returns the size of the picture: the finer half's; `None` before the first one.
     pub fn size(&self) -> Option<[u32; 2]> {
-        let (left, right) = (self.left.as_ref()?, self.right.as_ref()?);
-        let picture = if left.scale <= right.scale { &left.picture } else { &right.picture };
-        Some([picture.width, picture.height])
+        let finest = self.halves.iter().flatten().min_by_key(|shot| shot.scale)?;
+        Some([finest.picture.width, finest.picture.height])
     }
 }
 
@@ -328,11 +324,8 @@ impl<'a> Renderer<'a> {
             made |= !frame.timings.precompute.is_empty();
             let request = image.request(inputs);
             let picture = Arc::new(self.picture(state.look(), &request, &frame, truth.as_deref())?);
-            let shot = Some(Shot { image, frame, picture, kind: state.picture, generation, scale, score: None });
-            match side {
-                Side::Left => self.shown.left = shot,
-                Side::Right => self.shown.right = shot,
-            }
+            self.shown.halves[side as usize] =
+                Some(Shot { image, frame, picture, kind: state.picture, generation, scale, score: None });
             if scale == 1 && is_first {
                 self.tell(Standing::Busy);
             }
@@ -347,7 +340,7 @@ impl<'a> Renderer<'a> {
         let truth = self.frame(&image, inputs)?;
         let request = image.request(inputs);
         let headline = Metric::listed(HEADLINE);
-        for shot in [&mut self.shown.left, &mut self.shown.right].into_iter().flatten() {
+        for shot in self.shown.halves.iter_mut().flatten() {
             let curve = state.point.settings().curve;
             let (test, mask) = (&shot.frame.radiance, &truth.mask);
             let comparison = Comparison::new(test, &truth.radiance, mask, curve, request.epsilon());
@@ -369,16 +362,18 @@ impl<'a> Renderer<'a> {
         truth: Option<&Frame>,
     ) -> Result<Rgb8Image, PipelineError> {
         match look.picture {
-            Picture::Part(part) => {
-                let gbuffer = self.pipeline.gbuffer(request)?;
-                Ok(of_gbuffer(part, &gbuffer, &request.camera, request.scene.bounds()))
-            }
-            picture if picture.is_table() => {
+            Picture::Prefiltered | Picture::Dfg => {
                 let tables = self.pipeline.light_tables(request, TABLE_TEXELS)?;
                 self.shown.level_count = tables.prefiltered.len() as u32;
                 Ok(of_tables(look, &tables))
             }
-            _ => of_frame(&mut self.pipeline, look, frame, truth, request.epsilon()),
+            picture if picture.has_sides() || picture == Picture::Difference => {
+                of_frame(&mut self.pipeline, look, frame, truth, request.epsilon())
+            }
+            part => {
+                let gbuffer = self.pipeline.gbuffer(request)?;
+                Ok(of_gbuffer(part, &gbuffer, &request.camera, request.scene.bounds()))
+            }
         }
     }
 

@@ -212,7 +212,7 @@ impl Win<'_> {
 
     pub fn state(&self) -> Value {
         self.settle();
-        serde_json::from_str(self.told()["state"].as_str().unwrap()).unwrap()
+        self.told()["state"].clone()
     }
 
     pub fn controls(&self) -> Vec<String> {

@@ -2,7 +2,7 @@
 
 use super::{AXES, Axis, Symbol};
 use crate::experiment::value::{Kind, Raw, Value};
-use crate::spelling::{in_words, suggestion};
+use crate::spelling::{in_words, nearest, suggestion};
 
 /// A second name of an axis, with values of its own.
 #[derive(Clone, Copy, Debug)]
@@ -134,7 +134,10 @@ const AMBIGUOUS: &[(&str, &str)] =
 
 /// Ends a sentence about an unknown name with the likely one of `names`.
 pub fn hint(name: &str, names: &[&str]) -> String {
-    match AMBIGUOUS.iter().find(|(known, _)| *known == name) {
+    let known: Vec<&str> = names.iter().copied().chain(AMBIGUOUS.iter().map(|(known, _)| *known)).collect();
+    let near = nearest(name, &known);
+    let is_axis = names.is_empty() || names.contains(&"alpha");
+    match AMBIGUOUS.iter().find(|(known, _)| *known == name || is_axis && near == Some(known)) {
         Some((_, hint)) => format!("; {hint}"),
         None => suggestion(name, names),
     }

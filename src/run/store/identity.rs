@@ -5,23 +5,15 @@
 
 use super::lock::LOCK_FILE;
 use super::{CELLS_FOLDER, SHARDS_FOLDER, SUBFOLDERS, Store, StoreError, TIMINGS_FOLDER, is_part};
-use crate::experiment::axis::AXES;
 use crate::experiment::plan::Plan;
 use crate::files::names_in;
 use crate::metrics::METRICS;
 use crate::run::columns::FAILED;
 use crate::run::provenance;
 use crate::run::timing;
-use crate::spelling::short_number;
 use crate::table::csv::Table;
 use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
-
-/// Cells that a message names.
-const LISTED: usize = 3;
-
-/// Texts by axis name.
-type Axes = BTreeMap<String, String>;
 
 impl Store {
     /// Checks that the folder holds no run, or one whose finished work `plan` includes. Returns whether it is a run of exactly this plan.
@@ -59,19 +51,12 @@ impl Store {
 
     /// Fails if the folder holds finished work that `plan` lacks; `found` is the folder's provenance.
     pub(in crate::run) fn check_nothing_is_lost(&self, found: &Value, plan: &Plan) -> Result<(), StoreError> {
-        let lost = self.lost_cells(plan)?;
-        if !lost.is_empty() {
-            let mut words = words(&lost, plan);
-            if let Some(more) = words.len().checked_sub(LISTED).filter(|more| *more > 0) {
-                words.truncate(LISTED);
-                words.push(format!("{more} more"));
-            }
+        let lost = self.lost_cells(plan)?.len();
+        if lost > 0 {
             let cause = cause(found, &provenance::provenance(plan, &self.dir));
+            let path = plan.config.path.display();
             return Err(self.refused(format!(
-                "contains {} finished cells that {} lacks{cause}: {}; choose another --out",
-                lost.len(),
-                plan.config.path.display(),
-                words.join("; ")
+                "holds another run; choose another --out ({lost} finished cells are not in {path}{cause})"
             )));
         }
         let jobs: BTreeSet<String> = timing::jobs(plan).into_iter().map(|job| job.id).collect();
@@ -79,19 +64,19 @@ impl Store {
         match lost {
             0 => Ok(()),
             lost => Err(self.refused(format!(
-                "contains {lost} timed configurations that {} lacks; choose another --out",
+                "holds another run; choose another --out ({lost} timed configurations are not in {})",
                 plan.config.path.display()
             ))),
         }
     }
 
-    /// Id and axes of each finished cell that `plan` lacks, from usable records and, in a published folder, from the table.
-    fn lost_cells(&self, plan: &Plan) -> Result<BTreeMap<String, Axes>, StoreError> {
+    /// Ids of finished cells that `plan` lacks, from usable records and, in a published folder, from the table.
+    fn lost_cells(&self, plan: &Plan) -> Result<BTreeSet<String>, StoreError> {
         let planned: BTreeSet<&str> = plan.cells.iter().map(|cell| cell.id.as_str()).collect();
-        let mut lost = BTreeMap::new();
+        let mut lost = BTreeSet::new();
         for id in self.ids(CELLS_FOLDER).into_iter().filter(|id| !planned.contains(id.as_str())) {
-            if let Some(record) = self.cell(&id)? {
-                lost.insert(id, record.axes);
+            if self.cell(&id)?.is_some() {
+                lost.insert(id);
             }
         }
         let path = self.dir.join("errors.csv");
@@ -99,10 +84,7 @@ impl Store {
             let table = Table::read(&path)?;
             let [cell, verdict] = [table.column("cell")?, table.column("verdict")?];
             let is_lost = |row: &&Vec<String>| row[verdict] != FAILED && !planned.contains(row[cell].as_str());
-            for row in table.rows.iter().filter(is_lost) {
-                let axes = || table.columns.iter().cloned().zip(row.iter().cloned()).collect();
-                lost.entry(row[cell].clone()).or_insert_with(axes);
-            }
+            lost.extend(table.rows.iter().filter(is_lost).map(|row| row[cell].clone()));
         }
         Ok(lost)
     }
@@ -126,29 +108,13 @@ fn other_metric(provenance: &Value) -> Option<String> {
 /// The reason why all cells differ, by both provenances: " (seed is 1 there and 2 here)"; else empty.
 fn cause(there: &Value, here: &Value) -> String {
     if there["shader_hash"] != here["shader_hash"] {
-        return " (they were rendered by other shaders)".to_owned();
+        return ": they were rendered by other shaders".to_owned();
     }
     let inputs = there["inputs"].as_object().into_iter().flatten();
     let changed = |(name, hash): &(&String, &Value)| here["inputs"].get(name.as_str()).is_some_and(|now| now != *hash);
     if let Some((name, _)) = { inputs }.find(changed) {
-        return format!(" ({name} has changed since)");
+        return format!(": {name} has changed since");
     }
     let key = ["seed", "reference"].into_iter().find(|key| there[key] != here[key]);
-    key.map_or_else(String::new, |key| format!(" ({key} is {} there and {} here)", there[key], here[key]))
-}
-
-/// Each cell by its values on the axes that distinguish these cells from each other or from the plan.
-fn words(cells: &BTreeMap<String, Axes>, plan: &Plan) -> Vec<String> {
-    let varies = |axis: usize| {
-        let here = plan.cells.iter().map(|cell| plan.shown(cell, axis).to_string());
-        let there = cells.values().filter_map(|axes| axes.get(AXES[axis].name).cloned());
-        here.chain(there).filter(|text| !text.is_empty()).collect::<BTreeSet<_>>().len() > 1
-    };
-    let names: Vec<&str> = (0..AXES.len()).filter(|axis| varies(*axis)).map(|axis| AXES[axis].name).collect();
-    let words = |(id, axes): (&String, &Axes)| {
-        let set = names.iter().filter_map(|name| Some((name, axes.get(*name).filter(|text| !text.is_empty())?)));
-        let words: Vec<String> = set.map(|(name, text)| format!("{name}={}", short_number(text))).collect();
-        if words.is_empty() { id.clone() } else { words.join(" ") }
-    };
-    cells.iter().map(words).collect()
+    key.map_or_else(String::new, |key| format!(": {key} is {} there and {} here", there[key], here[key]))
 }

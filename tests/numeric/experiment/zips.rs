@@ -29,7 +29,10 @@ fn a_value_of_one_axis_keeps_its_rows_and_the_others_follow() {
 #[test]
 fn a_value_of_no_row_is_refused_with_the_rows() {
     let fault = rows(&["alpha=0.5,0.3"]).unwrap_err();
-    assert_eq!(fault, "--set alpha: axes.alpha: 0.3 is not in any row of its zip; the rows have 0.1, 0.5, 1");
+    assert_eq!(
+        fault,
+        "--set alpha: axes.alpha: 0.3 is in no [[zip]] row; choose from 0.1, 0.5, 1, or set alpha, samples together for new rows"
+    );
     // A value that is none has that fault alone.
     let fault = rows(&["alpha=7"]).unwrap_err();
     assert_eq!(fault, "--set alpha: axes.alpha: 7 is outside (0, 1]");
