@@ -6,7 +6,8 @@ use splitsum::environment::{Environment, LoadOptions};
 use splitsum::pipeline::{DeviceChoice, Options, Pipeline};
 use splitsum::run::RenderFault;
 use splitsum::scene::Scene;
-use splitsum::shade::own;
+use splitsum::scene::Scene;
+use splitsum::shade::{FILE_PREFIX, own};
 use std::path::{Path, PathBuf};
 
 #[derive(Args, Clone, Copy, Debug)]
@@ -31,17 +32,17 @@ impl InputFlags {
 
 /// Compiles a method in a file, `file:PATH`.
 pub fn own_method(name: &str) -> Result<(), Failure> {
-    let method = own::load(name, Path::new(""));
-    method
-        .map(drop)
-        .map_err(|why| Failure::input(format!("--method: {why}; expected file:PATH of a shader (docs/own-method.md)")))
+    let is_missing = name.strip_prefix(FILE_PREFIX).is_some_and(|path| !Path::new(path).exists());
+    let told = |why| if is_missing { format!("--method: {why}; expected file:PATH of your shader") } else { why };
+    own::load(name, Path::new("")).map(drop).map_err(|why| Failure::input(told(why)))
 }
 
 /// Loads a scene: a name or a file relative to the current folder.
 pub fn scene(name: &str) -> Result<Scene, String> {
-    Scene::load(name, Path::new("")).map_err(|why| {
-        let hint = if Path::new(name).exists() { "" } else { "; expected a file, or a name of `splitsum list scenes`" };
-        format!("--scene: {why}{hint}")
+    let is_missing = Path::new(name).extension().is_some() && !Path::new(name).exists();
+    Scene::load(name, Path::new("")).map_err(|why| match is_missing {
+        true => format!("--scene: {why}; expected a file, or a name of `splitsum list scenes`"),
+        false => why.to_string(),
     })
 }
 

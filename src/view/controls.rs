@@ -143,7 +143,7 @@ impl Controls {
     ) -> Option<String> {
         let words = items.iter().find(|(code, _)| code == shown).map_or(shown, |(_, words)| words);
         let combo = ComboBox::from_id_salt(name).width(width).height(700.0).truncate();
-        let response = combo.selected_text(words).show_ui(ui, |ui| {
+        let list = |ui: &mut Ui| {
             ui.set_min_width(MENU_WIDTH);
             let is_clicked = |(code, words): &&(String, String)| {
                 let response = ui.selectable_label(code == shown, words).on_hover_text(code);
@@ -151,7 +151,12 @@ impl Controls {
                 response.clicked()
             };
             items.iter().filter(is_clicked).last().map(|(code, _)| code.clone())
-        });
+        };
+        let cut = |ui: &mut Ui| {
+            ui.set_max_width(width);
+            combo.selected_text(words).show_ui(ui, list)
+        };
+        let response = ui.scope(cut).inner;
         self.place(name, &response.response);
         response.inner.flatten()
     }
