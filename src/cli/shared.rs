@@ -6,7 +6,6 @@ use splitsum::environment::{Environment, LoadOptions};
 use splitsum::pipeline::{DeviceChoice, Options, Pipeline};
 use splitsum::run::RenderFault;
 use splitsum::scene::Scene;
-use splitsum::scene::Scene;
 use splitsum::shade::{FILE_PREFIX, own};
 use std::path::{Path, PathBuf};
 

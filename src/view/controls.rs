@@ -142,7 +142,7 @@ impl Controls {
         items: Vec<(String, String)>,
     ) -> Option<String> {
         let words = items.iter().find(|(code, _)| code == shown).map_or(shown, |(_, words)| words);
-        let combo = ComboBox::from_id_salt(name).width(width).height(700.0).truncate();
+        let combo = ComboBox::from_id_salt(name).width(width).height(900.0).truncate();
         let list = |ui: &mut Ui| {
             ui.set_min_width(MENU_WIDTH);
             let is_clicked = |(code, words): &&(String, String)| {

@@ -51,7 +51,7 @@ impl Canvas {
                 }
                 for ((color, above), below) in line.iter_mut().zip(&rows[0].1).zip(&rows[1].1) {
                     let [r, g, b] = down.mean(*above, *below);
-                    *color = [r, g, b].map(|c| (c * brightness >> 24) as u8);
+                    *color = [r, g, b].map(|c| ((c * brightness) >> 24) as u8);
                 }
                 put(columns.start, y, &line);
             }

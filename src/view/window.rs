@@ -414,7 +414,7 @@ impl ApplicationHandler<Arrived> for App {
             let wake = move || drop(proxy.send_event(Arrived));
             match Worker::start(options, load, wake) {
                 Ok(worker) => self.worker = Some(worker),
-                Err(error) => return self.end(events, Windowed::Failed(format!("no thread: {error}"))),
+                Err(error) => self.end(events, Windowed::Failed(format!("no thread: {error}"))),
             }
         }
     }

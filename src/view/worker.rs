@@ -169,12 +169,15 @@ struct Renderer<'a> {
     environment: Option<(String, Option<f64>, Arc<Environment>)>,
     scene: Option<(String, Arc<Scene>)>,
     /// The scene with a material, and its camera before it orbits.
-    framed: Option<((MaterialOverride, CameraKind, [u32; 2]), Arc<Scene>, Camera)>,
+    framed: Option<(Framing, Arc<Scene>, Camera)>,
     kept: Recent<Image, Arc<Frame>>,
     shown: Shown,
     /// Divisor of the resolution while the state changes.
     coarse: u32,
 }
+
+/// Material, camera and size of a picture.
+type Framing = (MaterialOverride, CameraKind, [u32; 2]);
 
 enum Stop {
     Refused(String),
