@@ -1,10 +1,10 @@
 //! A list of the files that can be opened. It needs no library of the desktop.
 
-use super::controls::Controls;
 use super::state::file_axis;
 use super::theme;
 use crate::experiment::axis::ENVIRONMENT;
-use egui::{Key, RichText, ScrollArea, TextEdit, Ui};
+use egui::{Key, Rect, RichText, ScrollArea, TextEdit, Ui};
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 const SIZE: [f32; 2] = [460.0, 320.0];
@@ -37,7 +37,7 @@ impl Browse {
     }
 
     /// Shows the list. Returns `None` while it is open, then the chosen file, if any.
-    pub fn ui(&mut self, ui: &Ui, controls: &mut Controls) -> Option<Option<PathBuf>> {
+    pub fn ui(&mut self, ui: &Ui, places: &mut BTreeMap<String, Rect>) -> Option<Option<PathBuf>> {
         let mut chosen = None;
         let modal = egui::Modal::new("browse".into()).show(ui.ctx(), |ui| {
             ui.set_width(SIZE[0]);
@@ -45,7 +45,7 @@ impl Browse {
             ui.label(RichText::new(self.folder.display().to_string()).small().color(theme::MUTED));
             let field = TextEdit::singleline(&mut self.typed).hint_text("Path of a file or folder, then Enter");
             let field = ui.add(field.desired_width(f32::INFINITY));
-            controls.place("path", &field);
+            places.insert("path".to_owned(), field.rect);
             if field.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter)) {
                 chosen = Some(self.folder.join(self.typed.trim()));
             } else if ui.memory(|memory| memory.focused().is_none()) {
@@ -60,7 +60,7 @@ impl Browse {
                 for (path, name) in &self.entries {
                     let shown = if path.is_dir() { format!("{name}/") } else { name.clone() };
                     let response = ui.selectable_label(false, shown);
-                    controls.place(format!("file {name}"), &response);
+                    places.insert(format!("file {name}"), response.rect);
                     if response.clicked() {
                         chosen = Some(path.clone());
                     }

@@ -53,7 +53,7 @@ impl Controls {
         self.input(ui, SCENE, state);
         self.axis(ui, ALPHA, state);
         self.axis(ui, METALLIC, state);
-        self.labelled(ui, f0(state), "F0", state);
+        self.axis(ui, f0(state), state);
         self.method(ui, "left", state);
         self.method(ui, "right", state);
         let uses_samples = |side| {
@@ -69,7 +69,7 @@ impl Controls {
             egui::CollapsingHeader::new("Advanced").show_unindented(ui, |ui| self.advanced(ui, state, shown));
         self.place("advanced", &advanced.header_response);
         let mut browse = self.browse.take()?;
-        let chosen = browse.ui(ui, self);
+        let chosen = browse.ui(ui, &mut self.places);
         if chosen.is_none() {
             self.browse = Some(browse);
         }
@@ -114,8 +114,10 @@ impl Controls {
             // The rest concerns flags of `render`.
             ui.heading(heading.split(',').next().unwrap_or(heading));
             let eight = [ENVIRONMENT, SCENE, ALPHA, METALLIC, f0(state), METHOD, SAMPLES, EXPOSURE];
+            let is_choice =
+                |axis: usize| !matches!(AXES[axis].kind, Kind::NameOrFile { names, .. } if names().len() < 2);
             let is_here = |axis: &usize| AXES[*axis].part.heading() == heading && !eight.contains(axis);
-            (0..AXES.len()).filter(is_here).for_each(|axis| self.axis(ui, axis, state));
+            (0..AXES.len()).filter(is_here).filter(|axis| is_choice(*axis)).for_each(|axis| self.axis(ui, axis, state));
         }
         ui.add_space(8.0);
         ui.heading("Analytic lights");
@@ -202,14 +204,8 @@ impl Controls {
     }
 
     fn axis(&mut self, ui: &mut Ui, axis: usize, state: &mut State) {
-        let offers_one = matches!(AXES[axis].kind, Kind::NameOrFile { names, .. } if names().len() < 2);
-        if !offers_one {
-            self.labelled(ui, axis, &Named::usual(axis).label(), state);
-        }
-    }
-
-    fn labelled(&mut self, ui: &mut Ui, axis: usize, label: &str, state: &mut State) {
         let named = Named::usual(axis);
+        let label = if axis == f0(state) { Named::own(F0).label() } else { named.label() };
         let is_used = |side| {
             let point = state.image(side, 1).point;
             // The reference has its own count.
@@ -219,7 +215,7 @@ impl Controls {
         let is_used =
             AXES[axis].part == Part::Display || is_unset || [Side::Left, Side::Right].into_iter().any(is_used);
         let point = &mut state.point;
-        self.row(ui, label, &capitalised(named.about()), |controls, ui| {
+        self.row(ui, &label, &capitalised(named.about()), |controls, ui| {
             ui.add_enabled_ui(is_used, |ui| {
                 // A control of an unset axis shows its first value; moving it sets the axis.
                 let before = if is_unset { first(axis, named, point) } else { point[axis].clone() };

@@ -1,6 +1,5 @@
 //! Keys, and the turns of camera and light.
 
-use super::panel::Panel;
 use super::picture::Picture;
 use super::state::{HOME, State};
 use crate::experiment::axis::{ENVIRONMENT_ROTATION, EXPOSURE, METHOD};
@@ -12,15 +11,24 @@ use egui::{Key, Ui};
 const KEY_DEG: f64 = 5.0;
 const KEY_ZOOM: f64 = 1.15;
 
+/// What keys ask of the window.
+#[derive(Default)]
+pub struct Pressed {
+    /// Whether the other half is shown.
+    pub is_flipped: bool,
+    pub save: bool,
+    pub fullscreen: bool,
+}
+
 /// Applies the keys of this pass, unless a control has the focus.
-pub fn press(panel: &mut Panel, ui: &Ui, state: &mut State) {
+pub fn press(ui: &Ui, state: &mut State, [probe, times]: &mut [bool; 2]) -> Pressed {
     let context = ui.ctx().clone();
+    let mut pressed = Pressed::default();
     if context.memory(|memory| memory.focused()).is_some() {
-        panel.is_flipped = false;
-        return;
+        return pressed;
     }
     context.input(|input| {
-        panel.is_flipped = input.key_down(Key::Space);
+        pressed.is_flipped = input.key_down(Key::Space);
         let mut stops = 0.0;
         for event in &input.events {
             let egui::Event::Key { key, pressed: true, modifiers, .. } = event else { continue };
@@ -28,14 +36,13 @@ pub fn press(panel: &mut Panel, ui: &Ui, state: &mut State) {
             let (picture, orbit, shift) = (state.picture, state.view.orbit, modifiers.shift);
             let toggled = |wanted: Picture| if picture == wanted { Picture::Image } else { wanted };
             let turn = |yaw: f64, pitch: f64| turned(orbit, yaw, pitch);
-            let [probe, times] = &mut panel.controls.overlays;
             match key {
-                key if modifiers.command => panel.wants_save |= *key == Key::S,
+                key if modifiers.command => pressed.save |= *key == Key::S,
                 Key::E => state.picture = toggled(Picture::Error),
                 Key::S => state.picture = toggled(Picture::Signed),
                 Key::P => *probe ^= true,
                 Key::T => *times ^= true,
-                Key::F | Key::F11 => panel.wants_fullscreen = true,
+                Key::F | Key::F11 => pressed.fullscreen = true,
                 Key::D => state.wipe = if state.wipe == 1.0 { 0.5 } else { 1.0 },
                 Key::OpenBracket => stops -= 0.5,
                 Key::CloseBracket => stops += 0.5,
@@ -62,6 +69,7 @@ pub fn press(panel: &mut Panel, ui: &Ui, state: &mut State) {
             state.point[EXPOSURE] = Value::Number(decimal(exposure));
         }
     });
+    pressed
 }
 
 /// Turns the orbit, in hundredths of a degree.

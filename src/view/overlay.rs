@@ -44,14 +44,16 @@ impl Canvas {
             let mut line = vec![[0; 3]; columns.len()];
             for y in 0..height {
                 let down = Texel::at(y, height, picture.height, *scale);
+                let (near, far) = ((256 - down.weight) * brightness, down.weight * brightness);
                 for (row, place) in rows.iter_mut().zip([down.first, down.second]) {
                     if row.0 != place {
                         *row = (place, stretched(place as u32));
                     }
                 }
                 for ((color, above), below) in line.iter_mut().zip(&rows[0].1).zip(&rows[1].1) {
-                    let [r, g, b] = down.mean(*above, *below);
-                    *color = [r, g, b].map(|c| ((c * brightness) >> 24) as u8);
+                    for channel in 0..3 {
+                        color[channel] = ((above[channel] * near + below[channel] * far) >> 24) as u8;
+                    }
                 }
                 put(columns.start, y, &line);
             }
@@ -76,6 +78,7 @@ impl Texel {
     }
 
     /// Returns 256 times the weighted mean.
+    #[inline]
     fn mean(&self, [r, g, b]: [u32; 3], [s, h, c]: [u32; 3]) -> [u32; 3] {
         let near = 256 - self.weight;
         [r * near + s * self.weight, g * near + h * self.weight, b * near + c * self.weight]
@@ -172,40 +175,28 @@ pub fn wipe_line(ui: &Ui, line: Rect) {
     }
 }
 
-/// Shows linear values under the pointer.
-pub fn probe(ui: &mut Ui, shown: &Shown, probed: Option<[u32; 2]>) {
+/// Lists linear values at a pixel.
+pub fn probe(shown: &Shown, probed: Option<[u32; 2]>) -> String {
     let place = probed.map_or_else(|| "Point at a pixel".to_owned(), |[x, y]| format!("Pixel {x}, {y}"));
-    egui::Grid::new("probe").num_columns(3).spacing(vec2(12.0, 2.0)).show(ui, |ui| {
-        ["", "Red, green, blue (linear)", "Standard error"].iter().for_each(|head| drop(ui.weak(*head)));
-        ui.end_row();
-        for (name, shot) in ["Left", "Right", "Reference"].into_iter().zip(shown.halves.iter().chain([&shown.truth])) {
-            ui.label(name);
-            let value = |image: &RgbImage| {
-                let ([x, y], scale) = (probed?, shot.as_ref()?.scale);
-                at(image, x / scale, y / scale).map(|rgb| rgb.map(|c| format!("{c:.4}")).join(" "))
-            };
-            let frame = shot.as_ref().map(|shot| &shot.frame);
-            // As wide as the values, so that columns stay in place.
-            ui.monospace(
-                frame.and_then(|frame| value(&frame.radiance)).unwrap_or_else(|| "–      –      –     ".to_owned()),
-            );
-            ui.monospace(frame.and_then(|frame| value(frame.standard_error.as_ref()?)).unwrap_or_default());
-            ui.end_row();
-        }
-    });
-    ui.weak(place);
+    let mut text = format!("{place:<18} red     green   blue      standard error\n");
+    for (name, shot) in ["Left", "Right", "Reference"].into_iter().zip(shown.halves.iter().chain([&shown.truth])) {
+        let value = |image: Option<&RgbImage>| {
+            let ([x, y], scale) = (probed?, shot.as_ref()?.scale);
+            at(image?, x / scale, y / scale).map(|rgb| rgb.map(|c| format!("{c:7.4}")).join(" "))
+        };
+        let frame = shot.as_ref().map(|shot| &shot.frame);
+        let radiance = value(frame.map(|frame| &frame.radiance)).unwrap_or_default();
+        let error = value(frame.and_then(|frame| frame.standard_error.as_ref())).unwrap_or_default();
+        text += &format!("{name:<16} {radiance:<23}  {error}\n");
+    }
+    text
 }
 
-/// Shows the times of the left half's last frame and its passes, ms.
-pub fn times(ui: &mut Ui, shown: &Shown) {
+/// Lists the times of the left half's last frame and its passes.
+pub fn times(shown: &Shown) -> String {
     let is_cpu = shown.device.as_ref().is_some_and(|device| device.device_type == "cpu");
-    let Some(timings) = shown.halves[0].as_ref().map(|shot| &shot.frame.timings) else { return };
-    ui.weak(format!("Left half {:.0} ms, {} times", timings.wall_ms, if is_cpu { "CPU" } else { "GPU" }));
-    egui::Grid::new("passes").num_columns(2).spacing(vec2(12.0, 0.0)).show(ui, |ui| {
-        for time in &timings.frame {
-            ui.label(time.pass);
-            ui.monospace(format!("{:6.2} ms", time.ms));
-            ui.end_row();
-        }
-    });
+    let Some(timings) = shown.halves[0].as_ref().map(|shot| &shot.frame.timings) else { return String::new() };
+    let passes = timings.frame.iter().map(|time| format!("\n{:<16} {:7.2} ms", time.pass, time.ms));
+    let kind = if is_cpu { "CPU" } else { "GPU" };
+    format!("Left half        {:7.2} ms, {kind} times{}\n", timings.wall_ms, passes.collect::<String>())
 }

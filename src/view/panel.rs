@@ -11,7 +11,7 @@ use crate::experiment::axis::SIZE;
 use crate::experiment::value::Value;
 use crate::spelling::capitalised;
 use egui::text::LayoutJob;
-use egui::{Align2, CursorIcon, FontId, Frame as Ground, Pos2, Rect, Sense, Ui, UiBuilder, vec2};
+use egui::{Align2, CursorIcon, FontId, Frame as Ground, Rect, Sense, Ui, UiBuilder, vec2};
 use std::time::{Duration, Instant};
 
 const PANEL_WIDTH: f32 = 320.0;
@@ -38,7 +38,7 @@ pub struct Panel {
     pub wants_save: bool,
     pub wants_fullscreen: bool,
     pub canvas: Canvas,
-    pub is_flipped: bool,
+    is_flipped: bool,
     /// The state that the user asked for, the last one with a picture, and since when they differ.
     generation: u64,
     seen: u64,
@@ -78,7 +78,10 @@ impl Panel {
 
     pub fn ui(&mut self, ui: &mut Ui, state: &mut State, shown: &Shown) {
         self.controls.places.clear();
-        keys::press(self, ui, state);
+        let pressed = keys::press(ui, state, &mut self.controls.overlays);
+        self.is_flipped = pressed.is_flipped;
+        self.wants_save |= pressed.save;
+        self.wants_fullscreen |= pressed.fullscreen;
         let ground = Ground::side_top_panel(ui.style()).inner_margin(egui::Margin::symmetric(12, 0));
         egui::Panel::right("controls").resizable(false).exact_size(PANEL_WIDTH).frame(ground).show_inside(ui, |ui| {
             let area = egui::ScrollArea::vertical().auto_shrink(false);
@@ -131,10 +134,8 @@ impl Panel {
             let halves =
                 [(Side::Left, Align2::LEFT_BOTTOM, wipe > 0.0), (Side::Right, Align2::RIGHT_BOTTOM, wipe < 1.0)];
             for ((side, align, is_seen), is_stale) in halves.into_iter().zip(is_stale) {
-                let both = (0.0..1.0).contains(&wipe) && wipe > 0.0;
-                let width = if both { 0.5 * inner.width() - MARGIN } else { inner.width() };
-                let corner = align.pos_in_rect(&inner);
-                let place = align.anchor_size(corner, vec2(width, inner.height()));
+                let size = vec2(0.5 * inner.width() - MARGIN, inner.height());
+                let place = align.anchor_size(align.pos_in_rect(&inner), size);
                 if let Some(shot) = shown.side(side).filter(|_| is_seen) {
                     caption(ui, place, align, shot, is_stale);
                 }
@@ -148,7 +149,13 @@ impl Panel {
             legend(ui, rect, &colors);
         }
         self.toolbar(ui, area, state);
-        self.overlays(ui, area.min + vec2(MARGIN, 92.0), shown);
+        let [has_probe, has_times] = self.controls.overlays;
+        let probe = has_probe.then(|| overlay::probe(shown, self.probed));
+        let texts: Vec<String> = probe.into_iter().chain(has_times.then(|| overlay::times(shown))).collect();
+        if !texts.is_empty() {
+            let job = LayoutJob::simple(texts.join("\n"), FontId::monospace(12.5), theme::INK, f32::INFINITY);
+            veiled(ui, inner.with_min_y(area.top() + 96.0), Align2::LEFT_TOP, job);
+        }
     }
 
     /// Whether a half is of another state: at once if the other half or the kind of picture is newer, else after a moment.
@@ -192,21 +199,6 @@ impl Panel {
                     }
                 });
             });
-        });
-    }
-
-    fn overlays(&self, ui: &mut Ui, corner: Pos2, shown: &Shown) {
-        let place = Rect::from_min_size(corner, vec2(480.0, 400.0));
-        ui.scope_builder(UiBuilder::new().max_rect(place), |ui| {
-            ui.spacing_mut().interact_size.y = 16.0;
-            let ground = Ground::new().fill(theme::VEIL).corner_radius(6).inner_margin(8);
-            let [has_probe, has_times] = self.controls.overlays;
-            if has_probe {
-                ground.show(ui, |ui| overlay::probe(ui, shown, self.probed));
-            }
-            if has_times {
-                ground.show(ui, |ui| overlay::times(ui, shown));
-            }
         });
     }
 

@@ -223,12 +223,11 @@ fn every_control_moves_its_axis() {
             win.drag(name, [0.5, 0.5], [1.5, 0.5], None);
         } else if win.has(name) {
             win.click(name, [0.2, 0.5]);
-            let choices: Vec<String> = win.controls().into_iter().filter(|name| name.starts_with("choice ")).collect();
-            // The other one of a list.
-            if let Some(choice) =
-                choices.iter().find(|choice| **choice != format!("choice {}", before.as_str().unwrap_or_default()))
-            {
-                win.click(choice, [0.5, 0.5]);
+            let current = format!("choice {}", before.as_str().unwrap_or_default());
+            let others = win.controls().into_iter().filter(|name| name.starts_with("choice ") && *name != current);
+            // The topmost other one: a long list is scrolled.
+            if let Some(choice) = others.min_by_key(|choice| win.place(choice)[1] as u32) {
+                win.click(&choice, [0.5, 0.5]);
             }
         }
         if value(&win) != before {
