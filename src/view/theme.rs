@@ -27,7 +27,7 @@ pub fn color(role: Option<Role>) -> Color32 {
         Some(Role::Textbook) => TEXTBOOK,
         Some(Role::Corrected) => CORRECTED,
         Some(Role::Sampling) => SAMPLING,
-        Some(Role::Engine) => ACCENT,
+        Some(Role::Other) => MUTED,
     }
 }
 

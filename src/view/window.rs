@@ -40,6 +40,8 @@ pub enum Windowed {
 /// Names a file for tests: places of the controls, and what is shown.
 const TOLD: &str = "SPLITSUM_TEST_WINDOW";
 const SIZE: [f64; 2] = [1280.0, 800.0];
+/// Distance of passes while the renderer is behind and the pointer moves.
+const BEHIND: Duration = Duration::from_millis(50);
 /// Fits the toolbar.
 const SMALLEST: [f64; 2] = [800.0, 480.0];
 
@@ -118,6 +120,8 @@ struct App {
     /// Whether the surface was created again since it last worked.
     is_renewed: bool,
     wakes_at: Option<Instant>,
+    /// Start of the last pass.
+    painted: Instant,
     /// Whether no pass has seen a pressed button yet.
     is_press_unseen: bool,
     heard: Heard,
@@ -168,6 +172,7 @@ impl App {
             ended: Windowed::Closed,
             is_renewed: false,
             wakes_at: None,
+            painted: Instant::now(),
             is_press_unseen: false,
             heard: Heard::default(),
             told: std::env::var_os(TOLD).map(|path| (path.into(), String::new())),
@@ -212,6 +217,7 @@ impl App {
         // A minimised window may have no pixels.
         let (Some(columns), Some(rows)) = (NonZeroU32::new(width), NonZeroU32::new(height)) else { return };
         let input = screen.egui_input();
+        self.painted = Instant::now();
         self.is_press_unseen = false;
         for file in input.dropped_files.iter().filter_map(|file| file.path.clone()) {
             self.panel.open(&file, &mut self.state);
@@ -425,12 +431,13 @@ impl ApplicationHandler<Arrived> for App {
 
     fn new_events(&mut self, _: &ActiveEventLoop, cause: StartCause) {
         if let (StartCause::ResumeTimeReached { .. }, Some(screen)) = (cause, &self.screen) {
+            self.wakes_at = None;
             screen.window.request_redraw();
         }
     }
 
     fn about_to_wait(&mut self, events: &ActiveEventLoop) {
-        events.set_control_flow(self.wakes_at.take().map_or(ControlFlow::Wait, ControlFlow::WaitUntil));
+        events.set_control_flow(self.wakes_at.map_or(ControlFlow::Wait, ControlFlow::WaitUntil));
     }
 
     fn window_event(&mut self, events: &ActiveEventLoop, _: WindowId, event: WindowEvent) {
@@ -459,6 +466,11 @@ impl ApplicationHandler<Arrived> for App {
                 self.end(events, Windowed::Lost("the window was taken away".to_owned()));
             }
             WindowEvent::RedrawRequested => self.frame(events),
+            // Leaves the processor to a renderer that is behind.
+            WindowEvent::CursorMoved { .. } if self.shown.generation != self.generation => {
+                let next = self.painted + BEHIND;
+                self.wakes_at = Some(self.wakes_at.map_or(next, |at| at.min(next)));
+            }
             _ if response.repaint => screen.window.request_redraw(),
             _ => {}
         }
