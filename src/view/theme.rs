@@ -27,7 +27,7 @@ pub fn color(role: Option<Role>) -> Color32 {
         Some(Role::Textbook) => TEXTBOOK,
         Some(Role::Corrected) => CORRECTED,
         Some(Role::Sampling) => SAMPLING,
-        Some(Role::Other) => MUTED,
+        Some(Role::Other) => ACCENT,
     }
 }
 
