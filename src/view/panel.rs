@@ -158,7 +158,7 @@ impl Panel {
         }
     }
 
-    /// Whether a half is of another state: at once if the other half or the kind of picture is newer, else after a moment.
+    /// Whether a half shows another state: at once if the other half or the picture is newer, else after a moment.
     fn is_stale(&self, state: &State, shown: &Shown, side: Side) -> bool {
         let Some(shot) = shown.side(side) else { return false };
         let is_other = shot.kind != state.picture || shot.generation < self.seen;
