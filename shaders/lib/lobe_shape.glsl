@@ -13,11 +13,6 @@ vec4 lobe_lookup(Surface s, float share, float widths) {
     return lobe_lookup(lobe_shapes, widths, s.n, s.v, s.n_dot_v, perceptual_roughness_from_alpha(s.alpha), share);
 }
 
-// The share of the reflected light that has the weight Fc, for any f0; a colour counts by its mean.
-float share_of_f90(Surface s, vec2 a_b) {
-    return a_b.y / (dot(s.f0, vec3(1.0 / 3.0)) * a_b.x + a_b.y);
-}
-
 // Mean radiance of a lobe of that share, along its first moment.
 vec3 lobe_radiance(Surface s, float share, float widths) {
     vec4 lookup = lobe_lookup(s, share, widths);

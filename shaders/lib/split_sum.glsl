@@ -18,3 +18,8 @@ vec3 reflectance(Surface s) {
     vec2 a_b = albedo_pair(s);
     return s.f0 * a_b.x + a_b.y;
 }
+
+// The share of the reflected light that has the weight Fc, for any f0; a colour counts by its mean.
+float share_of_f90(Surface s, vec2 a_b) {
+    return a_b.y / (dot(s.f0, vec3(1.0 / 3.0)) * a_b.x + a_b.y);
+}

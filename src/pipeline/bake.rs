@@ -2,6 +2,7 @@
 
 use super::light_tables::{LOBES_OF, read_level, read_texels};
 use super::{Pipeline, PipelineError, RenderRequest};
+use crate::bakes::container::write_table;
 use crate::brdf::{Brdf, MaskingShadowing};
 use crate::environment::Environment;
 use crate::glsl::constants::{LOBE_SHAPE_PARTS, LOBE_SHAPE_SIDE};
@@ -16,6 +17,9 @@ use serde::Serialize;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+
+/// The methods whose tables of taps are baked.
+const TAPS_OF: [&str; 2] = ["split-sum-two", "split-sum-four"];
 
 /// The file that lists the files of a bake.
 const MANIFEST: &str = "bake.json";
@@ -51,6 +55,7 @@ struct BakeFile<'a> {
     radiance: &'static str,
     dfg: &'static str,
     lobes: &'static str,
+    taps: &'static str,
     irradiance: &'static str,
     prefilter_alphas: Vec<f64>,
     level_mapping: &'static str,
@@ -68,8 +73,8 @@ struct BakeFile<'a> {
 }
 
 impl Pipeline {
-    /// Writes into the folder `out`, and returns the paths: prefiltered levels, DFG table and lobe table of each model
-    /// (EXR; lobes also as source text), SH9 (JSON), the irradiance map (EXR), and `bake.json` last. Removes levels
+    /// Writes into the folder `out`, and returns the paths: prefiltered levels, DFG table, lobe table and taps of each
+    /// model (EXR; lobes also as source text, taps as KTX 2), SH9 (JSON), the irradiance map (EXR), and `bake.json` last. Removes levels
     /// that an earlier bake left beyond these.
     pub fn bake(&mut self, request: &BakeRequest, out: &Path) -> Result<Vec<PathBuf>, PipelineError> {
         let environment = &request.environment;
@@ -107,11 +112,23 @@ impl Pipeline {
             // Viewers show nothing for channels named A and B.
             write_channels(&read_texels(&self.gpu, &tables.dfg)?, &["R", "G"], &path)?;
             files.push(path);
-            let lobes = lobes(&self.gpu, &tables.lobe_shapes)?;
+            let lobes = lobes(&self.gpu, &tables.lobe_table)?;
             let [image, header] = ["exr", "h"].map(|end| out.join(format!("lobes_{}.{end}", brdf.name())));
             write_channels(&lobes, &["R", "G", "B", "A"], &image)?;
             write_atomically(&header, |file| file.write_all(lobe_header(brdf.name(), &lobes).as_bytes()))?;
             files.extend([image, header]);
+            for method in TAPS_OF {
+                view.shading.method = Method::listed(method);
+                let table = self.prepare(&view)?.tables.lobe_table;
+                let taps = read_texels(&self.gpu, &table)?;
+                let count = method.trim_start_matches("split-sum-");
+                let [image, texture] =
+                    ["exr", "ktx2"].map(|end| out.join(format!("taps_{count}_{}.{end}", brdf.name())));
+                write_channels(&taps, &["R", "G", "B", "A"], &image)?;
+                write_atomically(&texture, |file| file.write_all(&write_table(&taps)))?;
+                files.extend([image, texture]);
+            }
+            view.shading.method = Method::listed(LOBES_OF);
         }
         let names = files.iter().filter_map(|path| Some(path.file_name()?.to_string_lossy().into_owned()));
         let is_sampled = settings.prefilter == PrefilterBy::Sampled;
@@ -124,6 +141,7 @@ impl Pipeline {
             radiance: "linear Rec.709",
             dfg: "channel R (A of the text) scales f0, channel G (B) is added; x = n_dot_v, y = perceptual_roughness, both at texel centres (i + 0.5) / size, row 0 is the smoothest; a lookup within half a texel of an edge is clamped: at roughness 1 ggx errs by up to 0.5 / size",
             lobes: "two square parts below each other, nodes at both ends of x = sqrt(n_dot_v) and y = perceptual_roughness: first moments as shares of r and n (of the parts of weight 1 - Fc, then of Fc), and ratios of perceptual roughness for shares 0, 1/2 and 1 of the second; docs/paste.md",
+            taps: "square parts below each other, nodes at both ends of x = sqrt(n_dot_v) and y = perceptual_roughness: for F0 1, then for 0.04, a part for each two taps (place between n and r, level, twice) and a part of weights; for this number and mapping of levels; docs/paste.md",
             irradiance: "irradiance / pi: what a Lambert surface of albedo 1 reflects",
             prefilter_alphas: (0..settings.prefilter_level_count)
                 .map(|mip| settings.level_mapping.alpha_from_mip(f64::from(mip), settings.prefilter_level_count))

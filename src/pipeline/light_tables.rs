@@ -65,7 +65,7 @@ impl Pipeline {
         let is_small =
             |&mip: &u32| tables.filtered.mip_size(mip).iter().product::<u32>() * layout.face_count <= texels_max;
         let first_level = (0..levels).find(is_small).unwrap_or(levels - 1);
-        let (dfg, lobe_shapes) = (read_texels(&self.gpu, &tables.dfg)?, read_texels(&self.gpu, &tables.lobe_shapes)?);
+        let (dfg, lobe_shapes) = (read_texels(&self.gpu, &tables.dfg)?, read_texels(&self.gpu, &tables.lobe_table)?);
         let sh9: Vec<[f32; 4]> = self.gpu.read_buffer(&tables.sh9)?;
         Ok(LightTables {
             layout,

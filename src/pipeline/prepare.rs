@@ -2,7 +2,7 @@
 
 use super::antialias::Edges;
 use super::inputs::{
-    DfgInputs, IrradianceInputs, LobeShapeInputs, PrefilterInputs, SharedKey, filtered_key, mips_key, sh9_key,
+    DfgInputs, IrradianceInputs, LobeTableInputs, PrefilterInputs, SharedKey, filtered_key, mips_key, sh9_key,
 };
 use super::resources::{Prepared, ReferenceData, Resources, Target, harmonics};
 use super::shared_work::{Kept, Levels, Maker};
@@ -12,7 +12,6 @@ use crate::environment::distribution::{EnvironmentDistribution, weighted_texels}
 use crate::environment::layout::MapLayout;
 use crate::gbuffer::design;
 use crate::gbuffer::pass::{self as gbuffer_pass, GbufferImages, SceneData};
-use crate::glsl::constants::{LOBE_SHAPE_PARTS, LOBE_SHAPE_SIDE};
 use crate::gpu::{Buffer, Format, Gpu, GpuError, Image, Report};
 use crate::math::sequence::{PixelPoints, SEQUENCES, Sequence};
 use crate::precompute::mips::level_count;
@@ -20,7 +19,7 @@ use crate::precompute::points::Points;
 use crate::precompute::prefilter::harmonic;
 use crate::precompute::sh9::{Projection, reference::project_bilinear};
 use crate::precompute::{
-    HALF_MAX, PrefilterBy, StorageFormat, dfg, exact_quadrature, filtered, irradiance, lobe_shape, mips, prefilter, sh9,
+    HALF_MAX, PrefilterBy, StorageFormat, dfg, exact_quadrature, filtered, irradiance, mips, prefilter, sh9,
 };
 use crate::shade::pass::{Tables, light_data};
 use crate::shade::reference_pass::{DistributionBuffers, Sums, pair_count};
@@ -61,9 +60,9 @@ impl Resources {
             true => self.dfg_table(maker, DfgInputs::of(request), storage)?,
             false => self.blank_image.clone(),
         };
-        let lobe_shapes = match request.shading.method.uses_lobe_shapes {
-            true => self.lobe_shapes(maker, LobeShapeInputs::of(request), storage)?,
-            false => self.blank_image.clone(),
+        let lobe_table = match request.shading.method.lobe_table {
+            Some(kind) => self.lobe_table(maker, LobeTableInputs::of(request, kind), storage)?,
+            None => self.blank_image.clone(),
         };
         let points = self.points(
             gpu,
@@ -78,7 +77,7 @@ impl Resources {
         let lobes = request.reference_lobes();
         let reference = if lobes.is_empty() { None } else { Some(self.reference_data(gpu, request)?) };
         Ok(Prepared {
-            tables: Tables { environment, filtered, prefiltered, dfg, lobe_shapes, irradiance_map, sh9, points },
+            tables: Tables { environment, filtered, prefiltered, dfg, lobe_table, irradiance_map, sh9, points },
             scene,
             target,
             lights: lights.transpose()?,
@@ -233,17 +232,16 @@ impl Resources {
         self.stored(gpu, &key, made.image, storage)
     }
 
-    fn lobe_shapes(
+    fn lobe_table(
         &mut self,
         maker: &mut Maker,
-        inputs: LobeShapeInputs,
+        inputs: LobeTableInputs,
         storage: StorageFormat,
     ) -> Result<Image, PipelineError> {
         let (gpu, key) = (maker.gpu, inputs.key());
-        let size = [LOBE_SHAPE_SIDE, LOBE_SHAPE_PARTS * LOBE_SHAPE_SIDE];
-        let empty = || gpu.image("lobe shapes", size, 1, Format::Rgba32Float).map(Levels::all);
-        let made = maker.table(&mut self.tables.lobe_shapes, &key, empty, |table| {
-            gpu.write_image(&table.image, 0, &lobe_shape::texels(inputs.kernel, inputs.masking))?;
+        let empty = || gpu.image("lobe table", inputs.size(), 1, Format::Rgba32Float).map(Levels::all);
+        let made = maker.table(&mut self.tables.lobe_tables, &key, empty, |table| {
+            gpu.write_image(&table.image, 0, &inputs.texels().data)?;
             Ok(Report::default())
         })?;
         self.stored(gpu, &key, made.image, storage)

@@ -11,11 +11,21 @@ pub mod points;
 pub mod prefilter;
 mod settings;
 pub mod sh9;
+pub mod taps;
 
 pub use settings::{HALF_MAX, PrecomputeSettings, PrefilterBy, SettingsError, StorageFormat};
 
 use crate::math::equirect_quadrature::EquirectQuadrature;
 use crate::pixels::RgbImage;
+
+/// A table of a model's lobes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LobeTableKind {
+    /// [`lobe_shape`].
+    Shapes,
+    /// [`taps`], of so many taps.
+    Taps(usize),
+}
 
 /// Prepares an environment's map for the exact integrals of the f64 references.
 pub fn exact_quadrature(image: &RgbImage) -> EquirectQuadrature {

@@ -91,6 +91,10 @@ pub fn record(plan: &Plan, renderer: &mut dyn Renderer) -> Result<LiveRecord, Re
     let methods = distinct(plan, &[], |request| request.shading.method.name);
     let shader = |(_, request): &(Point, RenderRequest)| {
         let Method { name, text, uses_samples: is_sampled, .. } = *request.shading.method;
+        // Tables of taps are not in the record.
+        if request.shading.method.reads_taps() {
+            return None;
+        }
         Some(LiveShader { name: name.to_owned(), text: text?.to_owned(), is_sampled })
     };
     let methods = methods.iter().filter_map(shader).collect();

@@ -18,6 +18,7 @@ use crate::precompute::PrecomputeSettings;
 use crate::precompute::dfg::{Albedos, DfgAxes};
 use crate::precompute::lobe_shape::{LobeTable, Objective};
 use crate::precompute::prefilter::LevelMapping;
+use crate::precompute::taps::{TapTable, dielectric_share};
 use glam::{DVec2, DVec3};
 
 /// The f64 twin of a method.
@@ -51,6 +52,8 @@ pub struct Light {
     /// Exact (A, B) by n·v.
     pub albedos: Albedos,
     pub lobe_shapes: LobeTable,
+    pub two_taps: TapTable,
+    pub four_taps: TapTable,
     /// Irradiance over π.
     pub irradiance_map: FilteredMap,
     /// Coefficients of radiance as the device sums them.
@@ -135,6 +138,20 @@ impl Light {
         surface.f0 * pair.x * of_part(0.0) + pair.y * of_part(1.0)
     }
 
+    /// Sums the taps of a table; a colour counts by its mean.
+    pub fn tapped_split_sum(&self, surface: &Surface, table: &TapTable) -> DVec3 {
+        let Surface { n, v, alpha, .. } = *surface;
+        let pair = self.dfg(n.dot(v), alpha);
+        let dielectric = dielectric_share(surface.f0.element_sum() / 3.0, pair.to_array());
+        let taps = table.taps(n.dot(v), alpha, dielectric).into_iter();
+        let mean: DVec3 = taps
+            .map(|[place, level, weight]| {
+                weight * self.prefiltered.value(n.lerp(reflect(v, n), place).normalize(), level)
+            })
+            .sum();
+        mean.max(DVec3::ZERO) * (surface.f0 * pair.x + pair.y)
+    }
+
     /// Returns direction and width of a lobe whose part of weight Fc has the share `share`.
     fn fitted_lobe(&self, surface: &Surface, share: f64, objective: Objective) -> (DVec3, f64) {
         let Surface { n, v, alpha, .. } = *surface;
@@ -142,7 +159,7 @@ impl Light {
     }
 
     /// Returns the share of the reflected light that has the weight Fc.
-    fn share_of_f90(&self, surface: &Surface) -> f64 {
+    pub fn share_of_f90(&self, surface: &Surface) -> f64 {
         let pair = self.dfg(surface.n.dot(surface.v), surface.alpha);
         pair.y / (surface.f0.element_sum() / 3.0 * pair.x + pair.y)
     }

@@ -4,12 +4,15 @@ use super::end_to_end::folder;
 use super::{assert_ends, assert_refusals, ok, splitsum};
 use glam::DVec2;
 use serde_json::Value;
+use splitsum::bakes::container;
 use splitsum::bakes::convention::PRESETS;
 use splitsum::brdf::Brdf;
 use splitsum::brdf::MaskingShadowing;
 use splitsum::pixels::{GrayImage, RgbImage, exr};
+use splitsum::precompute::PrecomputeSettings;
 use splitsum::precompute::lobe_shape::{LobeShapes, parameters_from_node};
-use splitsum::precompute::prefilter::Kernel;
+use splitsum::precompute::prefilter::{Kernel, LevelMapping};
+use splitsum::precompute::taps::{Chain, TapTable};
 use splitsum::spelling::Listed;
 
 #[test]
@@ -169,6 +172,32 @@ fn baked_lobes_are_their_shapes() {
             for (channel, expected) in expected.into_iter().enumerate() {
                 assert!((texel[channel] - expected).abs() < 1e-6, "{node:?} part {part}: {texel:?} for {expected}");
                 assert!(channel == 3 || rgb[channel] == texel[channel] as f32, "{node:?}: {rgb:?} for {texel:?}");
+            }
+        }
+    }
+}
+
+/// The tables of taps are those of the map's levels, in f32 and rounded to halves.
+#[test]
+fn baked_taps_are_their_tables() {
+    let Some(dir) = folder() else { return };
+    let sets = ["--set", "brdf=beckmann", "--set", "prefilter_size=64x64", "--set", "level_mapping=quadratic"];
+    ok(dir.path(), &[&["bake", "builtin:constant", "--out", "baked"], &sets[..]].concat());
+    let beckmann = <dyn Brdf>::listed("beckmann");
+    let settings = PrecomputeSettings::default();
+    let chain = Chain::new(Kernel::cosine(beckmann), LevelMapping::listed("quadratic"), settings.prefilter_level_count);
+    for (count, name) in [(2, "two"), (4, "four")] {
+        let table = TapTable::fit(&chain, beckmann, MaskingShadowing::default(), count).texels;
+        let file = |end: &str| dir.path().join(format!("baked/taps_{name}_beckmann.{end}"));
+        let image = exr::read(&file("exr")).unwrap().rgb;
+        let texture = container::read_texture(&file("ktx2")).unwrap();
+        let halves = &texture.levels[0][0];
+        assert_eq!((image.width, image.height, texture.texel), (table.width, table.height, "rgba16f"));
+        for (i, texel) in table.data.iter().enumerate() {
+            for ((value, of_image), of_half) in texel.iter().zip(image.data[i]).zip(halves.data[i]) {
+                assert_eq!(*value, of_image, "{name} {i}");
+                let off = (value - of_half).abs();
+                assert!(off <= 5e-4 * value.abs() + 1e-7, "{name} {i}: {off}");
             }
         }
     }

@@ -24,6 +24,7 @@ use splitsum::precompute::points::Points;
 use splitsum::precompute::prefilter::pass::Recipe;
 use splitsum::precompute::prefilter::{Kernel, LEVEL_MAPPINGS, WEIGHTS, harmonic, reference::estimate};
 use splitsum::precompute::sh9::reference::project_bilinear;
+use splitsum::precompute::taps::{Chain, TapTable};
 use splitsum::precompute::{PrecomputeSettings, PrefilterBy, exact_quadrature, irradiance, prefilter};
 use splitsum::scene::{CameraKind, MaterialOverride};
 use splitsum::shade::twin::{Light, Samples, Twin};
@@ -203,6 +204,8 @@ fn light(gpu: &Gpu, request: &RenderRequest) -> Light {
         dfg_axes: settings.dfg_axes,
         albedos: albedos(model, masking, request.scene.materials[0].alpha.into()),
         lobe_shapes: lobe_shapes(model, masking),
+        two_taps: taps(model, masking, settings, 2),
+        four_taps: taps(model, masking, settings, 4),
         irradiance_map: read_map(gpu, layout, &map),
         sh9: coefficients(gpu, &image).1,
         exact_sh9: project_bilinear(&exact_quadrature(&request.environment.image)),
@@ -246,6 +249,13 @@ fn albedos(model: &'static dyn Brdf, masking: MaskingShadowing, alpha: f64) -> A
 fn lobe_shapes(model: &'static dyn Brdf, masking: MaskingShadowing) -> LobeTable {
     static MADE: Made<LobeTable> = Made::none();
     MADE.get(format!("{} {masking:?}", model.name()), || LobeTable::new(Kernel::cosine(model), masking))
+}
+
+fn taps(model: &'static dyn Brdf, masking: MaskingShadowing, settings: &PrecomputeSettings, count: usize) -> TapTable {
+    static MADE: Made<TapTable> = Made::none();
+    let PrecomputeSettings { level_mapping: mapping, prefilter_level_count: levels, .. } = *settings;
+    let fit = || TapTable::fit(&Chain::new(Kernel::cosine(model), mapping, levels), model, masking, count);
+    MADE.get(format!("{} {masking:?} {} {levels} {count}", model.name(), mapping.name), fit)
 }
 
 /// What the device's g-buffer holds.

@@ -232,22 +232,27 @@ fn lookups_between_nodes_meet_the_shape_there() {
     }
 }
 
-/// What an engine pastes is what the shaders include, and both uses of it compile beside it.
+/// What an engine pastes is what the shaders include, and every use compiles beside its function.
 #[test]
-fn the_page_prints_the_lookup_that_the_methods_include() {
-    let shader = include_str!("../../shaders/lib/lobe_lookup.glsl");
-    let (_, body) = shader.split_once("\n\n").unwrap();
-    assert!(body.contains("vec4 lobe_lookup("));
+fn the_page_prints_the_lookups_that_the_methods_include() {
+    let shaders = [
+        (include_str!("../../shaders/lib/lobe_lookup.glsl"), 2),
+        (include_str!("../../shaders/lib/tap_lookup.glsl"), 2),
+        (include_str!("../../shaders/lib/cap_direction.glsl"), 1),
+    ];
     let page = std::fs::read_to_string("docs/paste.md").unwrap();
-    assert!(page.contains(&format!("```glsl\n{body}```\n")));
-    let uses: Vec<&str> = page.split("```glsl\n").skip(2).filter_map(|rest| rest.split("```").next()).collect();
-    assert_eq!(uses.len(), 2);
-    for code in uses {
-        let text = format!(
-            "#version 300 es\nprecision highp float;\nuniform sampler2D lobes;\nuniform samplerCube map;\nuniform vec3 n, v, f0;\n\
-             uniform vec2 dfg;\nuniform float n_dot_v, roughness;\nout vec4 color;\nfloat lod(float r) {{ return 4.0 * r; }}\n\
-             {body}void main() {{\n{code}color = vec4(specular, 1.0);\n}}\n"
-        );
-        parse("use.frag", &text, Language::Es).unwrap_or_else(|log| panic!("{code}: {log}"));
+    let mut blocks = page.split("```glsl\n").skip(1).map(|rest| rest.split("```").next().unwrap());
+    for (shader, use_count) in shaders {
+        let (_, body) = shader.split_once("\n\n").unwrap();
+        assert_eq!(blocks.next(), Some(body));
+        for code in blocks.by_ref().take(use_count) {
+            let text = format!(
+                "#version 300 es\nprecision highp float;\nuniform sampler2D lobes, taps;\nuniform samplerCube map;\n\
+                 uniform vec3 n, v, f0;\nuniform vec2 dfg;\nuniform float n_dot_v, roughness;\nout vec4 color;\n\
+                 float lod(float r) {{ return 4.0 * r; }}\n{body}void main() {{\n{code}color = vec4(specular, 1.0);\n}}\n"
+            );
+            parse("use.frag", &text, Language::Es).unwrap_or_else(|log| panic!("{code}: {log}"));
+        }
     }
+    assert_eq!(blocks.next(), None);
 }

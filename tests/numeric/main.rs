@@ -37,6 +37,7 @@ mod sequence;
 mod snapshot;
 mod study;
 mod table;
+mod taps;
 mod tonemap;
 mod words;
 

@@ -2,7 +2,7 @@
 
 use super::texel::{TEXELS, Texel};
 use super::{Claim, Encoding, Texture, pairs, truncated};
-use crate::pixels::{Fault, reserved};
+use crate::pixels::{Fault, Pixels, RgbImage, half, reserved};
 use crate::spelling::Listed;
 use ktx2::dfd::{Basic, Block};
 use ktx2::{Header, Index, LevelIndex, ParseError, SupercompressionScheme};
@@ -62,6 +62,26 @@ pub fn read(bytes: &[u8]) -> Result<Texture, Fault> {
 /// Writes header, level index, format descriptor, keys, and the levels, smallest first [KTX 2.0, section 3].
 pub fn write(encoding: &Encoding) -> Vec<u8> {
     let Encoding { texel, levels, keys, is_packed } = encoding;
+    let first = &levels[0][0];
+    let bytes = |faces: &Vec<RgbImage>| faces.iter().flat_map(|face| texel.bytes_of(face)).collect();
+    let bytes: Vec<Vec<u8>> = levels.iter().map(bytes).collect();
+    file(texel, [first.width, first.height, levels[0].len() as u32], &bytes, keys, *is_packed)
+}
+
+/// Writes a table of four channels as a KTX 2 file in half floats.
+pub fn write_table(table: &Pixels<[f32; 4]>) -> Vec<u8> {
+    let bytes = table.data.iter().flatten().flat_map(|value| half::to_bits(*value).to_le_bytes()).collect();
+    file(Texel::listed("rgba16f"), [table.width, table.height, 1], &[bytes], &[], false)
+}
+
+/// Lays out a file of the bytes of its levels; `size` is width, height and number of faces.
+fn file(
+    texel: &Texel,
+    [width, height, face_count]: [u32; 3],
+    levels: &[Vec<u8>],
+    keys: &[(String, String)],
+    is_packed: bool,
+) -> Vec<u8> {
     let (basic, type_size) = Basic::from_format(texel.vulkan).expect("a format of the list");
     let block = Block::Basic(basic).to_vec();
     let dfd = [&(block.len() as u32 + 4).to_le_bytes()[..], &block].concat();
@@ -70,15 +90,14 @@ pub fn write(encoding: &Encoding) -> Vec<u8> {
     let kvd = pairs(keys);
     let dfd_start = Header::LENGTH + LevelIndex::LENGTH * levels.len();
     let kvd_start = dfd_start + dfd.len();
-    let first = &levels[0][0];
     let header = Header {
         format: Some(texel.vulkan),
         type_size,
-        pixel_width: first.width,
-        pixel_height: first.height,
+        pixel_width: width,
+        pixel_height: height,
         pixel_depth: 0,
         layer_count: 0,
-        face_count: levels[0].len() as u32,
+        face_count,
         level_count: levels.len() as u32,
         supercompression_scheme: is_packed.then_some(SupercompressionScheme::Zstandard),
         index: Index {
@@ -91,24 +110,25 @@ pub fn write(encoding: &Encoding) -> Vec<u8> {
         },
     };
     // Levels are aligned to a texel's bytes and 4; packed ones are not (KTX 2, section 3.9.7).
-    let alignment = if *is_packed { 1 } else { texel.bytes << 2u32.saturating_sub(texel.bytes.trailing_zeros()) };
+    let alignment = if is_packed { 1 } else { texel.bytes << 2u32.saturating_sub(texel.bytes.trailing_zeros()) };
     let mut end = kvd_start + kvd.len();
     let mut data = Vec::new();
     let mut index = vec![[0; LevelIndex::LENGTH]; levels.len()];
-    for (level, faces) in levels.iter().enumerate().rev() {
-        let plain: Vec<u8> = faces.iter().flat_map(|face| texel.bytes_of(face)).collect();
-        let length = plain.len();
-        let stored = if *is_packed { compress_to_vec(&plain[..], CompressionLevel::Fastest) } else { plain };
+    for (level, plain) in levels.iter().enumerate().rev() {
+        let stored = match is_packed {
+            true => Cow::Owned(compress_to_vec(&plain[..], CompressionLevel::Fastest)),
+            false => Cow::Borrowed(&plain[..]),
+        };
         let start = end.next_multiple_of(alignment);
         data.resize(data.len() + start - end, 0);
         end = start + stored.len();
         index[level] = LevelIndex {
             byte_offset: start as u64,
             byte_length: stored.len() as u64,
-            uncompressed_byte_length: length as u64,
+            uncompressed_byte_length: plain.len() as u64,
         }
         .as_bytes();
-        data.extend(stored);
+        data.extend_from_slice(&stored);
     }
     [&header.as_bytes()[..], index.as_flattened(), &dfd, &kvd, &data].concat()
 }

@@ -7,6 +7,7 @@ mod ktx1;
 mod ktx2;
 mod texel;
 
+pub use ktx2::write_table;
 pub use texel::{TEXELS, Texel};
 
 use crate::environment::{FORMATS as IMAGES, Format as Image};

@@ -13,7 +13,7 @@
 //! then of Fc), and the widths by each objective, as `√(a/alpha)` for s = 0, 1/2, 1.
 
 mod fit;
-mod rule;
+pub(crate) mod rule;
 mod table;
 
 use crate::brdf::{Brdf, MaskingShadowing, alpha_from_perceptual_roughness, perceptual_roughness_from_alpha};
@@ -23,7 +23,7 @@ use fit::Widths;
 pub use fit::{AMBIENT, Objective};
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
-use rule::Lobe;
+pub use rule::Lobe;
 pub use table::LobeTable;
 
 /// Shares of the part of weight Fc for which the table has widths.

@@ -17,8 +17,8 @@ pub struct Lobe {
     g1_v: f64,
     /// Directions, and the contribution of each to A and B.
     nodes: Vec<(DVec3, DVec2)>,
-    /// A and B.
-    albedos: DVec2,
+    /// (A, B).
+    pub albedos: DVec2,
 }
 
 /// Returns node and weight on `[0, 1]` of the midpoint rule after the sin² transformation \[Sidi93\].

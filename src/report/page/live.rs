@@ -58,7 +58,9 @@ impl LiveMethod {
 
     /// Split sums with the DFG table, and methods that filter samples, in the order of the list.
     fn all() -> [Vec<Self>; 2] {
-        let split_sums = METHODS.iter().filter(|method: &&Method| method.uses_prefiltered() && method.uses_dfg);
+        // Tables of taps are not in the record.
+        let is_served = |method: &&Method| method.uses_prefiltered() && method.uses_dfg && !method.reads_taps();
+        let split_sums = METHODS.iter().filter(is_served);
         let sampled = METHODS.iter().filter(|method| method.uses_samples && method.uses_lod_bias);
         let of = |method: &Method| Self::new(method.name, method.uses_samples);
         [split_sums.map(of).collect(), sampled.map(of).collect()]

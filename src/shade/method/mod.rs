@@ -6,15 +6,17 @@ mod sampled;
 mod sampled_unfiltered;
 mod sampled_vndf;
 pub mod split_sum;
+mod split_sum_cap;
 mod split_sum_engines;
 mod split_sum_lobes;
+mod split_sum_taps;
 
 use super::diffuse::Diffuse;
 use super::reference::integrate;
 use super::twin::{SpecularTwin, Twin};
 use super::{NONE, REFERENCE};
 use crate::brdf::Compensation;
-use crate::precompute::{PrecomputeSettings, PrefilterBy, StorageFormat};
+use crate::precompute::{LobeTableKind, PrecomputeSettings, PrefilterBy, StorageFormat};
 use crate::spelling::{Listed, listed};
 use glam::DVec3;
 
@@ -38,7 +40,8 @@ pub struct Method {
     pub lookups: u32,
     /// Reads the DFG table for the specular term itself; see [`Method::needs_dfg`].
     pub uses_dfg: bool,
-    pub uses_lobe_shapes: bool,
+    /// The table of the model's lobes that it reads.
+    pub lobe_table: Option<LobeTableKind>,
     /// Depends on the widths of the prefiltered map's levels without reading the map.
     pub uses_levels: bool,
     /// Depends on the weight of prefiltered maps without reading one.
@@ -72,6 +75,9 @@ pub static METHODS: &[Method] = &[
     split_sum_lobes::FITTED,
     split_sum_lobes::RELATIVE,
     split_sum_lobes::PARTED,
+    split_sum_cap::METHOD,
+    split_sum_taps::TWO,
+    split_sum_taps::FOUR,
     Method::plain(NONE, "No specular term", "no specular term", Twin::Estimator(|_, _, _| DVec3::ZERO)),
     INTEGRATED,
     ladder::FRESNEL,
@@ -84,7 +90,13 @@ pub static METHODS: &[Method] = &[
     ladder::STORAGE,
 ];
 
-const CORRECTED: [&str; 2] = [split_sum_lobes::RELATIVE.name, split_sum_lobes::PARTED.name];
+const CORRECTED: [&str; 5] = [
+    split_sum_lobes::RELATIVE.name,
+    split_sum_lobes::PARTED.name,
+    split_sum_cap::METHOD.name,
+    split_sum_taps::TWO.name,
+    split_sum_taps::FOUR.name,
+];
 
 /// The unbiased estimator of the specular integral, by many random samples of BRDF and environment.
 const INTEGRATED: Method = Method {
@@ -111,7 +123,7 @@ impl Method {
             uses_lod_bias: false,
             lookups: 0,
             uses_dfg: false,
-            uses_lobe_shapes: false,
+            lobe_table: None,
             uses_levels: false,
             uses_weight: false,
             prefilter: None,
@@ -148,6 +160,11 @@ impl Method {
             Some(count) => format!("{}, {count} samples", self.title),
             None => self.title.to_owned(),
         }
+    }
+
+    /// Whether it reads a table of taps.
+    pub fn reads_taps(&self) -> bool {
+        matches!(self.lobe_table, Some(LobeTableKind::Taps(_)))
     }
 
     /// Whether it reads the prefiltered map.

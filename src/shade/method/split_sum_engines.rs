@@ -19,10 +19,13 @@ pub const FROSTBITE: Method = shifted(
     "split-sum-frostbite",
     "Split sum (Frostbite)",
     "Frostbite's shifted lookup [Lagarde14, listing 22]; Bevy's, too",
-    Twin::Estimator(|surface, light, _| {
-        light.split_sum_between(surface, |_, alpha| (1.0 - alpha) * ((1.0 - alpha).sqrt() + alpha))
-    }),
+    Twin::Estimator(|surface, light, _| light.split_sum_between(surface, |_, alpha| share_of_r(alpha))),
 );
+
+/// Returns Frostbite's share of r.
+pub(super) fn share_of_r(alpha: f64) -> f64 {
+    (1.0 - alpha) * ((1.0 - alpha).sqrt() + alpha)
+}
 
 /// three.js (`envmap_physical_pars_fragment.glsl.js`), copied by Godot (`scene_forward_clustered.glsl`).
 pub const GODOT: Method = shifted(

@@ -2,11 +2,12 @@
 
 use super::Method;
 use super::split_sum::shifted;
+use crate::precompute::LobeTableKind;
 use crate::precompute::lobe_shape::Objective;
 use crate::shade::twin::{SpecularTwin, Twin};
 
 const fn along_moment(name: &'static str, title: &'static str, about: &'static str, twin: SpecularTwin) -> Method {
-    Method { uses_lobe_shapes: true, ..shifted(name, title, about, twin) }
+    Method { lobe_table: Some(LobeTableKind::Shapes), ..shifted(name, title, about, twin) }
 }
 
 /// `a = alpha`. For light linear in direction, `L = L0 + g·l`, the truth is `W (L0 + ρ g·m)`, with ρ the moment's

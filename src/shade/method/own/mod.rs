@@ -12,6 +12,7 @@ pub use load::{load, shader_name};
 
 use super::Method;
 use crate::glsl::constants::FILE_PREFIX;
+use crate::precompute::LobeTableKind;
 use crate::shade::twin::Twin;
 use glam::DVec3;
 use std::collections::{BTreeMap, BTreeSet};
@@ -19,6 +20,13 @@ use std::sync::{PoisonError, RwLock};
 
 /// The function that the file must define.
 pub const FUNCTION: &str = "specular_radiance";
+
+/// Tables of lobes by their names in shaders.
+const LOBE_TABLES: [(&str, LobeTableKind); 3] = [
+    ("lobe_shapes", LobeTableKind::Shapes),
+    ("two_taps", LobeTableKind::Taps(2)),
+    ("four_taps", LobeTableKind::Taps(4)),
+];
 
 /// Methods by name: `file:PATH`.
 static LOADED: RwLock<BTreeMap<String, &'static Method>> = RwLock::new(BTreeMap::new());
@@ -51,7 +59,7 @@ pub fn of_names_read(method: Method, reads: &BTreeSet<String>, stem: String) -> 
         // Not counted: more than one lookup counts as one.
         lookups: reads("prefiltered").into(),
         uses_dfg: reads("dfg"),
-        uses_lobe_shapes: reads("lobe_shapes"),
+        lobe_table: LOBE_TABLES.iter().find(|(name, _)| reads(name)).map(|(_, kind)| *kind),
         ..method
     }
 }

@@ -1,0 +1,45 @@
+//! Several lookups of a prefiltered map in place of one: taps of unequal width and weight in the plane of incidence.
+//!
+//! A tap reads the map along a direction between the normal n and the mirror direction r, at a real level, and counts with
+//! a weight; the weights add up to 1. The taps of a view are those whose kernels `K`, the blend of two levels that a
+//! lookup averages with, are together closest to the normalised lobe ŵ by `∫ (Σ w K - ŵ)² / (b + ŵ)²`
+//! ([`Objective::Relative`](super::lobe_shape::Objective)). No environment enters.
+//!
+//! There is a table for each model, masking and chain of levels. Its axes are `√n_dot_v` and perceptual roughness, with
+//! nodes at both ends of each. It has square parts below each other: for f0 = 1 a part for each two taps (place and
+//! level of one, then of the other) and a part with all weights, then the same for f0 = 0.04. Other f0 lie between by
+//! the share that every f0 reflects ([`dielectric_share`]).
+//!
+//! The smoothest rows are not fitted. They use the taps of the first fitted one, drawn together as the lobe is: for a
+//! mirror all taps read level 0 along r.
+
+mod chain;
+mod fit;
+mod nodes;
+mod table;
+
+pub use chain::Chain;
+pub use fit::Fit;
+pub use nodes::{Nodes, SIDE, parameters_from_node};
+pub use table::{TapTable, dielectric_share};
+
+/// One lookup.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Tap {
+    /// From the normal towards the mirror direction, radians.
+    pub angle: f64,
+    /// Real level of the map.
+    pub level: f64,
+    pub weight: f64,
+}
+
+impl Tap {
+    /// Returns s such that the direction is along `(1 - s) n + s r`, for a view at the angle `theta` in (0, π/2).
+    pub fn place(&self, theta: f64) -> f64 {
+        let (of_n, of_r) = ((theta - self.angle).sin(), self.angle.sin());
+        of_r / (of_n + of_r)
+    }
+}
+
+/// F0 of the table's two halves: a white metal, and what most dielectrics have.
+pub const F0: [f64; 2] = [1.0, 0.04];

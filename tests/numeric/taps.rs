@@ -1,0 +1,263 @@
+//! Tables of taps against kernels and fits by other code, at their edges, and from node to node.
+
+use glam::DVec3;
+use rayon::prelude::*;
+use splitsum::brdf::{Brdf, Ggx, MODELS, MaskingShadowing, eval_without_fresnel, schlick_weight};
+use splitsum::precompute::prefilter::{Kernel, LEVEL_MAPPINGS, WEIGHTS};
+use splitsum::precompute::taps::{Chain, SIDE, TapTable, dielectric_share, parameters_from_node};
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
+use std::sync::LazyLock;
+
+const LEVELS: u32 = 6;
+const MASKING: MaskingShadowing = MaskingShadowing::Correlated;
+
+fn chain() -> Chain {
+    Chain::new(Kernel::cosine(&Ggx), &LEVEL_MAPPINGS[0], LEVELS)
+}
+
+/// Tables of 2 and 4 taps of GGX.
+static TABLES: LazyLock<[TapTable; 2]> =
+    LazyLock::new(|| [2, 4].map(|count| TapTable::fit(&chain(), &Ggx, MASKING, count)));
+
+/// Midpoints and widths of `u = ln tan(γ/2)` and azimuths: directions about an axis in the plane y = 0, with their measure.
+fn around(angle: f64, narrowest: f64) -> Vec<(DVec3, f64)> {
+    const RINGS: u32 = 96;
+    const SPOKES: u32 = 48;
+    let (axis, tangent) = (at(angle), at(angle + FRAC_PI_2));
+    let (low, high) = (narrowest.ln(), 1.0);
+    let step = (high - low) / f64::from(RINGS);
+    let rings = (0..RINGS).flat_map(|i| (0..SPOKES).map(move |j| (low + step * (f64::from(i) + 0.5), j)));
+    rings
+        .map(|(u, j)| {
+            let (gamma, phi) = (2.0 * u.exp().atan(), PI * (f64::from(j) + 0.5) / f64::from(SPOKES));
+            let l = gamma.cos() * axis + gamma.sin() * (phi.cos() * tangent + phi.sin() * DVec3::Y);
+            (l, step * gamma.sin().powi(2) * TAU / f64::from(SPOKES))
+        })
+        .collect()
+}
+
+fn at(angle: f64) -> DVec3 {
+    DVec3::new(-angle.sin(), 0.0, angle.cos())
+}
+
+/// `D w` of a level over its integral, by the cosine to the lookup's direction.
+fn level_kernel(kernel: Kernel, mapping: usize, level: f64) -> impl Fn(f64) -> f64 {
+    const COUNT: u32 = 4000;
+    let alpha = LEVEL_MAPPINGS[mapping].alpha_from_mip(level, LEVELS);
+    let value = move |cos: f64| match cos > 0.0 {
+        true => {
+            let half = 0.5 * cos.min(1.0).acos();
+            kernel.brdf.d(DVec3::new(half.sin(), 0.0, half.cos()), alpha) * kernel.weight(alpha, cos)
+        }
+        false => 0.0,
+    };
+    // Over u = ln tan(γ/2) up to the horizon, where u is 0.
+    let step = -(1e-3 * alpha).ln() / f64::from(COUNT);
+    let of_ring = |i: u32| {
+        let (sin, cos) = (2.0 * (-step * (f64::from(i) + 0.5)).exp().atan()).sin_cos();
+        step * TAU * sin * sin * value(cos)
+    };
+    let integral: f64 = (0..COUNT).map(of_ring).sum();
+    move |cos| value(cos) / integral
+}
+
+#[test]
+fn a_chain_blends_the_kernels_of_its_levels() {
+    for (model, weight) in MODELS.iter().flat_map(|model| WEIGHTS.iter().map(move |weight| (*model, weight))) {
+        for (mapping, listed) in LEVEL_MAPPINGS.iter().enumerate() {
+            let kernel = Kernel::new(model, weight, MASKING);
+            let chain = Chain::new(kernel, listed, LEVELS);
+            for level in [1.0, 1.3, 2.0, 3.75, 5.0] {
+                let finer = (level as u32).min(LEVELS - 2);
+                let [fine, rough] = [finer, finer + 1].map(|level| level_kernel(kernel, mapping, level.into()));
+                let share = level - f64::from(finer);
+                for cos in [1.0, 0.9999, 0.97, 0.7, 0.2, 0.01, -0.1] {
+                    let (expected, [found, slope]) =
+                        ((1.0 - share) * fine(cos) + share * rough(cos), chain.density(level, cos));
+                    let name = format!("{} {} {} level {level} cos {cos}", model.name(), weight.name, listed.name);
+                    // Rings by the midpoint rule; a kernel is linear between 512 nodes.
+                    let close = |found: f64, expected: f64| (found - expected).abs() < 5e-3 * expected.abs() + 2e-4;
+                    assert!(close(found, expected), "{name}: {found} {expected}");
+                    let expected = rough(cos) - fine(cos);
+                    assert!(level == 5.0 || close(slope, expected), "{name}: {slope} {expected}");
+                }
+            }
+        }
+    }
+}
+
+/// Under constant light the taps give what one lookup gives: the weights of any lookup add up to 1.
+#[test]
+fn weights_add_up_to_1() {
+    for table in TABLES.iter() {
+        for (n_dot_v, alpha, dielectric) in places() {
+            let sum: f64 = table.taps(n_dot_v, alpha, dielectric).iter().map(|[_, _, weight]| weight).sum();
+            assert!((sum - 1.0).abs() < 1e-6, "{n_dot_v} {alpha} {dielectric}: {sum}");
+        }
+    }
+}
+
+fn places() -> Vec<(f64, f64, f64)> {
+    let n_dot_v = [0.0, 0.03, 0.2, 0.61, 0.99, 1.0];
+    let alphas = [0.0, 0.003, 0.04, 0.2, 0.5, 1.0];
+    let of = |n_dot_v| alphas.iter().flat_map(move |alpha| [0.0, 0.3, 1.0].map(|f0| (n_dot_v, *alpha, f0)));
+    n_dot_v.into_iter().flat_map(of).collect()
+}
+
+/// All taps of a mirror read level 0 along r, and taps are finite and inside of the chain at every view.
+#[test]
+fn taps_of_a_mirror_lie_along_r() {
+    for table in TABLES.iter() {
+        for (n_dot_v, alpha, dielectric) in places() {
+            for [place, level, weight] in table.taps(n_dot_v, alpha, dielectric) {
+                let name = format!("{n_dot_v} {alpha} {dielectric}: {place} {level} {weight}");
+                assert!(
+                    place.abs() < 4.0 && weight.abs() < 4.0 && (0.0..=f64::from(LEVELS - 1)).contains(&level),
+                    "{name}"
+                );
+                assert!(alpha > 0.0 || ((place - 1.0).abs() < 1e-6 && level == 0.0), "{name}");
+            }
+        }
+    }
+}
+
+/// The share is linear in the part of the light that every f0 reflects, 0 at f0 = 1 and 1 at 0.04.
+#[test]
+fn the_dielectric_share_follows_the_part_of_fresnel() {
+    for [a, b] in [[0.9, 0.01], [0.4, 0.2], [0.1, 0.6]] {
+        let share = |f0: f64| b / (f0 * a + b);
+        for f0 in [0.04, 0.1, 0.35, 0.8, 1.0] {
+            let expected = (share(f0) - share(1.0)) / (share(0.04) - share(1.0));
+            assert!((dielectric_share(f0, [a, b]) - expected).abs() < 1e-12, "{f0}");
+        }
+        assert_eq!(dielectric_share(0.0, [a, b]), 1.0);
+    }
+}
+
+/// What the table minimises, by a lobe, kernels and nodes of this file.
+struct Objective {
+    directions: Vec<DVec3>,
+    lobe: Vec<f64>,
+    /// `1/(b + ŵ)²` and measure, over the same of no tap.
+    weights: Vec<f64>,
+    kernels: Vec<Box<dyn Fn(f64) -> f64>>,
+}
+
+impl Objective {
+    fn new(model: &'static dyn Brdf, n_dot_v: f64, alpha: f64, f0: f64) -> Self {
+        let v = DVec3::new((1.0 - n_dot_v * n_dot_v).sqrt(), 0.0, n_dot_v);
+        let nodes = around(n_dot_v.acos(), 0.01 * alpha * n_dot_v);
+        let density = |l: &DVec3| {
+            let fc = schlick_weight(v.dot((v + *l).normalize()));
+            (f0 + (1.0 - f0) * fc) * eval_without_fresnel(model, v, *l, alpha, MASKING) * l.z.max(0.0)
+        };
+        let lobe: Vec<f64> = nodes.iter().map(|(l, _)| density(l)).collect();
+        let integral: f64 = lobe.iter().zip(&nodes).map(|(lobe, (_, measure))| lobe * measure).sum();
+        let lobe: Vec<f64> = lobe.into_iter().map(|lobe| lobe / integral).collect();
+        let weigh = |(lobe, (_, measure)): (&f64, &(DVec3, f64))| measure / (1.0 / PI + lobe).powi(2);
+        let weights: Vec<f64> = lobe.iter().zip(&nodes).map(weigh).collect();
+        let alone: f64 = lobe.iter().zip(&weights).map(|(lobe, weight)| weight * lobe * lobe).sum();
+        let kernel =
+            |level: u32| Box::new(level_kernel(Kernel::cosine(model), 0, level.into())) as Box<dyn Fn(f64) -> f64>;
+        Self {
+            directions: nodes.into_iter().map(|(l, _)| l).collect(),
+            lobe,
+            weights: weights.into_iter().map(|weight| weight / alone).collect(),
+            kernels: (1..LEVELS).map(kernel).collect(),
+        }
+    }
+
+    /// The difference of a lookup's kernel and the lobe, by the square root of the weight.
+    fn difference(&self, direction: DVec3, level: f64) -> Vec<f64> {
+        // Below level 1 the kernel is that of the width itself.
+        let finer = (level as usize).clamp(1, self.kernels.len() - 1);
+        let share = (level - finer as f64).max(0.0);
+        let narrow = (level < 1.0).then(|| level_kernel(Kernel::cosine(&Ggx), 0, level));
+        let value = |l: &DVec3| {
+            let of = |level: usize| match &narrow {
+                Some(narrow) => narrow(l.dot(direction)),
+                None => self.kernels[level - 1](l.dot(direction)),
+            };
+            (1.0 - share) * of(finer) + share * of(finer + 1)
+        };
+        let parts = self.directions.iter().zip(&self.lobe).zip(&self.weights);
+        parts.map(|((l, lobe), weight)| (value(l) - lobe) * weight.sqrt()).collect()
+    }
+
+    /// The least error over pairs of taps from a grid, their weights by the normal equation with the table's ridge.
+    fn least_of_pairs(&self, theta: f64, own_level: f64) -> f64 {
+        let angles = (0..=16).map(|i| theta - 0.9 + 0.075 * f64::from(i));
+        let levels =
+            (0..=8).map(|i| (own_level * (0.25 * f64::from(i) - 1.0).exp2()).clamp(0.25, f64::from(LEVELS - 1)));
+        let taps: Vec<Vec<f64>> = angles
+            .flat_map(|angle| levels.clone().map(move |level| (angle, level)))
+            .map(|(a, l)| self.difference(at(a), l))
+            .collect();
+        let dot = |p: &[f64], q: &[f64]| p.iter().zip(q).map(|(p, q)| p * q).sum::<f64>();
+        let squares: Vec<f64> = taps.iter().map(|tap| dot(tap, tap)).collect();
+        let least_with = |i: usize| {
+            let error = |j: usize| {
+                const RIDGE: f64 = 1e-3;
+                let (pp, qq, pq) = (squares[i], squares[j], dot(&taps[i], &taps[j]));
+                let w = (qq - pq + RIDGE) / (pp - 2.0 * pq + qq + 2.0 * RIDGE);
+                w * w * pp + 2.0 * w * (1.0 - w) * pq + (1.0 - w).powi(2) * qq
+            };
+            (0..i).map(error).fold(squares[i], f64::min)
+        };
+        (0..taps.len()).into_par_iter().map(least_with).reduce(|| f64::MAX, f64::min)
+    }
+}
+
+/// At ten nodes: two taps are as good as the best pair of a dense grid, four are better than that.
+#[test]
+fn tables_meet_a_search_over_all_pairs() {
+    let nodes = [[2, 8], [4, 12], [6, 6], [7, 16], [8, 8], [9, 10], [10, 14], [12, 8], [13, 12], [5, 5]];
+    for (k, node) in nodes.into_iter().enumerate() {
+        let (place, dielectric) = (parameters_from_node(node), (k % 2) as f64);
+        let (theta, n_dot_v, alpha) = (place.x.acos(), place.x, place.y);
+        let objective = Objective::new(&Ggx, n_dot_v, alpha, [1.0, 0.04][k % 2]);
+        let least = objective.least_of_pairs(theta, f64::from(LEVELS - 1) * alpha.sqrt());
+        let [two, four] = [0, 1].map(|table: usize| {
+            let taps = TABLES[table].taps(n_dot_v, alpha, dielectric);
+            let r = at(theta);
+            let parts: Vec<Vec<f64>> = taps
+                .iter()
+                .map(|[place, level, _]| objective.difference(DVec3::Z.lerp(r, *place).normalize(), *level))
+                .collect();
+            let sum = |i: usize| parts.iter().zip(&taps).map(|(part, tap)| tap[2] * part[i]).sum::<f64>();
+            (0..parts[0].len()).map(|i| sum(i).powi(2)).sum::<f64>()
+        });
+        let one = objective.difference(at(theta), f64::from(LEVELS - 1) * alpha.sqrt());
+        let one: f64 = one.iter().map(|part| part * part).sum();
+        println!("{node:?} f0 {}: one {one:.4}, pairs {least:.4}, two {two:.4}, four {four:.4}", [1.0, 0.04][k % 2]);
+        assert!(two < 1.3 * least + 1e-3, "{node:?}: {two} {least}");
+        assert!(four < 1.1 * least + 1e-3, "{node:?}: {four} {least}");
+    }
+}
+
+/// From node to node places, levels and weights change without kinks: bounds of second differences, where levels 1 and up serve the lobe.
+#[test]
+fn taps_change_smoothly() {
+    for (table, bounds) in TABLES.iter().zip([[0.4, 3.0, 0.7], [0.9, 2.5, 1.2]]) {
+        let node = |[x, y]: [usize; 2], dielectric: f64| {
+            let n_dot_v = (x as f64 / (SIDE - 1) as f64).powi(2);
+            table.taps(n_dot_v, parameters_from_node([x, y]).y, dielectric)
+        };
+        let mut worst = [0.0_f64; 3];
+        for (x, y, dielectric) in
+            (1..SIDE - 1).flat_map(|x| (5..SIDE - 1).flat_map(move |y| [(x, y, 0.0), (x, y, 1.0)]))
+        {
+            let here = node([x, y], dielectric);
+            for [before, after] in [[[x - 1, y], [x + 1, y]], [[x, y - 1], [x, y + 1]]] {
+                let (before, after) = (node(before, dielectric), node(after, dielectric));
+                for (tap, here) in here.iter().enumerate() {
+                    for c in 0..3 {
+                        worst[c] = worst[c].max((before[tap][c] - 2.0 * here[c] + after[tap][c]).abs());
+                    }
+                }
+            }
+        }
+        println!("{worst:.3?}");
+        assert!(worst.iter().zip(bounds).all(|(worst, bound)| *worst < bound), "{worst:.3?} {bounds:?}");
+    }
+}
