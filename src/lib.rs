@@ -20,6 +20,8 @@
 //!   Evaluator for Alternating Images", Proc. ACM on Computer Graphics and Interactive Techniques 3(2), 2020.
 //! - BT709: Recommendation ITU-R BT.709-6, "Parameter values for the HDTV standards for production and international programme
 //!   exchange", 2015.
+//! - Belcour18: L. Belcour, "Efficient Rendering of Layered Materials using an Atomic Decomposition with Statistical Operators", ACM
+//!   Transactions on Graphics 37(4), 2018.
 //! - Brewer03: C. A. Brewer, G. W. Hatchard and M. A. Harrower, "ColorBrewer in Print: A Catalog of Color Schemes for Maps",
 //!   Cartography and Geographic Information Science 30(1), 2003.
 //! - Burley12: B. Burley, "Physically-Based Shading at Disney", SIGGRAPH 2012 course notes.
@@ -28,6 +30,8 @@
 //! - Clarberg08: P. Clarberg and T. Akenine-Möller, "Practical Product Importance Sampling for Direct Illumination", Computer Graphics
 //!   Forum 27(2), 2008.
 //! - ClarbergSquare08: P. Clarberg, "Fast Equal-Area Mapping of the (Hemi)Sphere using SIMD", Journal of Graphics Tools 13 (3), 2008.
+//! - Cocco24: G. Cocco, C. Zanni and X. Chermain, "Anisotropic Specular Image-Based Lighting Based on BRDF Major Axis Sampling",
+//!   Computer Graphics Forum 43(7), 2024.
 //! - Colbert07: M. Colbert and J. Křivánek, "GPU-Based Importance Sampling", GPU Gems 3, chapter 20, 2007.
 //! - CranleyPatterson76: R. Cranley and T. N. L. Patterson, "Randomization of Number Theoretic Methods for Multiple Integration", SIAM
 //!   Journal on Numerical Analysis 13(6), 1976.
@@ -57,6 +61,7 @@
 //!   31(4), 2012.
 //! - HyndmanFan96: R. J. Hyndman and Y. Fan, "Sample Quantiles in Statistical Packages", The American Statistician 50(4), 1996.
 //! - Iglewicz93: B. Iglewicz and D. C. Hoaglin, "How to Detect and Handle Outliers", ASQC Quality Press, 1993.
+//! - IwanickiPesce15: M. Iwanicki and A. Pesce, "Approximate Models for Physically Based Rendering", SIGGRAPH 2015 course notes.
 //! - Jakob14: W. Jakob, "An Improved Visible Normal Sampling Routine for the Beckmann Distribution", technical report, ETH Zürich, 2014.
 //! - Karis13: B. Karis, "Real Shading in Unreal Engine 4", SIGGRAPH 2013 course notes.
 //! - Karlik19: O. Karlík, M. Šik, P. Vévoda, T. Skřivan and J. Křivánek, "MIS Compensation: Optimizing Sampling Techniques in Multiple
@@ -107,6 +112,8 @@
 //!   Eurographics Symposium on Rendering 2007.
 //! - Wang04: Z. Wang, A. C. Bovik, H. R. Sheikh and E. P. Simoncelli, "Image Quality Assessment: From Error Visibility to Structural
 //!   Similarity", IEEE Transactions on Image Processing 13(4), 2004.
+//! - Wang09: J. Wang, P. Ren, M. Gong, J. Snyder and B. Guo, "All-Frequency Rendering of Dynamic, Spatially-Varying Reflectance",
+//!   ACM Transactions on Graphics 28(5), 2009.
 //! - Ward94: G. J. Ward, "The RADIANCE Lighting Simulation and Rendering System", SIGGRAPH 94.
 //! - Welford62: B. P. Welford, "Note on a Method for Calculating Corrected Sums of Squares and Products", Technometrics 4(3), 1962.
 //! - Wellons18: C. Wellons, "Prospecting for Hash Functions", nullprogram.com, 2018.
