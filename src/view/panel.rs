@@ -153,7 +153,12 @@ impl Panel {
         let probe = has_probe.then(|| overlay::probe(shown, self.probed));
         let texts: Vec<String> = probe.into_iter().chain(has_times.then(|| overlay::times(shown))).collect();
         if !texts.is_empty() {
-            let job = LayoutJob::simple(texts.join("\n"), FontId::monospace(12.5), theme::INK, f32::INFINITY);
+            let job = LayoutJob::simple(
+                texts.join("\n").trim_end().to_owned(),
+                FontId::monospace(12.5),
+                theme::INK,
+                f32::INFINITY,
+            );
             veiled(ui, inner.with_min_y(area.top() + 96.0), Align2::LEFT_TOP, job);
         }
     }
