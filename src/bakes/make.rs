@@ -22,7 +22,7 @@
 //! ```
 
 pub use super::check::GOOD;
-use super::check::{Directions, Truth, errors, level, table};
+use super::check::{Directions, Truth, errors, exact, level, table};
 use super::container::{Encoding, FACE_COUNT, FORMATS, Format, TEXELS, TEXELS_MAX, Texel};
 use super::convention::{Convention, Preset};
 use super::parts::Manifest;
@@ -116,13 +116,13 @@ pub fn make(making: &Making, out: &Path) -> Result<Baked, PixelsError> {
     let sides = (0..making.level_count).map(|k| (making.side >> k).max(1));
     let specular = alphas.iter().zip(sides).map(|(alpha, side)| {
         let directions = Directions::new(&LAYOUTS[0], convention.axes, [side; 2]);
-        let exact = level::exact(&truth, &directions, *alpha);
+        let exact = exact::exact(&truth, &directions, *alpha);
         (directions, exact)
     });
     let mut maps = vec![planned(product.specular, specular.collect(), alphas.clone())];
     if let Some(name) = product.irradiance {
         let directions = Directions::new(&LAYOUTS[0], convention.axes, [making.irradiance_side; 2]);
-        let exact = level::exact_irradiance(&truth, &directions);
+        let exact = exact::exact_irradiance(&truth, &directions);
         maps.push(planned(name, vec![(directions, exact)], vec![1.0]));
     }
     let image = &making.environment.image;

@@ -93,6 +93,9 @@ pub fn check_out(
     if file.is_dir() {
         return fault(format!("{shown} is a folder; expected a file"));
     }
+    if !file.is_file() {
+        return fault(format!("{shown} is a device or a pipe; expected a regular file"));
+    }
     match std::fs::OpenOptions::new().write(true).open(&file) {
         Ok(_) => Ok(()),
         Err(error) => fault(format!("cannot write {shown}: {error}")),

@@ -1,7 +1,7 @@
 //! Finds a chain of other levels: some are missing, or their widths follow another mapping.
 
-use super::level::{EXPLAINED, LevelScore};
-use super::{GOOD, has_width};
+use super::level::LevelScore;
+use super::{EXPLAINED, GOOD, has_width};
 use crate::bakes::convention::Convention;
 use crate::precompute::prefilter::{LEVEL_MAPPINGS, LevelMapping};
 

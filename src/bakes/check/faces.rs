@@ -1,8 +1,7 @@
 //! Finds faces of a cube that are black, swapped, turned or flipped.
 
-use super::level::EXPLAINED;
-use super::relative_square;
-use super::slip::{Level, Slip};
+use super::directions::Directions;
+use super::{EXPLAINED, Truth, relative_square};
 use crate::bakes::container::FACE_COUNT;
 use glam::DVec3;
 
@@ -30,15 +29,16 @@ fn turned(turn: usize, x: usize, y: usize, last: usize) -> (usize, usize) {
     [(x, y), (y, u), (u, v), (v, x), (u, y), (x, v), (y, x), (v, u)][turn]
 }
 
-/// Returns the slip in the faces; `None` if all of them are right, or wrong in another way.
-pub fn slip(level: &Level) -> Option<Slip> {
-    let [width, height] = level.directions.size.map(|side| side as usize);
+/// Describes the slip in the faces, with the relMSE that it leaves over the level's own; `None` if all faces are right, or
+/// wrong in another way.
+pub fn slip(truth: &Truth, directions: &Directions, found: &[DVec3], exact: &[DVec3]) -> Option<(String, f64)> {
+    let [width, height] = directions.size.map(|side| side as usize);
     let side = width.min(SIDE);
-    if level.directions.layout.face_count as usize != FACE_COUNT || width != height || width % side > 0 {
+    if directions.layout.face_count as usize != FACE_COUNT || width != height || width % side > 0 {
         return None;
     }
-    let [found, exact] = [level.found, level.exact].map(|texels| blocks(texels, width, side));
-    let epsilon = level.truth.epsilon();
+    let [found, exact] = [found, exact].map(|texels| blocks(texels, width, side));
+    let epsilon = truth.epsilon();
     let off = |face: usize, of: usize, turn: usize| -> f64 {
         let square = |index: usize| {
             let (x, y) = turned(turn, index % side, index / side, side - 1);
@@ -61,8 +61,7 @@ pub fn slip(level: &Level) -> Option<Slip> {
         left += best.2;
         *held = Some((best.0, best.1));
     }
-    let words = words(held)?;
-    Some(Slip { words, left: left / own })
+    Some((words(held)?, left / own))
 }
 
 /// Describes what each face holds: which face, and its turn. `None` for a black face.

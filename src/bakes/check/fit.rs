@@ -4,6 +4,7 @@ use super::directions::Directions;
 use super::{Truth, errors};
 use crate::metrics::Epsilon;
 use glam::DVec3;
+use std::f64::consts::PI;
 
 /// Tries lobes narrower and wider by this factor.
 const REACH: f64 = 4.0;
@@ -70,4 +71,22 @@ pub fn gain(directions: &Directions, found: &[DVec3], exact: &[DVec3], epsilon: 
         square += (scale * *found * *found).element_sum();
     }
     if square > 0.0 && product > 0.0 { square / product } else { 1.0 }
+}
+
+/// Describes a gain, as a forgotten factor if it is near one.
+pub fn gain_in_words(gain: f64) -> String {
+    let known = [
+        ("pi", PI),
+        ("1/pi", 1.0 / PI),
+        ("4 pi", 4.0 * PI),
+        ("1/4pi", 0.25 / PI),
+        ("2 pi", 2.0 * PI),
+        ("2", 2.0),
+        ("1/2", 0.5),
+    ];
+    match known.iter().find(|(_, factor)| (gain / factor - 1.0).abs() < 0.02) {
+        Some((name, _)) => format!("{name} times what it should be"),
+        None if gain > 1.0 => format!("{:.1} % too bright", 100.0 * (gain - 1.0)),
+        None => format!("{:.1} % too dark", 100.0 * (1.0 - gain)),
+    }
 }

@@ -1,18 +1,17 @@
 //! The score of a level: errors, the worst direction, and a likely cause.
 
 use super::directions::{Directions, texels};
+use super::exact::{exact, exact_irradiance};
 use super::fit::{self, Fit};
 use super::slip::{self, Slip};
-use super::{Errors, GOOD, Truth, errors, has_width, relative_square};
+use super::{EXPLAINED, Errors, GOOD, Truth, errors, has_width, relative_square};
 use crate::bakes::convention::{Axes, Convention};
 use crate::bakes::parts::Map;
 use crate::environment::layout::{FilteredMap, MapLayout};
-use crate::math::harmonics::SmoothMap;
 use crate::pixels::RgbImage;
 use glam::DVec3;
 use rayon::prelude::*;
 use std::cell::LazyCell;
-use std::f64::consts::PI;
 
 /// The direction of a level's largest relative error.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -96,7 +95,7 @@ pub fn score_irradiance(truth: &Truth, map: &Map, convention: &Convention) -> Le
     let fit = (own.relmse > GOOD).then_some(Fit { alpha: 1.0, gain, left });
     let verdict = match fit {
         None => GOOD_WORDS.to_owned(),
-        Some(fit) if fit.left <= EXPLAINED => gain_in_words(fit.gain),
+        Some(fit) if fit.left <= EXPLAINED => fit::gain_in_words(fit.gain),
         Some(_) => UNEXPLAINED.to_owned(),
     };
     LevelScore {
@@ -111,34 +110,8 @@ pub fn score_irradiance(truth: &Truth, map: &Map, convention: &Convention) -> Le
     }
 }
 
-/// Returns exact texels of a level: prefiltered radiance, or the averaged environment for a mirror level.
-pub fn exact(truth: &Truth, directions: &Directions, alpha: f64) -> Vec<DVec3> {
-    match has_width(alpha) {
-        true => values(&truth.prefiltered(alpha), directions),
-        false => mirror(truth, directions),
-    }
-}
-
-/// Returns exact texels of an irradiance map: irradiance over π.
-pub fn exact_irradiance(truth: &Truth, directions: &Directions) -> Vec<DVec3> {
-    values(&truth.irradiance(), directions)
-}
-
 fn level_texels(map: &Map, faces: &[RgbImage], axes: Axes, scale: f64) -> (Directions, Vec<DVec3>) {
     (Directions::new(map.layout, axes, [faces[0].width, faces[0].height]), texels(faces, scale))
-}
-
-fn values(map: &SmoothMap, directions: &Directions) -> Vec<DVec3> {
-    directions.world.par_iter().map(|direction| map.value(*direction)).collect()
-}
-
-/// Averages the environment over each texel, at least two points per texel of the environment.
-fn mirror(truth: &Truth, directions: &Directions) -> Vec<DVec3> {
-    let (map, [width, height]) = (&truth.environment.image, directions.size);
-    // A cube has two faces from pole to pole and four around.
-    let (rows, columns) = if directions.layout.face_count > 1 { (2, 4) } else { (1, 1) };
-    let finer = (map.height.div_ceil(rows * height)).max(map.width.div_ceil(columns * width));
-    directions.means((2 * finer).clamp(2, 16), |direction| truth.environment.radiance(direction))
 }
 
 fn errors_and_worst(truth: &Truth, directions: &Directions, found: &[DVec3], exact: &[DVec3]) -> (Errors, Worst) {
@@ -171,9 +144,6 @@ fn between(alphas: &[f64], alpha: f64) -> Option<f64> {
     (high > low).then(|| (after - 1) as f64 + (alpha.sqrt() - low.sqrt()) / (high.sqrt() - low.sqrt()))
 }
 
-/// Largest share of the error that an explanation may leave.
-pub(super) const EXPLAINED: f64 = 0.25;
-
 fn verdict(errors: Errors, fit: Option<Fit>, alpha: f64, level_of: impl Fn(f64) -> Option<f64>) -> String {
     let Some(fit) = fit else {
         return if errors.relmse <= GOOD { GOOD_WORDS } else { UNEXPLAINED }.to_owned();
@@ -192,7 +162,7 @@ fn verdict(errors: Errors, fit: Option<Fit>, alpha: f64, level_of: impl Fn(f64) 
         _ => {}
     }
     if (fit.gain - 1.0).abs() >= 0.01 {
-        parts.push(gain_in_words(fit.gain));
+        parts.push(fit::gain_in_words(fit.gain));
     }
     if parts.is_empty() { "slightly off".to_owned() } else { parts.join("; ") }
 }
@@ -211,23 +181,5 @@ impl LevelScore {
         if self.errors.relmse > GOOD && self.slip.is_none() {
             self.verdict = DOUBT.to_owned();
         }
-    }
-}
-
-/// Describes a gain, as a forgotten factor if it is near one.
-pub(super) fn gain_in_words(gain: f64) -> String {
-    let known = [
-        ("pi", PI),
-        ("1/pi", 1.0 / PI),
-        ("4 pi", 4.0 * PI),
-        ("1/4pi", 0.25 / PI),
-        ("2 pi", 2.0 * PI),
-        ("2", 2.0),
-        ("1/2", 0.5),
-    ];
-    match known.iter().find(|(_, factor)| (gain / factor - 1.0).abs() < 0.02) {
-        Some((name, _)) => format!("{name} times what it should be"),
-        None if gain > 1.0 => format!("{:.1} % too bright", 100.0 * (gain - 1.0)),
-        None => format!("{:.1} % too dark", 100.0 * (1.0 - gain)),
     }
 }

@@ -5,6 +5,7 @@
 
 mod chain;
 mod directions;
+pub mod exact;
 mod faces;
 mod fit;
 pub mod guess;
@@ -30,6 +31,9 @@ use glam::DVec3;
 
 /// Largest relMSE of a good level: 3 % rms.
 pub const GOOD: f64 = 1e-3;
+
+/// Largest share of the error that an explanation may leave.
+const EXPLAINED: f64 = 0.25;
 
 /// The light of a bake, and the kernel that it should have.
 pub struct Truth<'a> {

@@ -1,8 +1,9 @@
 //! The score of SH, by the irradiance of its coefficients.
 
 use super::directions::Directions;
-use super::level::{DOUBT, EXPLAINED, GOOD_WORDS, gain_in_words};
-use super::{Errors, GOOD, Truth, errors};
+use super::fit::gain_in_words;
+use super::level::{DOUBT, GOOD_WORDS};
+use super::{EXPLAINED, Errors, GOOD, Truth, errors};
 use crate::bakes::convention::Axes;
 use crate::bakes::sh::{Coefficients, turned};
 use crate::environment::layout::LAYOUTS;

@@ -4,8 +4,8 @@
 //! named if it leaves at most [`EXPLAINED`] of the error, and at most [`CLOSE`].
 
 use super::directions::Directions;
-use super::level::{EXPLAINED, exact, gain_in_words};
-use super::{Truth, errors, faces, fit, has_width};
+use super::exact::exact;
+use super::{EXPLAINED, Truth, errors, faces, fit, has_width};
 use crate::color::srgb_encode;
 use crate::precompute::prefilter::{Kernel, WEIGHTS};
 use glam::{DMat3, DVec3, Vec3Swizzles};
@@ -99,7 +99,9 @@ impl Level<'_> {
         let sample = Sample::new(self, side.max(1) | 1);
         let changes = CHANGES.iter().map(|(words, change)| sample.slip((*words).to_owned(), |x, _| change(x)));
         let slips = changes.chain(sample.cuts()).chain(sample.gain()).chain(sample.of_cut()).chain(sample.weights());
-        let slips = slips.chain(sample.turn()).chain(faces::slip(self));
+        let slips = slips.chain(sample.turn()).chain(
+            faces::slip(self.truth, self.directions, self.found, self.exact).map(|(words, left)| Slip { words, left }),
+        );
         // Of another map, a slip that flattens the level leaves a small part of a huge error.
         let is_close = |slip: &Slip| slip.left <= EXPLAINED && slip.left * sample.own <= CLOSE;
         slips.filter(is_close).min_by(|a, b| a.left.total_cmp(&b.left))
@@ -147,7 +149,7 @@ impl<'a> Sample<'a> {
     fn gain(&self) -> impl Iterator<Item = Slip> {
         let is_narrow = !has_width(self.level.alpha);
         let gain = fit::gain(&self.directions, &self.found, &self.exact, self.level.truth.epsilon());
-        is_narrow.then(|| self.slip(gain_in_words(gain), |x, _| gain * x)).into_iter()
+        is_narrow.then(|| self.slip(fit::gain_in_words(gain), |x, _| gain * x)).into_iter()
     }
 
     fn of_cut(&self) -> impl Iterator<Item = Slip> {

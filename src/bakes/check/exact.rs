@@ -1,0 +1,33 @@
+//! What the texels of a level should be.
+
+use super::directions::Directions;
+use super::{Truth, has_width};
+use crate::math::harmonics::SmoothMap;
+use glam::DVec3;
+use rayon::prelude::*;
+
+/// Returns exact texels of a level: prefiltered radiance, or the averaged environment for a mirror level.
+pub fn exact(truth: &Truth, directions: &Directions, alpha: f64) -> Vec<DVec3> {
+    match has_width(alpha) {
+        true => values(&truth.prefiltered(alpha), directions),
+        false => mirror(truth, directions),
+    }
+}
+
+/// Returns exact texels of an irradiance map: irradiance over π.
+pub fn exact_irradiance(truth: &Truth, directions: &Directions) -> Vec<DVec3> {
+    values(&truth.irradiance(), directions)
+}
+
+fn values(map: &SmoothMap, directions: &Directions) -> Vec<DVec3> {
+    directions.world.par_iter().map(|direction| map.value(*direction)).collect()
+}
+
+/// Averages the environment over each texel, at least two points per texel of the environment.
+fn mirror(truth: &Truth, directions: &Directions) -> Vec<DVec3> {
+    let (map, [width, height]) = (&truth.environment.image, directions.size);
+    // A cube has two faces from pole to pole and four around.
+    let (rows, columns) = if directions.layout.face_count > 1 { (2, 4) } else { (1, 1) };
+    let finer = (map.height.div_ceil(rows * height)).max(map.width.div_ceil(columns * width));
+    directions.means((2 * finer).clamp(2, 16), |direction| truth.environment.radiance(direction))
+}
