@@ -19,6 +19,7 @@ use crate::scene::is_design;
 use indexmap::IndexSet;
 use serde_json::Value as Json;
 use std::path::PathBuf;
+use std::sync::Arc;
 
 /// One number per metric, in the order of [`METRICS`]; NaN if missing.
 #[derive(Clone, Debug, PartialEq)]
@@ -83,7 +84,7 @@ pub struct FinishedCell {
     /// Squared bias and variance of the relative error over point sets.
     pub bias_variance: Option<[f64; 2]>,
     pub reference: Option<ReferenceStop>,
-    pub bins: Vec<Bin>,
+    pub bins: Arc<Vec<Bin>>,
     /// With `[ladder]`: steps in order, over all n·v and then band by band.
     pub steps: Vec<StepRow>,
     pub images: Option<CellImages>,

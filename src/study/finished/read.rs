@@ -19,6 +19,7 @@ use crate::table::csv::{Row, TableError, TableRows};
 use serde_json::Value as Json;
 use std::collections::{BTreeSet, HashMap, HashSet};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 #[derive(Debug, thiserror::Error)]
 pub enum FinishedError {
@@ -120,7 +121,7 @@ fn cells(errors: &mut TableRows, images: &mut HashMap<String, CellImages>) -> Re
             noise_floors: metrics(&row, "_noise_floor"),
             bias_variance: bias.zip(variance).map(|(bias, variance)| [bias, variance]),
             reference: stop(&row),
-            bins: Vec::new(),
+            bins: Arc::default(),
             steps: Vec::new(),
             images: images.remove(&id),
             id,
@@ -151,7 +152,7 @@ fn bins(
         if let [Some(lo), Some(hi), Some(count)] =
             ["n_dot_v_from", "n_dot_v_to", "pixel_count"].map(|name| row.number(name))
         {
-            cells[place].bins.push(Bin {
+            Arc::make_mut(&mut cells[place].bins).push(Bin {
                 lo,
                 hi,
                 pixel_count: count as u64,

@@ -7,6 +7,7 @@ use crate::metrics::{Metric, Part, Weight};
 use crate::scene::{SCENES, is_design};
 use crate::spelling::{Listed, not_one_of};
 use indexmap::IndexSet;
+use std::sync::Arc;
 
 impl Finished {
     /// The run scored by the pixels with n·v from `lo` to `hi` alone, under its weight; `None` without bins.
@@ -16,7 +17,7 @@ impl Finished {
         let cell = |cell: &FinishedCell| {
             let (scores, noise_floors) = cell.pooled(&self.weight, |bin| if is_own(bin) { density(bin) } else { 0.0 });
             let scores = cell.scores.as_ref().map(|_| scores);
-            FinishedCell { scores, noise_floors, bins: Vec::new(), ..cell.clone() }
+            FinishedCell { scores, noise_floors, bins: Arc::default(), ..cell.clone() }
         };
         let has_bins = self.cells.iter().any(|cell| !cell.bins.is_empty());
         has_bins.then(|| Self { cells: self.cells.iter().map(cell).collect(), ..self.clone() })

@@ -55,7 +55,7 @@ fn leading<'r, 'f>(frame: &'r Frame<'f>) -> Vec<(String, Vec<&'r Row<'f>>)> {
 }
 
 fn places<'r, 'f>(frame: &Frame, method: &str, rows: &[&'r Row<'f>]) -> Vec<Place<'r, 'f>> {
-    let bins = bins(rows.iter().flat_map(|row| &row.cell.bins).map(|bin| [bin.lo, bin.hi]));
+    let bins = bins(rows.iter().flat_map(|row| row.cell.bins.iter()).map(|bin| [bin.lo, bin.hi]));
     let mut found = Vec::new();
     let of = frame.row_axis();
     for width in values(rows.iter().copied(), of).into_iter().filter(|width| *width != Value::Unset) {

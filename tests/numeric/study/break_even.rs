@@ -119,7 +119,7 @@ fn design_of_two_bands(fixed: &[(&str, [f64; 2])]) -> Paper {
         for (method, samples, error) in sampled.into_iter().chain(fixed.clone()) {
             let bin = |lo: f64, error: f64| super::paper::bin([lo, lo + 0.2], |_| Some(error));
             paper.add(&["design", light, method, samples], 0.5 * (error[0] + error[1])).bins =
-                vec![bin(0.0, error[0]), bin(0.8, error[1])];
+                vec![bin(0.0, error[0]), bin(0.8, error[1])].into();
         }
     }
     paper

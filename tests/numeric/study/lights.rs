@@ -12,7 +12,7 @@ fn a_bin_has_the_median_of_what_sees_it() {
         for (brdf, own) in [("ggx", 1.0), ("beckmann", 6.0), ("phong", 2.0)] {
             for (method, samples, factor) in [("split-sum", "", 1.0), ("sampled", "4", 7.0), ("sampled", "16", 3.0)] {
                 let errors = [0.1, 0.2, 0.3].map(|error| error * scale * own * factor);
-                paper.add(&[alpha, brdf, method, samples], 1.0).bins = bins(HEADLINE, &errors);
+                paper.add(&[alpha, brdf, method, samples], 1.0).bins = bins(HEADLINE, &errors).into();
             }
         }
     }
@@ -71,7 +71,7 @@ fn furnace(reference: &str, f0: &str) -> Paper {
         let cell = paper.add(&["builtin:constant", brdf, alpha, "reference", "64", f0, "0", "1", "none"], 0.1);
         cell.scores = Some(MetricValues::of(|name| (name == "bias_rel").then_some(change)));
         cell.noise_floors = MetricValues::of(|name| (name == "bias_rel").then_some(1e-3));
-        cell.bins = bins("bias_rel", &of_bins);
+        cell.bins = bins("bias_rel", &of_bins).into();
     }
     paper
 }

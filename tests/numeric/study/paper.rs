@@ -44,7 +44,7 @@ fn cell_of(id: String, point: Point) -> FinishedCell {
         noise_floors: none,
         bias_variance,
         reference,
-        bins,
+        bins: bins.into(),
         steps: Vec::new(),
         images: None,
     }
@@ -106,7 +106,7 @@ pub fn scaled(run: &mut Finished, factor: impl Fn(&Point) -> f64) {
             MetricValues::of(|name| values.get(name).map(|value| if name == "flip" { value } else { value * factor }))
         };
         cell.scores = cell.scores.as_ref().map(by);
-        cell.bins.iter_mut().for_each(|bin| bin.scores = by(&bin.scores));
+        std::sync::Arc::make_mut(&mut cell.bins).iter_mut().for_each(|bin| bin.scores = by(&bin.scores));
         cell.bias_variance = cell.bias_variance.map(|both| both.map(|value| value * factor));
     }
 }

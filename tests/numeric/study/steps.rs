@@ -81,9 +81,9 @@ fn tables_are_judged_in_every_band_of_the_view() {
         let bin = |lo: f64, error: f64| super::paper::bin([lo, lo + 0.2], |_| Some(error));
         vec![bin(0.0, grazing), bin(0.8, facing)]
     };
-    paper.add(&["design", "a.hdr", "0.1", "reference", ""], 1.0).bins = bands(1.0, 0.1);
-    paper.add(&["design", "a.hdr", "0.1", "split-sum", "64x64"], 0.05).bins = bands(0.05, 0.02);
-    paper.add(&["design", "a.hdr", "0.1", "split-sum", "128x128"], 0.02).bins = bands(0.02, 0.005);
+    paper.add(&["design", "a.hdr", "0.1", "reference", ""], 1.0).bins = bands(1.0, 0.1).into();
+    paper.add(&["design", "a.hdr", "0.1", "split-sum", "64x64"], 0.05).bins = bands(0.05, 0.02).into();
+    paper.add(&["design", "a.hdr", "0.1", "split-sum", "128x128"], 0.02).bins = bands(0.02, 0.005).into();
     let finding = paper.finding("tables");
     let digest = finding.digest.unwrap();
     let row = only(&digest, &[("alpha", "0.1")]);

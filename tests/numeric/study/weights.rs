@@ -45,7 +45,7 @@ fn run(test: &RgbImage, reference: &RgbImage, standard_error: &RgbImage) -> Fini
     let mut paper = Paper::new(&["scene", "method"]);
     let scores = comparison.evaluate_all();
     let cell = paper.add(&["design", "split-sum"], 1.0);
-    cell.bins = bins.collect();
+    cell.bins = bins.collect::<Vec<_>>().into();
     cell.scores = Some(MetricValues::of(|name| scores.iter().find(|(own, _)| *own == name).map(|(_, value)| *value)));
     paper.run
 }
@@ -140,12 +140,14 @@ fn two_views() -> Paper {
         paper.add(&["design", method], 0.5 * (low + high)).bins = vec![
             bin([0.0, 0.5], |name| (name == "relmse").then_some(low)),
             bin([0.5, 1.0], |name| (name == "relmse").then_some(high)),
-        ];
+        ]
+        .into();
         let picture = paper.add(&["sphere", method], 9.0);
         picture.bins = vec![
             Bin { pixel_count: 20, ..bin([0.0, 0.5], |_| Some(7.0)) },
             Bin { pixel_count: 80, ..bin([0.5, 1.0], |_| Some(8.0)) },
-        ];
+        ]
+        .into();
     }
     paper
 }
@@ -169,7 +171,7 @@ fn answers_have_the_rows_of_each_weight() {
     assert!(name == "sphere" && (ratio - 0.26 / 0.36).abs() < F64, "{ratio}");
     // The order of cells and bins changes nothing.
     let mut turned = run.clone();
-    turned.cells.iter_mut().for_each(|cell| cell.bins.reverse());
+    turned.cells.iter_mut().for_each(|cell| std::sync::Arc::make_mut(&mut cell.bins).reverse());
     turned.cells.swap(1, 3);
     assert_eq!(ratios(&turned), found);
     // The sentence and both tables say so.
@@ -187,7 +189,7 @@ fn runs_without_bins_or_floors_keep_what_they_have() {
     let run = two_views().run;
     assert_eq!(run.weighted(&Weight::Picture).cells[0].noise_floors.get("relmse"), Some(1e-9));
     let mut bare = run;
-    bare.cells.iter_mut().for_each(|cell| cell.bins.clear());
+    bare.cells.iter_mut().for_each(|cell| cell.bins = Default::default());
     let found = ratios(&bare);
     assert!(found.len() == 1 && found[0].0 == "uniform" && (found[0].1 - 0.2 / 0.6).abs() < F64, "{found:?}");
     assert!(bare.with_weights(&["picture".to_owned()]).unwrap_err().contains("errors_by_n_dot_v.csv"));
