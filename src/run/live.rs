@@ -3,7 +3,7 @@
 use super::images::short_text;
 use super::live_model::{LiveModel, models};
 use super::renderer::{RenderFault, Renderer};
-use crate::experiment::axis::{BRDF, ENVIRONMENT, ENVIRONMENT_CLIP, Named, Point};
+use crate::experiment::axis::{BRDF, ENVIRONMENT, ENVIRONMENT_CLIP, Named, Point, Settings};
 use crate::experiment::plan::Plan;
 use crate::experiment::value::Value;
 use crate::pipeline::{LightTables, RenderRequest};
@@ -88,7 +88,7 @@ pub struct LiveLobe {
 
 /// Computes the tables of every model in the first environments of a plan.
 pub fn record(plan: &Plan, renderer: &mut dyn Renderer) -> Result<LiveRecord, RenderFault> {
-    let methods = distinct(plan, &[], |request| request.shading.method.name);
+    let methods = distinct(plan, &[], |settings| settings.shading.method.name);
     let shader = |(_, request): &(Point, RenderRequest)| {
         let Method { name, text, uses_samples: is_sampled, .. } = *request.shading.method;
         // Tables of taps are not in the record.
@@ -100,9 +100,10 @@ pub fn record(plan: &Plan, renderer: &mut dyn Renderer) -> Result<LiveRecord, Re
     let methods = methods.iter().filter_map(shader).collect();
     let mut record =
         LiveRecord { environments: Vec::new(), lobes: Vec::new(), left_out: 0, models: models(plan), methods };
-    let environments = distinct(plan, &[], |request| request.environment.hash.clone());
+    let clip = |settings: &Settings| settings.environment_clip_log2.map(f64::to_bits);
+    let environments = distinct(plan, &[], |settings| (settings.environment.clone(), clip(settings)));
     let lobes =
-        distinct(plan, &[BRDF], |request| (request.shading.brdf.name(), request.shading.masking_shadowing.name()));
+        distinct(plan, &[BRDF], |settings| (settings.shading.brdf.name(), settings.shading.masking_shadowing.name()));
     for (point, request) in environments.iter().take(ENVIRONMENT_COUNT) {
         let mut environment: Option<LiveEnvironment> = None;
         for (_, of_lobe) in &lobes {
@@ -134,15 +135,12 @@ pub fn record(plan: &Plan, renderer: &mut dyn Renderer) -> Result<LiveRecord, Re
 }
 
 /// Point and request of the first cell for every value of `key`, among cells that use all of `axes`.
-fn distinct<K: Eq + Hash>(
-    plan: &Plan,
-    axes: &[usize],
-    key: impl Fn(&RenderRequest) -> K,
-) -> Vec<(Point, RenderRequest)> {
+fn distinct<K: Eq + Hash>(plan: &Plan, axes: &[usize], key: impl Fn(&Settings) -> K) -> Vec<(Point, RenderRequest)> {
     let mut found: IndexMap<K, (Point, RenderRequest)> = IndexMap::new();
     for cell in plan.cells.iter().filter(|cell| axes.iter().all(|&axis| cell.point[axis] != Value::Unset)) {
-        let request = plan.request(&cell.point);
-        found.entry(key(&request)).or_insert_with(|| (cell.point.clone(), request));
+        // A request takes a copy of its scene.
+        let first = || (cell.point.clone(), plan.request(&cell.point));
+        found.entry(key(&cell.point.settings())).or_insert_with(first);
     }
     found.into_values().collect()
 }
