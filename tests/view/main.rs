@@ -247,7 +247,9 @@ fn every_control_moves_its_axis() {
 #[test]
 fn an_outdated_picture_is_dimmed_and_errors_keep_the_reference() {
     let Some(screen) = Screen::open() else { return };
-    let win = screen.window(&[&SMALL[..], &["--reference-samples", "256", "--prefilter-size", "512x512"]].concat());
+    // Tables of another environment take seconds, and a half is dimmed after 250 ms.
+    let tables = ["--prefilter", "sampled", "--prefilter-size", "512x512", "--prefilter-sample-count", "512"];
+    let win = screen.window(&[&SMALL[..], &["--reference-samples", "256"], &tables].concat());
     win.wait_done();
     let dimmed = || win.told()["dimmed"].as_u64().unwrap();
     let before = dimmed();
@@ -258,7 +260,6 @@ fn an_outdated_picture_is_dimmed_and_errors_keep_the_reference() {
             told["is_done"] == true && told["asked"] == told["shown"]
         });
     }
-    // Tables of another environment take a moment.
     win.choose("environment", "choice builtin:sky");
     win.wait("a dimmed picture", |_| dimmed() > before);
     win.wait_done();
