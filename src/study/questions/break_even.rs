@@ -66,6 +66,12 @@ impl Case<'_, '_> {
         self.crossing().filter(|n| up(*n, tried) == count).unwrap_or(count)
     }
 
+    /// Value on an axis, of the method that uses it.
+    fn value(&self, axis: usize) -> Value {
+        let [fixed, sampled] = [self.of.fixed, self.of.curve.first()].map(|row| &row.point[axis]);
+        if *fixed == Value::Unset { sampled } else { fixed }.clone()
+    }
+
     fn is_resolved(&self, frame: &Frame) -> bool {
         let at = self.break_even.unwrap_or(self.of.curve.tried()[1]);
         let point = self.of.curve.points.iter().find(|point| point.samples == at);
@@ -91,7 +97,7 @@ fn answer(frame: &Frame) -> Option<Finding> {
     let tried = tried(cases);
     let numbers = numbers(cases);
     let scope = numbers.scope(frame);
-    let groups = by_condition(frame, numbers);
+    let groups = by_condition(frame, cases);
     let views = views(frame, &images, &axes, &mut table);
     let words = |middle: &Estimate| counted_words(middle, &tried);
     let of: Vec<usize> = conditions(frame).collect();
@@ -156,7 +162,7 @@ fn views(frame: &Frame, images: &[&Row], axes: &[usize], table: &mut Table) -> V
         let pairs = pairs(beside(&own, &images, axes));
         add_cases(frame, &pairs, seen, table);
         let (_, cases) = pairs.first()?;
-        let medians = by_condition(&own, numbers(cases)).into_iter();
+        let medians = by_condition(&own, cases).into_iter();
         let medians = medians.filter_map(|(key, own)| Some((key, own.estimate()?.value))).collect();
         Some(View { seen, medians })
     };
@@ -236,16 +242,22 @@ pub(super) fn conditions(frame: &Frame) -> impl Iterator<Item = usize> {
 }
 
 /// The cases at each value of these axes, ascending.
-pub(super) fn by_condition<'r, 'f>(frame: &Frame, all: Numbers<'r, 'f>) -> Vec<(Key, Numbers<'r, 'f>)> {
-    let part = |groups: Vec<(Key, Numbers<'r, 'f>)>, of: usize| {
+pub(super) fn by_condition<'r, 'f>(frame: &Frame, cases: &[Case<'r, 'f>]) -> Vec<(Key, Numbers<'r, 'f>)> {
+    let part = |groups: Vec<(Key, Vec<usize>)>, of: usize| {
         let parts = groups.into_iter().flat_map(|(key, own)| {
-            own.values(of)
-                .into_iter()
-                .map(move |value| ([&key[..], std::slice::from_ref(&value)].concat(), own.at(of, &value)))
+            let values = ascending(distinct_in_order(own.iter().map(|case| cases[*case].value(of))));
+            let at = |value: Value| {
+                let is_own = |case: &usize| cases[*case].value(of) == value;
+                (own.iter().copied().filter(is_own).collect::<Vec<_>>(), value)
+            };
+            let with = |(own, value): (Vec<usize>, Value)| ([&key[..], &[value]].concat(), own);
+            values.into_iter().map(at).map(with).collect::<Vec<_>>()
         });
         parts.collect()
     };
-    conditions(frame).fold(vec![(Vec::new(), all)], part)
+    let groups = conditions(frame).fold(vec![(Vec::new(), (0..cases.len()).collect())], part);
+    let all = numbers(cases);
+    groups.into_iter().map(|(key, own)| (key, all.part(|case| own.contains(&case)))).collect()
 }
 
 pub(super) fn numbers<'r, 'f>(cases: &[Case<'r, 'f>]) -> Numbers<'r, 'f> {
@@ -332,7 +344,7 @@ fn figure(frame: &Frame, axes: &[usize], pairs: &[([String; 2], Vec<Case>)]) -> 
         if is_summed {
             let words = |all: &Estimate| counted_words(all, &tried);
             let of: Vec<usize> = conditions(frame).collect();
-            for (key, own) in by_condition(frame, numbers(cases)) {
+            for (key, own) in by_condition(frame, cases) {
                 let Some(first) = cases.iter().find(|case| case.of.fixed.key(&of) == key) else { continue };
                 let at = |n: f64| [up(n, &tried).min(2.0 * largest), step(&rows, &name(first))];
                 let tip = frame.names.label(&of, &key);

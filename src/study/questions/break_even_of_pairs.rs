@@ -66,7 +66,7 @@ fn middles(frame: &Frame, seen: [f64; 2]) -> Vec<Middle> {
             let (metric, tried) = (frame.metric_name(), tried(&cases));
             Some(Middle { metric, seen, key, names: names.clone(), all: own.estimate()?, tried })
         };
-        by_condition(frame, numbers(&cases)).into_iter().filter_map(middle).collect::<Vec<_>>()
+        by_condition(frame, &cases).into_iter().filter_map(middle).collect::<Vec<_>>()
     };
     pairs(beside(frame, &images, &frame.case_axes())).into_iter().flat_map(of_pair).collect()
 }

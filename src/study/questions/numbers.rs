@@ -84,7 +84,12 @@ impl<'r, 'f> Numbers<'r, 'f> {
 
     /// The images with this value on an axis.
     pub fn at(&self, of: usize, value: &Value) -> Self {
-        let own = self.items.iter().copied().filter(|(row, _)| row.point[of] == *value);
+        self.part(|place| self.items[place].0.point[of] == *value)
+    }
+
+    /// The images at some places.
+    pub fn part(&self, is_own: impl Fn(usize) -> bool) -> Self {
+        let own = self.items.iter().copied().enumerate().filter(|(place, _)| is_own(*place)).map(|(_, item)| item);
         Self { items: own.collect(), is_part: self.is_part || self.measured() >= CLUSTERS_MIN, ..*self }
     }
 

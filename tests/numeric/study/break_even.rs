@@ -185,3 +185,22 @@ fn each_pair_of_methods_breaks_even_by_itself() {
     near(of("flip", "split-sum", "sampled-vndf"), 16.0, 16.0 / 1.5, [1.0, 1.0]);
     assert!(of("flip", "split-sum-relative", "sampled")[0].is_nan(), "107 samples were not tried");
 }
+
+/// A setting of the samples alone has an answer for each value; the method without samples has none of its own.
+#[test]
+fn points_of_pixels_have_answers_of_their_own() {
+    let mut paper = Paper::new(&["environment", "method", "samples", "pixel_points"]);
+    for light in ["builtin:sky", "builtin:studio"] {
+        paper.add(&[light, "split-sum", "", ""], 1.0);
+        for (samples, shared, owen) in [("1", 2.0, 4.0), ("4", 0.5, 2.0), ("16", 0.25, 0.5)] {
+            paper.add(&[light, "sampled", samples, "shared"], shared);
+            paper.add(&[light, "sampled", samples, "owen"], owen);
+        }
+    }
+    let digest = paper.finding("break-even").digest.unwrap();
+    let counts = ["shared", "owen"].map(|points| {
+        let row = only(&digest, &[("pixel_points", points)]);
+        column(&row, "sky").concat()
+    });
+    assert_eq!(counts, ["4", "16"]);
+}
