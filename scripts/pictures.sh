@@ -21,6 +21,6 @@ picture() {
 }
 
 picture split-sum "Split sum (textbook)"
-picture split-sum-relative "Better split sum, also one lookup"
+picture split-sum-two "Better split sum, two lookups"
 picture reference "Reference" --samples 4096
-convert "$folder/split-sum.png" "$folder/split-sum-relative.png" "$folder/reference.png" +append -strip docs/effect.png
+convert "$folder/split-sum.png" "$folder/split-sum-two.png" "$folder/reference.png" +append -strip docs/effect.png
