@@ -16,8 +16,8 @@ layout(set = 0, binding = 6) uniform FILTERED_MAP prefiltered;
 layout(set = 0, binding = 7) uniform sampler2D dfg;
 // A method reads one of these at most.
 layout(set = 0, binding = 8) uniform sampler2D lobe_shapes;
-#define two_taps lobe_shapes
-#define four_taps lobe_shapes
+layout(set = 0, binding = 8) uniform sampler2D two_taps;
+layout(set = 0, binding = 8) uniform sampler2D four_taps;
 layout(std140, set = 0, binding = 9) uniform Points {
     vec4 points[POINTS_PER_DISPATCH];
 };

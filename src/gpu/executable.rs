@@ -6,7 +6,10 @@ use super::kept_pipeline::{Interface, Pipeline};
 use super::{Gpu, GpuError, GraphicsDescription, shader_code};
 use ash::vk;
 use rspirv_reflect::Reflection;
+use rspirv_reflect::rspirv::dr::{Function, Instruction, Module, Operand};
+use rspirv_reflect::spirv::Decoration;
 use serde::{Deserialize, Serialize};
+use std::collections::{BTreeMap, BTreeSet};
 use std::ffi::{CStr, c_void};
 
 /// One compiled stage.
@@ -131,7 +134,8 @@ fn declared(shaders: &[&str]) -> Result<Interface, GpuError> {
             shader: shader.to_string(),
             what: what.to_string(),
         };
-        let reflection = Reflection::new_from_spirv(shader_code(shader)).map_err(fault)?;
+        let mut reflection = Reflection::new_from_spirv(shader_code(shader)).map_err(fault)?;
+        keep_one_a_binding(&mut reflection.0);
         let push = reflection.get_push_constant_range().map_err(fault)?;
         interface.push_size = interface.push_size.max(push.map_or(0, |push| (push.offset + push.size) as usize));
         for (binding, found) in reflection.get_descriptor_sets().map_err(fault)?.remove(&0).unwrap_or_default() {
@@ -144,4 +148,27 @@ fn declared(shaders: &[&str]) -> Result<Interface, GpuError> {
         }
     }
     Ok(interface)
+}
+
+/// Removes variables that share a binding, except the one that the shader reads: the reflection panics on them.
+fn keep_one_a_binding(module: &mut Module) {
+    let instructions = module.functions.iter().flat_map(Function::all_inst_iter);
+    let used: BTreeSet<u32> =
+        instructions.flat_map(|instruction| instruction.operands.iter().filter_map(Operand::id_ref_any)).collect();
+    let binding = |instruction: &Instruction| match instruction.operands[..] {
+        [Operand::IdRef(id), Operand::Decoration(Decoration::Binding), Operand::LiteralBit32(place)] => {
+            Some((place, id))
+        }
+        _ => None,
+    };
+    let mut by_place: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
+    for (place, id) in module.annotations.iter().filter_map(binding) {
+        by_place.entry(place).or_default().push(id);
+    }
+    let others = by_place.values().flat_map(|ids| {
+        let kept = ids.iter().find(|id| used.contains(id)).unwrap_or(&ids[0]);
+        ids.iter().filter(move |id| *id != kept)
+    });
+    let others: BTreeSet<u32> = others.copied().collect();
+    module.types_global_values.retain(|instruction| instruction.result_id.is_none_or(|id| !others.contains(&id)));
 }
