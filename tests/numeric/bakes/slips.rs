@@ -88,6 +88,14 @@ fn slips_of_faces_and_texels_are_named() {
                 rgb.map(|x| x * divisor)
             });
         }),
+        // Larson's u' and v' by three.js's primaries, and the second byte of 2 log2 Y + 127.
+        ("LogLuv read", |map| {
+            each_texel(map, |[r, g, b]| {
+                let [x, y, sum] = [[0.2209, 0.1138, 0.0102], [0.3390, 0.6780, 0.1130], [0.4184, 0.7319, 0.2969]]
+                    .map(|row: [f32; 3]| row[0] * r + row[1] * g + row[2] * b);
+                [x / sum, y / sum, (2.0 * y.log2() + 127.0).floor() / 255.0]
+            });
+        }),
         // Bytes of Radiance's format.
         ("RGBE read", |map| {
             each_texel(map, |rgb| {
