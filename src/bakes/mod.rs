@@ -1,7 +1,7 @@
 //! Tables of the split sum from other programs: reading, conventions, errors, and baking by the same conventions.
 //!
 //! [`container`] reads files, [`source`] finds the parts of a bake, [`convention`] defines directions, levels and
-//! channels, [`check`] scores parts against exact integrals, [`make`] bakes for engines.
+//! channels, [`check`] scores parts against exact integrals, [`make`] bakes for engines, [`plain`] for any program.
 
 pub mod check;
 pub mod container;
@@ -11,6 +11,7 @@ pub mod make;
 #[cfg(feature = "cli")]
 pub mod page;
 mod parts;
+pub mod plain;
 pub mod product;
 pub mod sh;
 pub mod source;

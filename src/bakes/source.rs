@@ -50,13 +50,7 @@ pub fn read(files: &[String], reading: Reading) -> Result<Bake, PixelsError> {
             read_folder(&path, part, reading, &mut bake)?;
             continue;
         }
-        let extension = path.extension().map(|extension| extension.to_string_lossy().to_lowercase());
-        let is_text = matches!(extension.as_deref(), Some("txt" | "json"));
-        if part == Some(Part::Sh) || (part.is_none() && is_text) {
-            once(&mut bake.sh, sh::read(&path)?, "SH", &path)?;
-            continue;
-        }
-        add_texture(&mut bake, read_texture(&path)?, part, reading, &path)?;
+        add_file(&mut bake, &path, part, reading)?;
     }
     Ok(bake)
 }
@@ -74,14 +68,13 @@ fn once<T>(place: &mut Option<T>, value: T, what: &str, path: &Path) -> Result<(
     }
 }
 
-fn add_texture(
-    bake: &mut Bake,
-    texture: Texture,
-    part: Option<Part>,
-    reading: Reading,
-    path: &Path,
-) -> Result<(), PixelsError> {
-    let Texture { mut levels, .. } = texture;
+fn add_file(bake: &mut Bake, path: &Path, part: Option<Part>, reading: Reading) -> Result<(), PixelsError> {
+    let extension = path.extension().map(|extension| extension.to_string_lossy().to_lowercase());
+    let is_text = matches!(extension.as_deref(), Some("txt" | "json"));
+    if part == Some(Part::Sh) || (part.is_none() && is_text) {
+        return once(&mut bake.sh, sh::read(path)?, "SH", path);
+    }
+    let Texture { mut levels, .. } = read_texture(path)?;
     let first = &levels[0][0];
     let (width, height, faces, count) = (first.width, first.height, levels[0].len(), levels.len());
     let is_square_image = faces == 1 && width == height;
@@ -246,29 +239,18 @@ fn read_ours(path: &Path, names: &[String], reading: Reading, bake: &mut Bake) -
     }
     let file: File = serde_json::from_str(&text).map_err(not_read)?;
     let layout = MapLayout::by_name(&file.layout).ok_or_else(|| refuse(format!("its layout is {:?}", file.layout)))?;
-    let image = |name: &str| -> Result<RgbImage, PixelsError> {
-        Ok(read_texture(&path.join(name))?.levels.swap_remove(0).swap_remove(0))
-    };
-    let map = |names: &[String]| -> Result<Map, PixelsError> {
-        let level = |name: &String| split(image(name)?, layout).map_err(|fault| fault.at(&path.join(name)));
-        Ok(Map { layout, levels: names.iter().map(level).collect::<Result<_, _>>()? })
-    };
-    let levels: Vec<String> =
-        (0..file.prefilter_alphas.len()).map(|k| format!("prefiltered_{}_{k}.exr", reading.brdf)).collect();
-    if levels.is_empty() {
+    if file.prefilter_alphas.is_empty() {
         return Err(refuse("it lists no level".to_owned()));
     }
-    once(&mut bake.specular, map(&levels)?, "prefiltered map", path)?;
-    let has = |name: &str| names.iter().any(|found| found == name);
-    let table = format!("dfg_{}.exr", reading.brdf);
-    if has(&table) {
-        once(&mut bake.dfg, image(&table)?, "DFG table", path)?;
-    }
-    if has("sh9.json") {
-        once(&mut bake.sh, sh::read(&path.join("sh9.json"))?, "SH", path)?;
-    }
-    if has("irradiance_over_pi.exr") {
-        once(&mut bake.irradiance, map(&["irradiance_over_pi.exr".to_owned()])?, "irradiance map", path)?;
+    let (brdf, reading) = (reading.brdf, Reading { layout: Some(layout), ..reading });
+    let levels = (0..file.prefilter_alphas.len()).map(|k| (format!("prefiltered_{brdf}_{k}.exr"), Part::Specular));
+    let others = [
+        (format!("dfg_{brdf}.exr"), Part::Dfg),
+        ("sh9.json".to_owned(), Part::Sh),
+        ("irradiance_over_pi.exr".to_owned(), Part::Irradiance),
+    ];
+    for (name, part) in levels.chain(others.into_iter().filter(|(name, _)| names.contains(name))) {
+        add_file(bake, &path.join(name), Some(part), reading)?;
     }
     Ok(())
 }
@@ -285,10 +267,11 @@ fn read_engines(path: &Path, file: Manifest, reading: Reading, bake: &mut Bake) 
         inside(path, name).map_err(|what| Fault::new(what, "files beside bake.json").at(&path.join(MANIFEST)))
     };
     // One table format is enough.
-    for (name, part) in maps.chain(file.tables.first().map(|name| (name, Part::Dfg))) {
+    let table = file.tables.first().map(|name| (name, Part::Dfg));
+    for (name, part) in maps.chain(table).chain(file.sh.as_ref().map(|name| (name, Part::Sh))) {
         let path = named(name)?;
         if !path.is_dir() {
-            add_texture(bake, read_texture(&path)?, Some(part), reading, &path)?;
+            add_file(bake, &path, Some(part), reading)?;
             continue;
         }
         let map = read_faces(&path, &names_in(&path))?;
@@ -296,9 +279,6 @@ fn read_engines(path: &Path, file: Manifest, reading: Reading, bake: &mut Bake) 
             Part::Irradiance => once(&mut bake.irradiance, map, "irradiance map", &path)?,
             _ => once(&mut bake.specular, map, "prefiltered map", &path)?,
         }
-    }
-    if let Some(name) = &file.sh {
-        once(&mut bake.sh, sh::read(&named(name)?)?, "SH", path)?;
     }
     Ok(())
 }

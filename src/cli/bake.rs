@@ -1,23 +1,21 @@
 //! `splitsum bake`: precomputed tables as files.
 
-use super::shared::{DeviceFlag, InputFlags};
+use super::shared::InputFlags;
 use super::{Failure, print, progress};
 use clap::Args;
 use splitsum::bakes::container::Texel;
 use splitsum::bakes::convention::{PRESETS, Preset};
 use splitsum::bakes::make::{self, Making};
+use splitsum::bakes::plain::{Baking, SETTINGS};
 use splitsum::brdf::MODELS;
 use splitsum::environment::Environment;
 use splitsum::experiment::axis::{
-    AXES, BRDF, DFG_SIZE, IRRADIANCE_SIZE, MASKING, PREFILTER_LEVEL_COUNT, PREFILTER_SIZE, PREFILTER_WEIGHT, Part,
-    Point, Settings,
+    AXES, BRDF, DFG_SIZE, IRRADIANCE_SIZE, MASKING, PREFILTER_LEVEL_COUNT, PREFILTER_SIZE, PREFILTER_WEIGHT, Point,
+    Settings,
 };
 use splitsum::experiment::value::Value;
-use splitsum::pipeline::BakeRequest;
-use splitsum::run::RenderFault;
-use splitsum::spelling::{Listed, not_one_of, suggestion};
+use splitsum::spelling::{Listed, not_one_of};
 use std::path::PathBuf;
-use std::sync::Arc;
 
 /// Write the prefiltered map, DFG table, lobes, SH9 and irradiance map as files.
 #[derive(Args, Debug)]
@@ -34,14 +32,12 @@ pub struct Arguments {
     /// Write the files to DIR.
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
-    /// Set a size, sample count, format, masking or brdf (`splitsum list axes`).
+    /// Set a size, format, masking or brdf (`splitsum list axes`).
     #[arg(long = "set", value_name = "NAME=VALUE", value_parser = setting)]
     settings: Vec<(usize, Value)>,
     #[command(flatten)]
     inputs: InputFlags,
-    #[command(flatten)]
-    device: DeviceFlag,
-    /// Write an engine's files instead, exact and without a device.
+    /// Write an engine's files instead.
     #[arg(long = "for", value_name = "ENGINE", long_help = engines_help(), value_parser = parse_engine)]
     engine: Option<&'static Preset>,
     /// Set the pixel format of --for's cubes: rgba16f, rgba32f, rgb9e5, ...
@@ -57,7 +53,7 @@ fn parse_engine(text: &str) -> Result<&'static Preset, String> {
 fn engines_help() -> String {
     let line = |preset: &Preset| format!("  {}: {}", preset.product.engine, preset.product.about);
     let lines: Vec<String> = PRESETS.iter().map(line).collect();
-    format!("Write an engine's files instead, exact and without a device:\n{}", lines.join("\n"))
+    format!("Write an engine's files instead:\n{}", lines.join("\n"))
 }
 
 pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
@@ -74,20 +70,15 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     if let Some(preset) = arguments.engine {
         return execute_for(preset, arguments, &environment, &settings);
     }
-    settings.shading.precompute.validate().map_err(|error| Failure::input(format!("--set: {error}")))?;
-    progress::doing("baking");
-    let mut pipeline = arguments.device.open().map_err(Failure::opening)?;
-    std::fs::create_dir_all(&arguments.out)
-        .map_err(|error| Failure::input(format!("--out: {} cannot be made: {error}", arguments.out.display())))?;
-    let request = BakeRequest {
-        environment: Arc::new(environment),
-        precompute: settings.shading.precompute,
-        brdfs: if has_model { vec![settings.shading.brdf] } else { MODELS.to_vec() },
-        masking_shadowing: settings.shading.masking_shadowing,
+    let baking = Baking {
+        environment: &environment,
+        settings: settings.shading.precompute,
+        brdfs: if has_model { &[settings.shading.brdf] } else { MODELS },
+        masking: settings.shading.masking_shadowing,
     };
-    let files =
-        pipeline.bake(&request, &arguments.out).map_err(|error| Failure::rendering(RenderFault::from(error)))?;
-    for path in files {
+    baking.check().map_err(Failure::input)?;
+    progress::doing("baking");
+    for path in baking.bake(&arguments.out).map_err(Failure::input)? {
         print(&format!("{}\n", path.display()))?;
     }
     Ok(())
@@ -158,10 +149,10 @@ fn execute_for(
 /// Parses `name=value` of an axis that changes the tables.
 fn setting(text: &str) -> Result<(usize, Value), String> {
     let (name, value) = text.split_once('=').ok_or_else(|| format!("{text:?} is not NAME=VALUE"))?;
-    let axes = || AXES.iter().enumerate().filter(|(_, axis)| axis.tables_cost && axis.part != Part::Method);
-    let found = axes().find(|(_, axis)| axis.name == name).ok_or_else(|| {
-        let known: Vec<&str> = axes().map(|(_, axis)| axis.name).collect();
-        format!("{name:?} is not a setting of the tables{}; see `splitsum list axes`", suggestion(name, &known))
-    })?;
-    Ok((found.0, found.1.kind.parse_text(value)?))
+    let axis = AXES.iter().position(|axis| axis.name == name);
+    let axis = axis.ok_or_else(|| not_one_of("setting of a bake", name, SETTINGS, ""))?;
+    if !SETTINGS.contains(&name) {
+        return Err(format!("{name} does not change a bake; leave it out"));
+    }
+    Ok((axis, AXES[axis].kind.parse_text(value)?))
 }

@@ -13,8 +13,8 @@ use crate::spelling::Listed;
 /// Most texels of the finest prefiltered level: a page can hold these for a few models and environments.
 const PREFILTERED_TEXELS_MAX: u32 = 1 << 15;
 
-/// The method whose lobe table is read and baked.
-pub(super) const LOBES_OF: &str = "split-sum-relative";
+/// The method whose lobe table is read.
+const LOBES_OF: &str = "split-sum-relative";
 
 /// The tables of the split sums, the sampled methods and `sh9`.
 #[derive(Clone, Debug)]

@@ -4,7 +4,6 @@
 //! tables and references are kept for later runs too.
 
 mod antialias;
-mod bake;
 mod cache;
 mod disk_cache;
 mod fit;
@@ -18,7 +17,6 @@ mod resources;
 mod shared_work;
 
 pub use crate::gpu::{DeviceChoice, DeviceInfo, Options, PassTime, chosen_device, devices};
-pub use bake::BakeRequest;
 pub use cache::{CACHE_BYTES, Recent};
 pub use disk_cache::{DiskCache, DiskCacheError, program_hash};
 pub use fit::{BUFFER_BYTES_EVERYWHERE, BUFFER_BYTES_MAX, image_buffer_bytes};
@@ -29,7 +27,7 @@ pub use shared_work::{SharedWork, Tally};
 use crate::gbuffer::{self, Gbuffer};
 use crate::glsl::constants::POINTS_PER_DISPATCH;
 use crate::gpu::{Buffer, Gpu, GpuError, Report};
-use crate::pixels::{Pixels, PixelsError, Rgb8Image, RgbImage};
+use crate::pixels::{Pixels, Rgb8Image, RgbImage};
 use crate::precompute::SettingsError;
 use crate::shade::pass::Passes;
 use crate::shade::reference_pass::{Convergence, PartPair, ReferenceRun};
@@ -38,7 +36,6 @@ use kept_reference::Reference;
 use resources::{Prepared, ReferenceData, Resources, Shelves};
 use shared_work::Kept;
 use std::collections::BTreeSet;
-use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
@@ -52,10 +49,6 @@ pub enum PipelineError {
         "{count} pixels of the {stage} radiance are not finite or are negative, the first at column {x}, row {y}: {value:?}"
     )]
     InvalidRadiance { stage: &'static str, count: usize, x: u32, y: u32, value: [f32; 3] },
-    #[error(transparent)]
-    File(#[from] PixelsError),
-    #[error("{}: cannot be removed ({error}); delete this file of an earlier bake", path.display())]
-    Stale { path: PathBuf, error: std::io::Error },
     #[error("{field} is 0; expected at least 1")]
     NoSamples { field: &'static str },
     #[error(transparent)]

@@ -1,7 +1,7 @@
 //! Tables and references kept for later runs change nothing but the time.
 
 use super::end_to_end::folder;
-use super::{assert_ends, ok, splitsum, stderr};
+use super::{assert_ends, splitsum, stderr};
 use std::path::{Path, PathBuf};
 
 /// One run into `out`; what it said, and its errors.
@@ -72,30 +72,4 @@ fn a_cache_that_cannot_be_used_is_a_fault_when_it_was_asked_for() {
     std::fs::write(dir.path().join("file"), "").unwrap();
     assert_ends(&splitsum(dir.path(), &["run", "tiny.toml", "--cache", "file"]), 2, &["--cache: file: "]);
     assert!(!dir.path().join("runs").exists());
-}
-
-/// With fewer levels than before, those beyond would be taken for part of the map.
-#[test]
-fn a_bake_into_an_old_folder_leaves_no_stale_level() {
-    let Some(dir) = folder() else { return };
-    let bake = |levels: &str| {
-        let levels = format!("prefilter_level_count={levels}");
-        let small = ["--set", "prefilter_size=16x16", "--set", "dfg_size=8", "--set", "prefilter_sample_count=4"];
-        let arguments = [&["bake", "builtin:constant", "--out", "baked", "--set", &levels], &small[..]].concat();
-        ok(dir.path(), &arguments);
-    };
-    // A level that no bake of 32 x 16 texels makes stands for one of a larger map.
-    bake("2");
-    let level = |k: u32| dir.path().join(format!("baked/prefiltered_ggx_{k}.exr"));
-    std::fs::copy(level(1), level(2)).unwrap();
-    bake("2");
-    assert!(level(1).exists() && !level(2).exists());
-    assert_ends(
-        &splitsum(
-            dir.path(),
-            &["bake", "builtin:constant", "--out", "b", "--set", "dfg_size=8", "--set", "dfg_size=9"],
-        ),
-        2,
-        &["--set dfg_size: is set twice"],
-    );
 }

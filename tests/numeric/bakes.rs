@@ -2,6 +2,7 @@
 
 pub mod files;
 mod make;
+mod plain;
 mod rungs;
 mod scores;
 mod slips;

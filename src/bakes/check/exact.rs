@@ -2,6 +2,7 @@
 
 use super::directions::Directions;
 use super::{Truth, has_width};
+use crate::environment::Environment;
 use crate::math::harmonics::SmoothMap;
 use glam::DVec3;
 use rayon::prelude::*;
@@ -10,7 +11,7 @@ use rayon::prelude::*;
 pub fn exact(truth: &Truth, directions: &Directions, alpha: f64) -> Vec<DVec3> {
     match has_width(alpha) {
         true => values(&truth.prefiltered(alpha), directions),
-        false => mirror(truth, directions),
+        false => mirror(truth.environment, directions),
     }
 }
 
@@ -24,10 +25,10 @@ fn values(map: &SmoothMap, directions: &Directions) -> Vec<DVec3> {
 }
 
 /// Averages the environment over each texel, at least two points per texel of the environment.
-fn mirror(truth: &Truth, directions: &Directions) -> Vec<DVec3> {
-    let (map, [width, height]) = (&truth.environment.image, directions.size);
+pub fn mirror(environment: &Environment, directions: &Directions) -> Vec<DVec3> {
+    let (map, [width, height]) = (&environment.image, directions.size);
     // A cube has two faces from pole to pole and four around.
     let (rows, columns) = if directions.layout.face_count > 1 { (2, 4) } else { (1, 1) };
     let finer = (map.height.div_ceil(rows * height)).max(map.width.div_ceil(columns * width));
-    directions.means((2 * finer).clamp(2, 16), |direction| truth.environment.radiance(direction))
+    directions.means((2 * finer).clamp(2, 16), |direction| environment.radiance(direction))
 }

@@ -14,6 +14,7 @@
 //! then the smallest worst share.
 
 use super::prelude::*;
+use crate::bakes::plain::SETTINGS;
 use crate::metrics::ALL_VIEWS;
 use crate::precompute::PrecomputeSettings;
 use crate::shade::{EXACT_SPLIT, REFERENCE};
@@ -249,7 +250,10 @@ fn sentence(frame: &Frame, parameters: &[usize], tails: &[Tail]) -> Option<Strin
 
 /// "`splitsum bake MAP --out DIR --set prefilter_size=64x64`".
 fn command(parameters: &[usize], tables: &Key) -> String {
-    let set = parameters.iter().zip(tables).filter(|(axis, value)| AXES[**axis].tables_cost && **value != Value::Unset);
+    let set = parameters
+        .iter()
+        .zip(tables)
+        .filter(|(axis, value)| SETTINGS.contains(&AXES[**axis].name) && **value != Value::Unset);
     let set: String = set.map(|(&axis, value)| format!(" --set {}={value}", AXES[axis].name)).collect();
     format!("`splitsum bake MAP --out DIR{set}`")
 }

@@ -1,0 +1,264 @@
+//! Bakes tables for any program: the prefiltered map, DFG table, lobes and taps of each model, SH9, the irradiance map.
+
+use super::check::{Directions, exact};
+use super::container::{TEXELS_MAX, write_table};
+use super::convention::{Axes, Preset};
+use super::make::{dfg, write_bytes};
+use super::source::MANIFEST;
+use crate::brdf::{Brdf, MaskingShadowing};
+use crate::environment::Environment;
+use crate::environment::layout::{FilteredMap, MapLayout};
+use crate::files::names_in;
+use crate::glsl::constants::{LOBE_SHAPE_PARTS, LOBE_SHAPE_SIDE};
+use crate::math::harmonics::Harmonics;
+use crate::math::sequence::SEQUENCES;
+use crate::pixels::{Fault, Pixels, PixelsError, exr, half};
+use crate::precompute::prefilter::{Kernel, harmonic, reference};
+use crate::precompute::sh9::reference::project_bilinear;
+use crate::precompute::taps::{Chain, TapTable};
+use crate::precompute::{HALF_MAX, PrecomputeSettings, PrefilterBy, StorageFormat, exact_quadrature, lobe_shape, mips};
+use crate::spelling::Listed;
+use rayon::prelude::*;
+use serde_json::json;
+use std::path::{Path, PathBuf};
+
+/// The axes of an experiment that change a bake. The DFG table and the irradiance map are integrals: they have no samples.
+pub const SETTINGS: &[&str] = &[
+    "brdf",
+    "masking",
+    "layout",
+    "prefilter_size",
+    "prefilter_level_count",
+    "prefilter",
+    "prefilter_sample_count",
+    "level_mapping",
+    "prefilter_weight",
+    "prefilter_lod_bias",
+    "dfg_size",
+    "irradiance_size",
+    "storage_format",
+];
+
+#[derive(Clone, Copy, Debug)]
+pub struct Baking<'a> {
+    pub environment: &'a Environment,
+    pub settings: PrecomputeSettings,
+    /// Each gets a prefiltered map, a DFG table, a lobe table and taps.
+    pub brdfs: &'a [&'static dyn Brdf],
+    pub masking: MaskingShadowing,
+}
+
+impl Baking<'_> {
+    /// Reports settings that no bake can have.
+    pub fn check(&self) -> Result<(), String> {
+        let PrecomputeSettings { layout, prefilter_size: [width, height], .. } = self.settings;
+        self.settings.validate().map_err(|error| format!("--set: {error}"))?;
+        if !exr::IS_BUILT {
+            return Err("bake writes OpenEXR; build with the feature exr".to_owned());
+        }
+        if u64::from(layout.face_count) * u64::from(width) * u64::from(height) > TEXELS_MAX {
+            let name = layout.name;
+            return Err(format!(
+                "--set: prefilter_size is {width}x{height}; expected at most {TEXELS_MAX} texels by layout {name}"
+            ));
+        }
+        Ok(())
+    }
+
+    /// Writes the files into the folder `out`, `bake.json` last, and returns their paths. Removes the levels of an
+    /// earlier bake, which may have more of them.
+    pub fn bake(&self, out: &Path) -> Result<Vec<PathBuf>, PixelsError> {
+        let Self { environment, settings, brdfs, masking } = *self;
+        std::fs::create_dir_all(out)
+            .map_err(|error| Fault::new(format!("cannot be created ({error})"), "a folder").at(out))?;
+        let is_level = |name: &str| brdfs.iter().any(|brdf| name.starts_with(&format!("prefiltered_{}_", brdf.name())));
+        for name in names_in(out).iter().filter(|name| *name == MANIFEST || is_level(name)) {
+            let path = out.join(name);
+            std::fs::remove_file(&path)
+                .map_err(|error| Fault::new(format!("cannot be replaced ({error})"), "a file").at(&path))?;
+        }
+        let (layout, level_count) = (settings.layout, settings.prefilter_level_count);
+        let alpha = |level: u32| settings.level_mapping.alpha_from_mip(level.into(), level_count);
+        let degree = match settings.prefilter {
+            PrefilterBy::Harmonic => harmonic::degree_of_map(alpha(1)),
+            PrefilterBy::Sampled => harmonic::degree(1.0),
+        };
+        let light = Light {
+            settings: &settings,
+            environment,
+            harmonics: harmonic::harmonics(&environment.image, degree),
+            mips: FilteredMap {
+                layout: MapLayout::listed("equirect"),
+                levels: mips::reference::chain(&environment.image).into_iter().map(|level| vec![level]).collect(),
+            },
+        };
+        let mut files = Files { out, paths: Vec::new(), storage: settings.storage };
+        files.json("sh9.json", &sh9(environment))?;
+        let size = settings.irradiance_size;
+        let factors = harmonic::cosine_factors(degree);
+        let irradiance = harmonic::texels(&light.harmonics, &factors, layout, size);
+        files.image("irradiance_over_pi.exr", &faces(layout, size, irradiance), &["R", "G", "B"])?;
+        for brdf in brdfs {
+            let (name, kernel) = (brdf.name(), Kernel::new(*brdf, settings.prefilter_weight, masking));
+            for level in 0..level_count {
+                let size = settings.prefilter_size.map(|side| side >> level);
+                let texels = light.level(kernel, alpha(level), size);
+                let file = format!("prefiltered_{name}_{level}.exr");
+                files.image(&file, &faces(layout, size, texels), &["R", "G", "B"])?;
+            }
+            let axes = Preset::listed("splitsum").convention().table_axes;
+            let table = dfg(*brdf, masking, axes, settings.dfg_size).map(|[a, b, _]| [a, b, 0.0, 0.0]);
+            // Viewers show nothing for channels named A and B.
+            files.image(&format!("dfg_{name}.exr"), &table, &["R", "G"])?;
+            let lobes = lobes(kernel, masking);
+            files.image(&format!("lobes_{name}.exr"), &lobes, &["R", "G", "B", "A"])?;
+            files.bytes(&format!("lobes_{name}.h"), lobe_header(name, &lobes).as_bytes())?;
+            for (words, count) in [("two", 2), ("four", 4)] {
+                let chain = Chain::new(kernel, settings.level_mapping, level_count);
+                let taps = TapTable::fit(&chain, *brdf, masking, count).texels;
+                files.image(&format!("taps_{words}_{name}.exr"), &taps, &["R", "G", "B", "A"])?;
+                files.bytes(&format!("taps_{words}_{name}.ktx2"), &write_table(&taps))?;
+            }
+        }
+        let names: Vec<_> = files.paths.iter().filter_map(|path| path.file_name()?.to_str()).collect();
+        let is_sampled = settings.prefilter == PrefilterBy::Sampled;
+        let manifest = json!({
+            "version": format!("splitsum {}", env!("CARGO_PKG_VERSION")),
+            "environment": environment.name,
+            "environment_hash": environment.hash,
+            "masking_shadowing": masking.name(),
+            "layout": layout.name,
+            "mapping": layout.mapping,
+            "radiance": "linear Rec.709",
+            "dfg": "channel R (A of the text) scales f0, channel G (B) is added; x = n_dot_v, y = perceptual_roughness, both at texel centres (i + 0.5) / size, row 0 is the smoothest; a lookup within half a texel of an edge is clamped: at roughness 1 ggx errs by up to 0.5 / size",
+            "lobes": "two square parts below each other, nodes at both ends of x = sqrt(n_dot_v) and y = perceptual_roughness: first moments as shares of r and n (of the parts of weight 1 - Fc, then of Fc), and ratios of perceptual roughness for shares 0, 1/2 and 1 of the second; docs/paste.md",
+            "taps": "square parts below each other, nodes at both ends of x = sqrt(n_dot_v) and y = perceptual_roughness: for F0 1, then for 0.04, a part for each two taps (place between n and r, level, twice) and a part of weights; for this number and mapping of levels; docs/paste.md",
+            "irradiance": "irradiance / pi: what a Lambert surface of albedo 1 reflects",
+            "prefilter_alphas": (0..level_count).map(alpha).collect::<Vec<_>>(),
+            "level_mapping": settings.level_mapping.name,
+            "prefilter_weight": settings.prefilter_weight.name,
+            "prefilter": settings.prefilter.name(),
+            "prefilter_sample_count": is_sampled.then_some(settings.prefilter_sample_count),
+            "prefilter_lod_bias": is_sampled.then_some(settings.prefilter_lod_bias),
+            "storage_format": settings.storage.name(),
+            "files": names,
+        });
+        files.json(MANIFEST, &manifest)?;
+        Ok(files.paths)
+    }
+}
+
+struct Light<'a> {
+    settings: &'a PrecomputeSettings,
+    environment: &'a Environment,
+    harmonics: Harmonics,
+    /// The environment's own levels, which a sampled map reads.
+    mips: FilteredMap,
+}
+
+impl Light<'_> {
+    /// Computes the texels of a level, face by face. A mirror's are means of the environment.
+    fn level(&self, kernel: Kernel, alpha: f64, size: [u32; 2]) -> Vec<[f32; 4]> {
+        let settings = self.settings;
+        if settings.prefilter == PrefilterBy::Harmonic && alpha > 0.0 {
+            return harmonic::level(&self.harmonics, kernel, alpha, settings.layout, size);
+        }
+        let directions = Directions::new(settings.layout, Axes::SAME, size);
+        let count = settings.prefilter_sample_count;
+        let points: Vec<_> = (0..count).map(|i| (SEQUENCES[0].point)(i, count, 0)).collect();
+        let sampled =
+            |r| reference::estimate(&self.mips, kernel, alpha, r, &points, settings.prefilter_lod_bias.into());
+        let texels = match alpha {
+            0.0 => exact::mirror(self.environment, &directions),
+            _ => directions.world.par_iter().map(|r| sampled(*r)).collect(),
+        };
+        texels.into_iter().map(|texel| texel.as_vec3().extend(1.0).to_array()).collect()
+    }
+}
+
+/// The files of a bake.
+struct Files<'a> {
+    out: &'a Path,
+    paths: Vec<PathBuf>,
+    storage: StorageFormat,
+}
+
+impl Files<'_> {
+    fn bytes(&mut self, name: &str, bytes: &[u8]) -> Result<(), PixelsError> {
+        let path = self.out.join(name);
+        write_bytes(&path, bytes)?;
+        self.paths.push(path);
+        Ok(())
+    }
+
+    fn json(&mut self, name: &str, value: &serde_json::Value) -> Result<(), PixelsError> {
+        self.bytes(name, format!("{value:#}\n").as_bytes())
+    }
+
+    /// Writes the first channels of an image by these names.
+    fn image(&mut self, name: &str, texels: &Pixels<[f32; 4]>, channels: &[&str]) -> Result<(), PixelsError> {
+        let path = self.out.join(name);
+        let stored = |value: f32| match self.storage {
+            StorageFormat::F32 => value,
+            StorageFormat::F16 => half::from_bits(half::to_bits(value.min(HALF_MAX))),
+        };
+        let channel = |(i, name): (usize, &&str)| (name.to_string(), texels.map(|texel| stored(texel[i])));
+        exr::write_channels(&path, channels.iter().enumerate().map(channel).collect())?;
+        self.paths.push(path);
+        Ok(())
+    }
+}
+
+/// Puts the faces of a level below each other.
+fn faces(layout: &MapLayout, [width, height]: [u32; 2], texels: Vec<[f32; 4]>) -> Pixels<[f32; 4]> {
+    Pixels::new(width, height * layout.face_count, texels)
+}
+
+fn sh9(environment: &Environment) -> serde_json::Value {
+    let radiance = project_bilinear(&exact_quadrature(&environment.image));
+    json!({
+        "environment": environment.name,
+        "environment_hash": environment.hash,
+        "basis": "real spherical harmonics of the world direction (y up), no Condon-Shortley sign",
+        "order": ["Y00", "Y1-1 (y)", "Y10 (z)", "Y11 (x)", "Y2-2 (xy)", "Y2-1 (yz)", "Y20 (3z^2-1)", "Y21 (xz)", "Y22 (x^2-y^2)"],
+        "meaning": "radiance L_lm = integral of L Y_lm; irradiance(n) = sum of A_l L_lm Y_lm(n) with A = pi, 2pi/3, pi/4",
+        "radiance": radiance.map(|coefficient| coefficient.as_vec3().to_array()),
+    })
+}
+
+/// Makes the parts of a lobe table that `split-sum-relative` reads: the moments, and below them the last widths.
+fn lobes(kernel: Kernel, masking: MaskingShadowing) -> Pixels<[f32; 4]> {
+    let [side, part] = [LOBE_SHAPE_SIDE, LOBE_SHAPE_SIDE * LOBE_SHAPE_SIDE];
+    let texels = lobe_shape::texels(kernel, masking);
+    let (moments, widths) = (&texels[..part as usize], &texels[(part * (LOBE_SHAPE_PARTS - 1)) as usize..]);
+    Pixels::new(side, 2 * side, [moments, widths].concat())
+}
+
+/// Writes the table as source text that is valid C, C++ and GLSL, row by row.
+fn lobe_header(model: &str, lobes: &Pixels<[f32; 4]>) -> String {
+    let (name, count) = (format!("splitsum_lobes_{model}"), lobes.width * lobes.height);
+    let rows: Vec<String> = (0..lobes.height)
+        .flat_map(|y| (0..lobes.width).map(move |x| (x, y)))
+        .map(|(x, y)| format!("SPLITSUM_LOBE({})", lobes.get(x, y).map(|number| format!("{number:?}")).join(", ")))
+        .collect();
+    format!(
+        "/* {} x {} texels, rows of y first; docs/paste.md says what they hold. */\n\
+         #undef SPLITSUM_LOBE\n\
+         #if defined(GL_core_profile) || defined(GL_ES)\n\
+         #define SPLITSUM_LOBE(x, y, z, w) vec4(x, y, z, w)\n\
+         const vec4 {name}[{count}] = vec4[{count}](\n\
+         #else\n\
+         #define SPLITSUM_LOBE(x, y, z, w) {{x, y, z, w}}\n\
+         static const float {name}[{count}][4] = {{\n\
+         #endif\n\
+         {}\n\
+         #if defined(GL_core_profile) || defined(GL_ES)\n\
+         );\n\
+         #else\n\
+         }};\n\
+         #endif\n",
+        lobes.width,
+        lobes.height,
+        rows.join(",\n"),
+    )
+}

@@ -1,0 +1,104 @@
+//! Bakes for any program: files hold what the tables are in f64.
+
+use half::f16;
+use splitsum::bakes::container::read_texture;
+use splitsum::bakes::plain::Baking;
+use splitsum::brdf::{Brdf, MaskingShadowing, Phong};
+use splitsum::environment::Environment;
+use splitsum::glsl::constants::LOBE_SHAPE_SIDE;
+use splitsum::math::quadrature::Tolerance;
+use splitsum::pixels::{RgbImage, exr};
+use splitsum::precompute::lobe_shape::{LobeShapes, parameters_from_node};
+use splitsum::precompute::prefilter::{Kernel, LevelMapping, reference};
+use splitsum::precompute::taps::{Chain, TapTable};
+use splitsum::precompute::{HALF_MAX, PrecomputeSettings, PrefilterBy, StorageFormat, exact_quadrature};
+use splitsum::spelling::Listed;
+
+#[test]
+fn files_hold_the_tables_in_f64() {
+    let dir = tempfile::tempdir().unwrap();
+    let file = |name: &str| dir.path().join(name);
+    // Levels of an earlier bake would be taken for part of the map.
+    std::fs::write(file("prefiltered_phong_7.exr"), "stale").unwrap();
+    let environment = Environment::open("builtin:gradient").unwrap();
+    let (masking, mapping) = (MaskingShadowing::Correlated, LevelMapping::listed("quadratic"));
+    let settings = PrecomputeSettings {
+        prefilter_size: [16; 2],
+        prefilter_level_count: 3,
+        prefilter: PrefilterBy::Sampled,
+        level_mapping: mapping,
+        dfg_size: 4,
+        ..PrecomputeSettings::default()
+    };
+    let baking = Baking { environment: &environment, settings, brdfs: &[&Phong as &dyn Brdf], masking };
+    let files = baking.bake(dir.path()).unwrap();
+    assert!(files.iter().all(|file| file.exists()) && !file("prefiltered_phong_7.exr").exists());
+    let kernel = Kernel::cosine(&Phong);
+
+    let level = exr::read(&file("prefiltered_phong_1.exr")).unwrap().rgb;
+    let (quadrature, alpha) = (exact_quadrature(&environment.image), mapping.alpha_from_mip(1.0, 3));
+    let tolerance = Tolerance { relative: 1e-5, max_part_count: 100_000 };
+    for (x, y) in [(1, 2), (6, 21), (4, 44)] {
+        let uv = glam::DVec2::new(f64::from(x) + 0.5, f64::from(y % 8) + 0.5) / 8.0;
+        let direction = (settings.layout.direction)(y / 8, uv);
+        let exact = reference::prefilter(&quadrature, kernel, alpha, direction, tolerance).value;
+        let found = glam::DVec3::from_array(level.get(x, y).map(f64::from));
+        assert!((found - exact).length() < 0.01 * exact.length(), "{x} {y}: {found} for {exact}");
+    }
+
+    let image = exr::read(&file("lobes_phong.exr")).unwrap();
+    let header = std::fs::read_to_string(file("lobes_phong.h")).unwrap();
+    let rows: Vec<Vec<f64>> = header
+        .lines()
+        .filter_map(|line| line.strip_prefix("SPLITSUM_LOBE(")?.split_once(')'))
+        .map(|(numbers, _)| numbers.split(", ").map(|number| number.parse().unwrap()).collect())
+        .collect();
+    let side = LOBE_SHAPE_SIDE;
+    assert_eq!(rows.len(), (2 * side * side) as usize);
+    let shapes = LobeShapes::new(kernel, masking);
+    for node in [[3, 9], [20, 9], [31, 16], [12, 30]] {
+        let at = parameters_from_node(node);
+        let shape = shapes.at(at.x, at.y);
+        let [a, b] = shape.moments;
+        let [low, middle, high] = shape.width_ratios[1];
+        for (part, expected) in [(0, [a.x, a.y, b.x, b.y]), (side, [low, middle, high, 1.0])] {
+            let [x, y] = [node[0], node[1] + part];
+            let rgb = image.rgb.get(x, y);
+            let texel = &rows[(y * side + x) as usize];
+            for (channel, expected) in expected.into_iter().enumerate() {
+                assert!((texel[channel] - expected).abs() < 1e-6, "{node:?} part {part}: {texel:?} for {expected}");
+                assert!(channel == 3 || rgb[channel] == texel[channel] as f32, "{node:?}: {rgb:?} for {texel:?}");
+            }
+        }
+    }
+
+    let chain = Chain::new(kernel, mapping, settings.prefilter_level_count);
+    let table = TapTable::fit(&chain, &Phong, masking, 2).texels;
+    let image = exr::read(&file("taps_two_phong.exr")).unwrap().rgb;
+    let texture = read_texture(&file("taps_two_phong.ktx2")).unwrap();
+    let halves = &texture.levels[0][0];
+    assert_eq!((image.width, image.height, texture.texel), (table.width, table.height, "rgba16f"));
+    for ((table, image), halves) in table.data.iter().zip(&image.data).zip(&halves.data) {
+        assert_eq!(table[..3], image[..]);
+        assert_eq!(table.map(|value| f16::from_f32(value).to_f32())[..3], halves[..]);
+    }
+}
+
+#[test]
+fn halves_are_the_nearest() {
+    // A sun brighter than any half.
+    let image = RgbImage::from_fn(32, 16, |x, y| if (x, y) == (5, 4) { [3e8, 3.0, 7e7] } else { [0.1, 1.7, 1e-6] });
+    let environment = Environment::from_image("sun", image);
+    let [whole, halves] = [StorageFormat::F32, StorageFormat::F16].map(|storage| {
+        let dir = tempfile::tempdir().unwrap();
+        let settings = PrecomputeSettings { storage, ..PrecomputeSettings::default() };
+        let masking = MaskingShadowing::default();
+        Baking { environment: &environment, settings, brdfs: &[], masking }.bake(dir.path()).unwrap();
+        exr::read(&dir.path().join("irradiance_over_pi.exr")).unwrap().rgb.data.into_flattened()
+    });
+    assert!(whole.iter().any(|value| *value > HALF_MAX));
+    for (value, half) in whole.iter().zip(&halves) {
+        assert_eq!(f16::from_f32(value.min(HALF_MAX)).to_f32(), *half, "{value}");
+    }
+    assert_ne!(whole, halves);
+}
