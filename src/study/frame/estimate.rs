@@ -19,8 +19,6 @@ use crate::run::statistics::{COVERAGE, median_order, order_coverage};
 
 /// Fewer environments than this have no 95 % interval.
 pub const CLUSTERS_MIN: usize = 6;
-/// Wider intervals, as a factor, are not printed.
-const WIDTH_MAX: f64 = 10.0;
 
 /// The average within and over environments.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -43,13 +41,6 @@ pub struct Estimate {
     pub n: usize,
     /// Least and largest number of an environment.
     pub ends: [f64; 2],
-}
-
-impl Estimate {
-    /// The interval, unless it is wider than a decade.
-    pub fn told_interval(&self) -> Option<[f64; 2]> {
-        self.interval.filter(|[lo, hi]| *lo > 0.0 && hi / lo <= WIDTH_MAX)
-    }
 }
 
 /// NaN for no values.

@@ -104,8 +104,7 @@ fn sentence(frame: &Frame, lead: &str, all: &[Case]) -> Option<String> {
     let (value, percent) = (number(mean.value), rms_percent(frame, mean.value));
     let rms = percent.map_or_else(String::new, |percent| format!(", about **{} % rms**", number(percent)));
     let value = if percent.is_some() { value } else { format!("**{value}**") };
-    // The range over environments comes next.
-    let interval = mean.told_interval().map_or_else(String::new, |_| interval_words(&mean, number));
+    let interval = interval_words(&mean, number);
     let text = format!("The `{}` of `{lead}` is {value}{interval}{rms}{scope}.", frame.metric_name());
     let extremes = errors.extremes(frame, "it", CHANGE_MIN, |error| with_rms(frame, error));
     let end = match all.iter().any(|case| case.way == lead && case.is_resolved) {

@@ -169,8 +169,8 @@ impl<'r, 'f> Numbers<'r, 'f> {
     /// mean is on one side of 1.
     pub fn change_of_sign(&self, frame: &Frame) -> Option<(usize, Along)> {
         let (below, above) = (1.0 / (1.0 + SAME), 1.0 + SAME);
-        let told = self.estimate().and_then(|all| all.told_interval());
-        let agree = told.is_some_and(|[lo, hi]| hi < 1.0 || lo > 1.0);
+        let interval = self.estimate().and_then(|all| all.interval);
+        let agree = interval.is_some_and(|[lo, hi]| hi < 1.0 || lo > 1.0);
         let first = distinct_in_order([frame.row_axis(), ENVIRONMENT]);
         let others = frame.swept(&[Part::Case]).into_iter().filter(|of| !first.contains(of));
         let along = first.iter().copied().chain(others).filter(|of| *of != ENVIRONMENT || !agree);
@@ -253,11 +253,9 @@ pub fn by_light(
     let plain = |end: f64| words(&Estimate { value: end, interval: None, prediction: None, n: 1, ends: [end; 2] });
     for (head, own) in rows {
         let cells = shown.iter().map(|light| own.at(ENVIRONMENT, light).cell(frame, words));
-        // The range is beside it, so an interval wider than a decade is omitted.
-        let told = |all: &Estimate| words(&Estimate { interval: all.told_interval(), ..*all });
         let all = has_all.then(|| match own.pooled(frame) {
             None if is_summed && own.is_ratio => Cell::from("mixed"),
-            all => all.as_ref().map(told).into(),
+            all => all.as_ref().map(words).into(),
         });
         let range = is_summed.then(|| own.estimate().map(|all| range_words(all.ends, plain)).into());
         table.row(head.iter().cloned().chain(cells).chain(all).chain(range).collect());

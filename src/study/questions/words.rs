@@ -1,6 +1,5 @@
 //! Numbers, counts and scopes in sentences.
 
-use crate::experiment::axis::{AXES, ENVIRONMENT};
 use crate::experiment::value::Value;
 use crate::study::frame::{Frame, Row, estimate::Estimate, values};
 use crate::table::markdown::significant;
@@ -17,12 +16,10 @@ pub fn with_interval(estimate: &Estimate) -> String {
     number(estimate.value) + &interval_words(estimate, number)
 }
 
-/// " (95 % 8.1 to 17)"; if that is wider than a decade, the range of the environments. Empty for too few environments or equal ends.
+/// " (95 % 8.1 to 17)"; empty for too few environments or equal ends.
 pub fn interval_words(estimate: &Estimate, words: impl Fn(f64) -> String) -> String {
-    let told = estimate.told_interval();
-    let which = if told.is_some() { "95 %" } else { AXES[ENVIRONMENT].plural };
-    let [lo, hi] = told.unwrap_or(estimate.ends).map(&words);
-    if lo == hi || estimate.interval.is_none() { String::new() } else { format!(" ({which} {lo} to {hi})") }
+    let Some([lo, hi]) = estimate.interval.map(|ends| ends.map(words)) else { return String::new() };
+    if lo == hi { String::new() } else { format!(" (95 % {lo} to {hi})") }
 }
 
 /// "8.1 to 17", or one number if both ends read alike.
