@@ -22,7 +22,7 @@ const NAMES_SHARE: f64 = 0.44;
 const NAMES_MOST: f64 = 300.0;
 /// Height of a panel over its width, and its limits in pixels.
 const ASPECT: f64 = 0.68;
-const HEIGHTS: [f64; 2] = [110.0, 320.0];
+const HEIGHTS: [f64; 2] = [140.0, 320.0];
 /// Least height of a row of marks and of tiles, and margin of a row, pixels.
 const ROW: f64 = 20.0;
 const TILE_ROW: f64 = 25.0;
@@ -34,7 +34,7 @@ const LINES: usize = 3;
 const ROWS_AT_ONCE: usize = 3;
 
 /// Largest share of the width that names at the ends of lines take.
-const ENDS_SHARE: f64 = 0.2;
+const ENDS_SHARE: f64 = 0.27;
 
 /// A placed panel.
 #[derive(Clone, Debug, PartialEq)]

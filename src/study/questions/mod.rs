@@ -2,6 +2,7 @@
 //! of the page.
 
 mod chart;
+mod front;
 mod numbers;
 mod prelude;
 mod weights;
@@ -44,7 +45,6 @@ macro_rules! questions {
 
 questions! {
     break_even,
-    break_even_of_pairs,
     convergence,
     error,
     effect,

@@ -4,10 +4,8 @@
 //! Errors are divided by those of the first method of the experiment, the *base*, in the same case, and averaged geometrically over
 //! environments. A way is on the *front* if no other with as few lookups has a smaller mean over all cases.
 
+use super::front::{Ratios, instructions, lookups};
 use super::prelude::*;
-use crate::shade::Method;
-use crate::spelling::Listed;
-use crate::study::finished::Cost;
 
 pub const QUESTION: Question = Question {
     name: "which-split-sum",
@@ -36,23 +34,9 @@ fn lacks(shape: &Shape) -> Option<&'static str> {
 struct Way<'r, 'f> {
     name: String,
     lookups: u32,
-    /// Of its first image.
-    instructions: Option<f64>,
     ratios: Numbers<'r, 'f>,
     mean: Estimate,
     is_on_front: bool,
-}
-
-fn lookups(row: &Row) -> Option<u32> {
-    Method::by_name(&row.text(METHOD))?.lookups_of_pixel(row.samples())
-}
-
-/// Vector instructions of a pixel, if `costs.csv` counts the method.
-fn instructions(frame: &Frame, row: &Row) -> Option<f64> {
-    let is = |axis: usize, text: &str| text.is_empty() || row.point[axis] == Value::Unset || row.text(axis) == text;
-    let of_row = |cost: &&Cost| cost.method == row.text(METHOD) && is(BRDF, &cost.brdf) && is(LAYOUT, &cost.layout);
-    let [once, each] = frame.run.costs.iter().find(of_row)?.instructions;
-    Some(once + each * row.samples().map_or(0.0, f64::from))
 }
 
 /// Ordered by lookups, then by mean ratio.
@@ -60,8 +44,7 @@ fn ways<'r, 'f>(frame: &Frame, ratios: &[(&'r Row<'f>, f64)]) -> Vec<Way<'r, 'f>
     let way = |(name, own): (String, Vec<&(&'r Row<'f>, f64)>)| {
         let ratios = Numbers::ratios(own.iter().copied().copied());
         let mean = ratios.estimate()?;
-        let instructions = instructions(frame, own[0].0);
-        Some(Way { name, lookups: lookups(own[0].0)?, instructions, ratios, mean, is_on_front: false })
+        Some(Way { name, lookups: lookups(own[0].0)?, ratios, mean, is_on_front: false })
     };
     let mut ways: Vec<Way> = grouped(ratios, |(row, _)| frame.way(row)).into_iter().filter_map(way).collect();
     ways.sort_by(|a, b| (a.lookups, a.mean.value).partial_cmp(&(b.lookups, b.mean.value)).expect("finite means"));
@@ -74,18 +57,8 @@ fn ways<'r, 'f>(frame: &Frame, ratios: &[(&'r Row<'f>, f64)]) -> Vec<Way<'r, 'f>
 }
 
 fn answer(frame: &Frame) -> Option<Finding> {
-    let axes = frame.case_axes();
     let images: Vec<&Row> = frame.images().into_iter().filter(|row| lookups(row).is_some()).collect();
-    let is_base = |row: &&&Row| Method::by_name(&row.text(METHOD)).is_some_and(|method| method.uses_prefiltered());
-    let base = images.iter().find(is_base)?.point[METHOD].clone();
-    let bases: Vec<&Row> = images.iter().copied().filter(|row| row.point[METHOD] == base).collect();
-    let ratio = |row: &&Row| {
-        let key = row.key(&axes);
-        let beside = bases.iter().find(|base| fits(&base.key(&axes), &key))?;
-        let ratio = frame.error(row)? / frame.error(beside)?;
-        (ratio.is_finite() && ratio > 0.0).then_some(ratio)
-    };
-    let ratios: Vec<(&Row, f64)> = images.iter().filter_map(|row| Some((*row, ratio(row)?))).collect();
+    let Ratios { base, all: ratios } = Ratios::new(frame, &images)?;
     let ways = ways(frame, &ratios);
     let columns = [&frame.table_axes()[..], &[METHOD, SAMPLES]].concat();
     let mut table = Table::new(&columns, QUESTION.columns);
@@ -95,12 +68,14 @@ fn answer(frame: &Frame) -> Option<Finding> {
         let own = cells![way.lookups, instructions(frame, row), &base, *ratio, way.is_on_front];
         table.row([row.cells(&columns), own].concat());
     }
-    Some(Finding {
-        sentence: sentence(frame, &ways, &base)?,
-        digest: Some(digest(frame, &ways)),
-        table,
-        figure: figure(frame, &ways, &base),
-    })
+    let is_shown = |row: &Row| {
+        let way = ways.iter().find(|way| way.name == frame.way(row));
+        way.is_some_and(|way| way.is_on_front || row.samples().is_some() || row.point[METHOD] == base)
+    };
+    let (sentence, digest) = (sentence(frame, &ways, &base)?, Some(digest(frame, &ways)));
+    let shown = ratios.iter().copied().filter(|(row, _)| is_shown(row)).collect();
+    let figure = Ratios { all: shown, base }.figure(frame, Middle::GeometricMean);
+    Some(Finding { sentence, digest, table, figure })
 }
 
 fn sentence(frame: &Frame, ways: &[Way], base: &Value) -> Option<String> {
@@ -159,37 +134,4 @@ fn rows<'r, 'f>(ways: &[&Way<'r, 'f>]) -> Vec<&'r Row<'f>> {
 
 fn at<'r, 'f>(numbers: &Numbers<'r, 'f>, axes: &[usize], key: &[Value]) -> Numbers<'r, 'f> {
     axes.iter().zip(key).fold(numbers.clone(), |own, (axis, value)| own.at(*axis, value))
-}
-
-/// Ratios against instructions, or lookups if not all are counted, one panel per F0 and value of [`Frame::row_axis`]; of the ways with one lookup the base and the best.
-fn figure(frame: &Frame, ways: &[Way], base: &Value) -> Option<Figure> {
-    let by_axes = row_axes(frame);
-    let is_sampled = |way: &&Way| way.ratios.rows().any(|row| row.samples().is_some());
-    let is_shown = |way: &&Way| way.is_on_front || way.name == base.to_string() || is_sampled(way);
-    let shown: Vec<&Way> = ways.iter().filter(is_shown).collect();
-    let is_counted = shown.iter().all(|way| way.instructions.is_some());
-    let series = distinct_in_order(shown.iter().map(|way| way.ratios.first_method()));
-    let panel = |key: &Key| {
-        let of_series = |(place, method): (usize, &String)| {
-            let own = shown.iter().filter(|way| way.ratios.first_method() == *method);
-            let marks = own.flat_map(|way| {
-                let x = way.instructions.filter(|_| is_counted).unwrap_or(f64::from(way.lookups));
-                at(&way.ratios, &by_axes, key).marks(place, |y| [x, y], (&way.name, &with_interval))
-            });
-            let marks: Vec<Mark> = marks.collect();
-            if marks.len() > 2 { joined(marks) } else { marks }
-        };
-        let marks = series.iter().enumerate().flat_map(of_series).collect();
-        (commas([&frame.names.label(&by_axes, key)]), marks)
-    };
-    let keys: Vec<Key> = by(&rows(&shown), &by_axes).into_iter().map(|(key, _)| key).collect();
-    Chart {
-        title: if is_counted { "Error against compiled code" } else { "Error against lookups of a map" },
-        note: format!("{} over that of {base}{INTERVAL}", frame.metric_name()),
-        x: Along::Log(if is_counted { "vector instructions per pixel" } else { "lookups per pixel" }),
-        y: Along::Log("ratio"),
-        panels: keys.iter().map(panel).collect(),
-        series: series.clone(),
-    }
-    .figure()
 }

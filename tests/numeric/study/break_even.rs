@@ -1,24 +1,27 @@
-//! Break-even of made-up runs whose answers are known: of one pair of methods, and of each.
+//! Break-even of made-up runs whose answers are known.
 
 use super::asked::{CURVES, digest, samples};
 use super::paper::{Made, Paper, column, finding, finished, numbers, only};
-use crate::run::fake::{ERROR_AT_ONE, SPLIT_SUM_ERROR};
 use crate::run::runs;
 use splitsum::figure::{Mark, Panel, Shape};
-use splitsum::study::finished::Finished;
+use splitsum::study::finished::{Finished, MetricValues};
+use splitsum::study::frame::Frame;
+use splitsum::study::questions::question;
+use splitsum::study::table::Table;
+
+/// The rows of the metric of radiance; pictures also have rows of FLIP.
+fn of_relmse(table: Table) -> Table {
+    only(&table, &[("metric", "relmse")])
+}
 
 #[test]
 fn a_run_has_the_break_even_of_its_error_model() {
     let (dir, plan) = (tempfile::tempdir().unwrap(), runs::plan(crate::run::whole::EXPERIMENT));
     runs::finished(&plan, dir.path());
     let run = Finished::read(dir.path()).unwrap();
-    let found = finding(&run, "break-even");
+    let found = of_relmse(finding(&run, "break-even").table);
     // 0.4 / sqrt(4) = 0.2 is above the fixed 0.15, 0.4 / sqrt(16) = 0.1 below it: the tried counts are 1, 4 and 16.
-    assert_eq!(numbers(&found.table, "break_even"), [16.0; 4]);
-    assert!(numbers(&found.table, "is_resolved").iter().all(|is| *is == 1.0));
-    // Squared errors 0.16 / n meet 0.0225.
-    let crossing = f64::from(ERROR_AT_ONE / SPLIT_SUM_ERROR).powi(2);
-    assert!(numbers(&found.table, "crossing").iter().all(|n| (n / crossing - 1.0).abs() < 1e-3));
+    assert_eq!(numbers(&found, "break_even"), [16.0; 4]);
     // And its squared error falls with the count.
     let found = finding(&run, "convergence");
     assert!(numbers(&found.table, "slope").iter().all(|slope| slope.is_nan() || (slope + 1.0).abs() < 1e-3));
@@ -36,18 +39,13 @@ fn the_break_even_is_the_first_count_from_which_all_are_better() {
         Some(Made::error(samples(point).map_or(fixed, sampled)))
     });
     let found = finding(&run, "break-even");
-    let counts = numbers(&found.table, "break_even");
+    let table = of_relmse(found.table.clone());
+    let counts = numbers(&table, "break_even");
     assert_eq!(counts[..2], [1.0, 64.0]);
     assert!(counts[2].is_nan() && counts[3].is_nan(), "{counts:?}");
-    assert_eq!(numbers(&found.table, "largest_tried"), [256.0; 4]);
-    let crossings = numbers(&found.table, "crossing");
-    assert!(crossings[0].is_nan(), "below the smallest count nothing is known");
-    // ln 0.6 to ln 0.2 over a factor of four, at ln 0.5.
-    let expected = 16.0 * 4f64.powf((0.6f64 / 0.5).ln() / (0.6f64 / 0.2).ln());
-    assert!((crossings[1] - expected).abs() < 1e-9, "{crossings:?}");
+    assert_eq!(numbers(&table, "largest_tried"), [256.0; 4]);
     // Each alpha has its own answer, and none is pooled over them.
-    let counts: Vec<String> = digest(&found).iter().map(|row| row[2].clone()).collect();
-    assert_eq!(counts, ["1", "64", "more than 256", "more than 256"]);
+    assert_eq!(digest(&found)[0][3..], ["1", "64", "more than 256", "more than 256"]);
 }
 
 #[test]
@@ -60,8 +58,8 @@ fn each_set_of_tables_has_a_break_even_of_its_own() {
     let found = finding(&run, "break-even");
     // The size of the map goes with the layout.
     let rows = digest(&found);
-    let ends: Vec<[&str; 2]> = rows.iter().map(|row| [&*row[0], &*row[row.len() - 1]]).collect();
-    assert_eq!(ends, [["cube", "16"], ["octahedral", "4"]]);
+    let ends: Vec<[&str; 2]> = rows.iter().map(|row| [&*row[1], &*row[row.len() - 1]]).collect();
+    assert_eq!(ends[..2], [["cube", "16"], ["octahedral", "4"]]);
 }
 
 /// Errors 4/n under environments whose split sum has an error that breaks even at these counts.
@@ -86,11 +84,7 @@ fn a_figure_of_many_environments_shows_their_middle_first() {
         panel.marks.iter().filter_map(ends).collect()
     };
     // The counts at which 4/n falls below each error: 16 five times, 4 three times.
-    let figure = finding(&run, "break-even").figure.unwrap();
-    assert_eq!(
-        (dots(&figure.panels[0]), whiskers(&figure.panels[0])),
-        (vec![[16.0, 0.0]], vec![[[4.0, 0.0], [16.0, 0.0]]])
-    );
+    assert_eq!(digest(&finding(&run, "break-even"))[0][3], "16 (95 % 4 to 16)");
     // The split sum's geometric mean is the last of the first panel's dots; Student's interval of the logarithms is around it.
     let figure = finding(&run, "error").figure.unwrap();
     assert_eq!(figure.panels.len(), 1 + errors.len());
@@ -109,43 +103,65 @@ fn a_figure_of_many_environments_shows_their_middle_first() {
     assert!(dots(&figure.panels[0]).iter().all(|[n, error]| near(*error, 4.0 / n)));
 }
 
-/// A design under two lights: sampling with 1, 4 and 16 samples errs by 1, 0.5 and 0.2 at every view, methods without samples by the two
-/// errors at grazing and at steep ones.
-fn design_of_two_bands(fixed: &[(&str, [f64; 2])]) -> Paper {
-    let mut paper = Paper::new(&["scene", "environment", "method", "samples"]);
-    let sampled = [("1", 1.0), ("4", 0.5), ("16", 0.2)].map(|(samples, error)| ("sampled", samples, [error; 2]));
-    let fixed = fixed.iter().map(|(method, errors)| (*method, "", *errors));
-    for light in ["builtin:sky", "builtin:studio"] {
-        for (method, samples, error) in sampled.into_iter().chain(fixed.clone()) {
-            let bin = |lo: f64, error: f64| super::paper::bin([lo, lo + 0.2], |_| Some(error));
-            paper.add(&["design", light, method, samples], 0.5 * (error[0] + error[1])).bins =
-                vec![bin(0.0, error[0]), bin(0.8, error[1])].into();
+/// Environments at whose counts sampling breaks even have their median crossing, and not the median of counts.
+#[test]
+fn the_median_is_of_crossings() {
+    // 4/n meets 0.9 at 4.4 and 0.22 at 18: the middle is 9.0. Of the counts 16 and 64 it would be 32, rounded to 64.
+    let found = finding(&under(&[0.9, 0.22]), "break-even");
+    assert_eq!(numbers(&of_relmse(found.table.clone()), "break_even"), [16.0]);
+    // Two environments have no interval but a range.
+    assert!(numbers(&found.table, "break_even_lo")[0].is_nan());
+    assert_eq!(digest(&found)[0][3], "16 (environments 16 to 64)");
+    // Never a win: no count, and words for it in the sentence.
+    let never = finding(&under(&[0.01; 6]), "break-even");
+    assert!(
+        ["break_even", "break_even_lo", "break_even_hi"].iter().all(|name| numbers(&never.table, name)[0].is_nan())
+    );
+    let said = "To beat `split-sum`, `sampled` needs **more than 256 samples per pixel** in `relmse`";
+    assert!(never.sentence.starts_with(said), "{}", never.sentence);
+}
+
+/// A sampling method and the split sum, whose error is 1, under two environments with errors of some counts.
+fn two_lights(curves: [&[(&str, f64)]; 2]) -> Paper {
+    let mut paper = Paper::new(&["environment", "method", "samples"]);
+    for (light, curve) in ["builtin:sky", "builtin:studio"].into_iter().zip(curves) {
+        paper.add(&[light, "split-sum", ""], 1.0);
+        for (samples, error) in curve {
+            paper.add(&[light, "sampled", samples], *error);
         }
     }
     paper
 }
 
-/// The runs of one band of n·v have that band's errors: at grazing views 1 sample is enough, at steep ones 16 are not.
+/// What only some curves tried is not known of the others.
 #[test]
-fn methods_of_a_design_break_even_by_the_angle_of_view() {
-    let paper = design_of_two_bands(&[("split-sum", [2.0, 0.1]), ("split-sum-relative", [0.3, 0.6])]);
-    let of_first = design_of_two_bands(&[("split-sum", [2.0, 0.1])]).finding("break-even").table;
-    let of_first = only(&of_first, &[("environment", "builtin:sky")]);
-    let of_pairs = paper.finding("break-even-of-pairs").table;
-    for (from, to, fixed, count) in [
-        ("0", "0.2", "split-sum", "1"),
-        ("0", "0.2", "split-sum-relative", "16"),
-        ("0.8", "1", "split-sum", ""),
-        ("0.8", "1", "split-sum-relative", "4"),
-    ] {
-        let band = [("n_dot_v_from", from), ("n_dot_v_to", to)];
-        let row = only(&of_pairs, &[&band[..], &[("fixed", fixed)]].concat());
-        assert_eq!(column(&row, "break_even"), [count], "{fixed} from {from}");
-        if fixed == "split-sum" {
-            assert_eq!(column(&only(&of_first, &band), "break_even"), [count], "from {from}");
+fn curves_of_unequal_counts_answer_where_all_were_tried() {
+    let long = [("1", 4.0), ("4", 3.0), ("16", 2.0), ("64", 0.5)];
+    let found = two_lights([&long, &long[..3]]).finding("break-even");
+    assert_eq!((numbers(&found.table, "largest_tried"), digest(&found)[0][3].as_str()), (vec![16.0], "more than 16"));
+    let early = [("1", 0.9), ("4", 0.5), ("16", 0.1)];
+    let found = two_lights([&early, &early[1..]]).finding("break-even");
+    assert_eq!((numbers(&found.table, "break_even"), digest(&found)[0][3].as_str()), (vec![4.0], "at most 4"));
+    // Nothing was tried in both.
+    let apart = two_lights([&early[..2], &[("16", 0.5), ("64", 0.1)]]);
+    assert!((question("break-even").unwrap().answer)(&Frame::new(&apart.run, None)).is_none());
+}
+
+/// A method without samples that no reference can tell from an exact image is not compared.
+#[test]
+fn a_base_within_the_noise_does_not_count() {
+    let mut paper = Paper::new(&["alpha", "method", "samples"]);
+    for (alpha, floor) in [("0.1", 0.5), ("0.5", 1e-9)] {
+        paper.add(&[alpha, "split-sum", ""], 0.5).noise_floors = MetricValues::of(|_| Some(floor));
+        for (samples, error) in [("1", 1.0), ("4", 0.6), ("16", 0.1)] {
+            paper.add(&[alpha, "sampled", samples], error);
         }
     }
-    assert_eq!(column(&only(&of_first, &[("n_dot_v_from", "0"), ("n_dot_v_to", "1")]), "break_even"), ["1"]);
+    let found = paper.finding("break-even");
+    assert_eq!(
+        (column(&found.table, "alpha"), numbers(&found.table, "break_even")),
+        (vec!["0.5".to_owned()], vec![16.0])
+    );
 }
 
 /// Every pair of methods has its own break-even, by the metric of radiance on the design and by FLIP in the picture.
@@ -154,7 +170,7 @@ fn each_pair_of_methods_breaks_even_by_itself() {
     let lights = [1.0, 2.0, 4.0, 1.0, 1.0, 1.0];
     let names: Vec<String> = (0..6).map(|i| format!("\"builtin:sky:elevation_deg={}\"", 10 + i)).collect();
     let text = format!(
-        "environment = [{}]\nscene = [\"design\", \"sphere\"]\nmethod = [\"split-sum\", \"split-sum-relative\", \"sampled\", \
+        "environment = [{}]\nscene = [\"design\", \"sphere\"]\nmethod = [\"split-sum\", \"split-sum-two\", \"sampled\", \
          \"sampled-vndf\"]\nsamples = [1, 4, 16, 64]\n",
         names.join(", ")
     );
@@ -167,23 +183,36 @@ fn each_pair_of_methods_breaks_even_by_itself() {
         let flip = samples(point).map_or(fixed, |n| 32.0 / (n * ease));
         Some(Made { flip, ..Made::error(error) })
     });
-    let found = finding(&run, "break-even-of-pairs");
+    let found = finding(&run, "break-even");
     let of = |metric: &str, fixed: &str, sampled: &str| {
         let row = only(&found.table, &[("metric", metric), ("fixed", fixed), ("sampled", sampled)]);
         ["break_even", "break_even_lo", "break_even_hi"].map(|name| numbers(&row, name)[0])
     };
-    // Medians of the crossings, where four of six environments agree; the interval reaches to those that do not.
-    let near = |found: [f64; 3], count: f64, crossing: f64, reach: [f64; 2]| {
-        assert_eq!(found[0], count, "{found:?}");
-        let [lo, hi] = [found[1], found[2]].map(|end| end / crossing);
-        assert!((lo - 1.0).abs() < 1e-9 && hi > reach[0] - 1e-9 && hi < reach[1] + 1e-9, "{found:?}");
+    // Four of six environments agree; the two largest crossings are twice and four times the others.
+    assert_eq!(of("relmse", "split-sum", "sampled"), [4.0, 4.0, 16.0]);
+    assert_eq!(of("relmse", "split-sum-two", "sampled"), [16.0, 16.0, 64.0]);
+    assert_eq!(of("relmse", "split-sum-two", "sampled-vndf"), [16.0, 16.0, 64.0]);
+    assert_eq!(of("flip", "split-sum", "sampled-vndf"), [16.0, 16.0, 16.0]);
+    assert!(of("flip", "split-sum-two", "sampled")[0].is_nan(), "107 samples were not tried");
+    let said = "To beat `split-sum`, `sampled` needs **4 samples per pixel** (95 % 4 to 16) in `relmse` and 64 in `flip`. \
+                To beat `split-sum-two`, which errs least, it needs **16** (95 % 16 to 64) in `relmse` and more than 64 in `flip`.";
+    assert!(found.sentence.starts_with(said), "{}", found.sentence);
+    // The figure is in FLIP, over that of the split sum at one lookup; the other reads two.
+    let figure = found.figure.unwrap();
+    let [panel] = &figure.panels[..] else { panic!() };
+    let dots = |name: &str| -> Vec<[f64; 2]> {
+        let place = figure.series.iter().position(|series| series.name == name);
+        let own = panel.marks.iter().filter(|mark| mark.series == place);
+        own.filter_map(|mark| if let Shape::Dot(at) = mark.shape { Some(at) } else { None }).collect()
     };
-    // The two largest of six crossings are twice and four times the others; by FLIP all are alike.
-    near(of("relmse", "split-sum", "sampled"), 4.0, 4.0 / 1.5, [2.0, 4.0]);
-    near(of("relmse", "split-sum-relative", "sampled"), 16.0, 4.0 / 0.3, [2.0, 4.0]);
-    near(of("relmse", "split-sum-relative", "sampled-vndf"), 16.0, 2.0 / 0.3, [2.0, 4.0]);
-    near(of("flip", "split-sum", "sampled-vndf"), 16.0, 16.0 / 1.5, [1.0, 1.0]);
-    assert!(of("flip", "split-sum-relative", "sampled")[0].is_nan(), "107 samples were not tried");
+    let is_near = |name: &str, expected: &[[f64; 2]]| {
+        let found = dots(name);
+        let near = |(a, b): (&[f64; 2], &[f64; 2])| a[0] == b[0] && (a[1] / b[1] - 1.0).abs() < 1e-9;
+        assert!(found.len() == expected.len() && found.iter().zip(expected).all(near), "{name}: {found:?}");
+    };
+    is_near("Split sum (textbook)", &[[1.0, 1.0]]);
+    is_near("Split sum (two lookups)", &[[2.0, 0.3 / 1.5]]);
+    is_near("Sampling", &[1.0, 4.0, 16.0, 64.0].map(|n| [n, 32.0 / n / 1.5]));
 }
 
 /// A setting of the samples alone has an answer for each value; the method without samples has none of its own.
@@ -200,7 +229,7 @@ fn points_of_pixels_have_answers_of_their_own() {
     let digest = paper.finding("break-even").digest.unwrap();
     let counts = ["shared", "owen"].map(|points| {
         let row = only(&digest, &[("pixel_points", points)]);
-        column(&row, "sky").concat()
+        column(&row, "samples per pixel").concat()
     });
     assert_eq!(counts, ["4", "16"]);
 }
