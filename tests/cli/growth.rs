@@ -40,10 +40,14 @@ fn folder(cells: usize) -> tempfile::TempDir {
     dir
 }
 
-/// The most memory that a process has held, KiB, as far as the system tells.
-fn peak_kib(process: u32) -> Option<u64> {
+/// Memory of a process, KiB, as far as the system tells: `VmHWM:` is the most that it held, `VmRSS:` what it holds.
+fn kib(process: u32, line: &str) -> Option<u64> {
     let status = std::fs::read_to_string(format!("/proc/{process}/status")).ok()?;
-    status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?.split_whitespace().next()?.parse().ok()
+    status.lines().find_map(|text| text.strip_prefix(line))?.split_whitespace().next()?.parse().ok()
+}
+
+fn peak_kib(process: u32) -> Option<u64> {
+    kib(process, "VmHWM:")
 }
 
 /// Peak, KiB, of a plan when its first line comes out; its text must be whole all the same.
@@ -158,4 +162,51 @@ fn a_finished_run_ends_at_once_unless_a_file_was_touched() {
     std::fs::write(dir.path().join("growth.toml"), other).unwrap();
     assert!(ok(dir.path(), &run).contains("Written to"));
     assert!(std::fs::read_to_string(dir.path().join("runs/growth/experiment.toml")).unwrap().ends_with("# other\n"));
+}
+
+/// It takes minutes, so it runs only when asked for: `scripts/soak.sh`.
+#[cfg(target_os = "linux")]
+#[test]
+#[ignore = "takes minutes: scripts/soak.sh"]
+fn a_sweep_of_thousands_of_cells_stays_flat() {
+    const CELLS: usize = 5000;
+    let dir = folder(CELLS);
+    // The validation layer writes what it finds, objects that outlive their device included.
+    let log = |name: &str| std::fs::File::create(dir.path().join(name)).unwrap();
+    let mut child = command(dir.path(), &["run", "growth.toml", "--out", "whole"])
+        .env("VK_INSTANCE_LAYERS", "VK_LAYER_KHRONOS_validation")
+        .env("VK_LOADER_DEBUG", "layer")
+        .stdout(log("stdout.txt"))
+        .stderr(log("stderr.txt"))
+        .spawn()
+        .unwrap();
+    // Resident KiB and open files after every 50 cells.
+    let mut samples: Vec<(u64, usize)> = Vec::new();
+    let status = loop {
+        if let Some(status) = child.try_wait().unwrap() {
+            break status;
+        }
+        let done = std::fs::read_dir(dir.path().join("whole/cells")).map_or(0, Iterator::count);
+        let files = std::fs::read_dir(format!("/proc/{}/fd", child.id())).map_or(0, Iterator::count);
+        if let Some(kib) = kib(child.id(), "VmRSS:").filter(|_| done >= 50 * (samples.len() + 1)) {
+            samples.push((kib, files));
+        }
+        std::thread::sleep(Duration::from_millis(20));
+    };
+    assert!(status.success());
+    let [output, said] =
+        ["stdout.txt", "stderr.txt"].map(|name| std::fs::read_to_string(dir.path().join(name)).unwrap());
+    assert!(said.contains("KHRONOS_validation"), "the validation layer is not installed");
+    assert!(!output.contains("Validation Error") && !output.contains("VUID-"), "{output}");
+    // After 500 cells everything that is kept on purpose is there.
+    let median = |samples: &[(u64, usize)]| {
+        let mut kib: Vec<u64> = samples.iter().map(|(kib, _)| *kib).collect();
+        kib.sort_unstable();
+        kib[kib.len() / 2] as f64
+    };
+    let (before, after) = (median(&samples[10..15]), median(&samples[samples.len() - 5..]));
+    println!("{before} KiB after 500 cells, {after} KiB after {CELLS}");
+    assert!(after < 1.05 * before, "memory grew from {before} to {after} KiB");
+    let files = samples[10..].iter().map(|(_, files)| *files);
+    assert!(files.clone().max().unwrap() - files.min().unwrap() <= 4, "{samples:?}");
 }

@@ -17,7 +17,6 @@ mod scratch;
 mod shards;
 #[path = "../shared/snapshot.rs"]
 mod snapshot;
-mod soak;
 
 use snapshot::{assert_snapshot, without_lists};
 use std::path::{Path, PathBuf};
