@@ -11,6 +11,7 @@ pub mod make;
 #[cfg(feature = "cli")]
 pub mod page;
 mod parts;
+pub mod paste;
 pub mod plain;
 pub mod product;
 pub mod sh;

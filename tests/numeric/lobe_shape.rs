@@ -4,7 +4,6 @@ use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 use splitsum::brdf::{Brdf, MODELS, MaskingShadowing, eval_without_fresnel, schlick_weight};
 use splitsum::glsl::constants::LOBE_SHAPE_SIDE;
-use splitsum::glsl::source::{Language, parse};
 use splitsum::math::quadrature::{Rectangle, Tolerance, integrate_rectangle};
 use splitsum::precompute::dfg::reference::dfg;
 use splitsum::precompute::lobe_shape::{
@@ -230,29 +229,4 @@ fn lookups_between_nodes_meet_the_shape_there() {
             }
         }
     }
-}
-
-/// What an engine pastes is what the shaders include, and every use compiles beside its function.
-#[test]
-fn the_page_prints_the_lookups_that_the_methods_include() {
-    let shaders = [
-        (include_str!("../../shaders/lib/lobe_lookup.glsl"), 2),
-        (include_str!("../../shaders/lib/tap_lookup.glsl"), 2),
-        (include_str!("../../shaders/lib/cap_direction.glsl"), 1),
-    ];
-    let page = std::fs::read_to_string("docs/paste.md").unwrap();
-    let mut blocks = page.split("```glsl\n").skip(1).map(|rest| rest.split("```").next().unwrap());
-    for (shader, use_count) in shaders {
-        let (_, body) = shader.split_once("\n\n").unwrap();
-        assert_eq!(blocks.next(), Some(body));
-        for code in blocks.by_ref().take(use_count) {
-            let text = format!(
-                "#version 300 es\nprecision highp float;\nuniform sampler2D lobes, taps;\nuniform samplerCube map;\n\
-                 uniform vec3 n, v, f0;\nuniform vec2 dfg;\nuniform float n_dot_v, roughness;\nout vec4 color;\n\
-                 float lod(float r) {{ return 4.0 * r; }}\n{body}void main() {{\n{code}color = vec4(specular, 1.0);\n}}\n"
-            );
-            parse("use.frag", &text, Language::Es).unwrap_or_else(|log| panic!("{code}: {log}"));
-        }
-    }
-    assert_eq!(blocks.next(), None);
 }

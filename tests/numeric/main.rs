@@ -23,6 +23,7 @@ mod map_layouts;
 mod math;
 mod metrics;
 mod oracle;
+mod paste;
 mod pixels;
 mod placement;
 mod precompute;
