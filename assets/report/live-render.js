@@ -57,17 +57,19 @@ export class LiveRender {
     const shape = models[view.model];
     const { gl } = this;
     this.wanted = view;
-    const [environment, map, dfg, lobe_shapes, ...parts] = await Promise.all([
+    const named = Object.entries(lobe.lobe_tables);
+    const [environment, map, dfg, lobe_tables, ...parts] = await Promise.all([
       this.keep(`environment ${view.env}`, () => loadChain(gl, light.levels, light.layout)),
       this.keep(`prefiltered ${view.env} ${lobe.brdf}`, () => loadChain(gl, prefiltered.levels, light.layout)),
       this.keep(`dfg ${view.lobe}`, () => loadChain(gl, [lobe.dfg])),
-      lobe.lobe_shapes && this.keep(`lobe shapes ${view.lobe}`, () => loadChain(gl, [lobe.lobe_shapes])),
+      Promise.all(named.map(([name, table]) => this.keep(`${name} ${view.lobe}`, () => loadChain(gl, [table])))),
       ...shape.parts.map((part, i) => this.keep(`part ${view.model} ${i}`, () => loadPart(gl, part))),
     ]);
     // A later call has overtaken this one.
     if (this.wanted !== view) return false;
     const levelCount = prefiltered.levels.length;
-    const tables = { filtered_environment: environment, prefiltered: map, dfg, ...(lobe_shapes && { lobe_shapes }) };
+    const tables = { filtered_environment: environment, prefiltered: map, dfg };
+    named.forEach(([name], i) => (tables[name] = lobe_tables[i]));
     this.view = { ...view, light, lobe, shape, parts, levelCount, tables };
     this.restart();
     return true;

@@ -4,17 +4,14 @@ use super::{Pipeline, PipelineError, RenderRequest};
 use crate::environment::layout::MapLayout;
 use crate::gpu::{Gpu, Image};
 use crate::pixels::{Pixels, RgbImage};
-use crate::precompute::PrecomputeSettings;
 use crate::precompute::dfg::DfgAxes;
 use crate::precompute::prefilter::LevelMapping;
-use crate::shade::{Diffuse, Method, Shading};
+use crate::precompute::{LobeTableKind, PrecomputeSettings};
+use crate::shade::{Diffuse, METHODS, Method, Shading};
 use crate::spelling::Listed;
 
 /// Most texels of the finest prefiltered level: a page can hold these for a few models and environments.
 const PREFILTERED_TEXELS_MAX: u32 = 1 << 15;
-
-/// The method whose lobe table is read.
-const LOBES_OF: &str = "split-sum-relative";
 
 /// The tables of the split sums, the sampled methods and `sh9`.
 #[derive(Clone, Debug)]
@@ -32,20 +29,35 @@ pub struct LightTables {
     pub dfg: Pixels<[f32; 2]>,
     /// Positions of its texels.
     pub dfg_axes: DfgAxes,
-    pub lobe_shapes: Pixels<[f32; 4]>,
+    /// Tables of lobes, in the order that was asked for.
+    pub lobe_tables: Vec<Pixels<[f32; 4]>>,
 }
 
 impl Pipeline {
     /// Makes the tables for the environment, model, masking and settings of `request`, or takes existing ones. Levels
     /// of the environment with more than `texels_max` texels are not read; the finest prefiltered level has at most
     /// `PREFILTERED_TEXELS_MAX`.
-    pub fn light_tables(&mut self, request: &RenderRequest, texels_max: u32) -> Result<LightTables, PipelineError> {
-        self.with_memory(|pipeline| pipeline.read_light_tables(request, texels_max))
+    pub fn light_tables(
+        &mut self,
+        request: &RenderRequest,
+        texels_max: u32,
+        kinds: &[LobeTableKind],
+    ) -> Result<LightTables, PipelineError> {
+        self.with_memory(|pipeline| pipeline.read_light_tables(request, texels_max, kinds))
     }
 
-    fn read_light_tables(&mut self, request: &RenderRequest, texels_max: u32) -> Result<LightTables, PipelineError> {
+    fn read_light_tables(
+        &mut self,
+        request: &RenderRequest,
+        texels_max: u32,
+        kinds: &[LobeTableKind],
+    ) -> Result<LightTables, PipelineError> {
         let mut request = RenderRequest {
-            shading: Shading { method: Method::listed(LOBES_OF), diffuse: Diffuse::listed("sh9"), ..request.shading },
+            shading: Shading {
+                method: Method::listed("split-sum"),
+                diffuse: Diffuse::listed("sh9"),
+                ..request.shading
+            },
             lights: Vec::new(),
             ..request.clone()
         };
@@ -65,9 +77,9 @@ impl Pipeline {
         let is_small =
             |&mip: &u32| tables.filtered.mip_size(mip).iter().product::<u32>() * layout.face_count <= texels_max;
         let first_level = (0..levels).find(is_small).unwrap_or(levels - 1);
-        let (dfg, lobe_shapes) = (read_texels(&self.gpu, &tables.dfg)?, read_texels(&self.gpu, &tables.lobe_table)?);
+        let dfg = read_texels(&self.gpu, &tables.dfg)?;
         let sh9: Vec<[f32; 4]> = self.gpu.read_buffer(&tables.sh9)?;
-        Ok(LightTables {
+        let mut found = LightTables {
             layout,
             level_mapping,
             environment: (first_level..levels).map(|mip| level(&tables.filtered, mip)).collect::<Result<_, _>>()?,
@@ -77,8 +89,15 @@ impl Pipeline {
                 .collect::<Result<_, _>>()?,
             dfg_axes,
             dfg: dfg.map(|[a, b, ..]: [f32; 4]| [a, b]),
-            lobe_shapes,
-        })
+            lobe_tables: Vec::with_capacity(kinds.len()),
+        };
+        for kind in kinds {
+            let reads = |method: &&Method| method.lobe_table == Some(*kind);
+            request.shading.method = METHODS.iter().find(reads).expect("a method for each table");
+            let table = self.prepare(&request)?.tables.lobe_table;
+            found.lobe_tables.push(read_texels(&self.gpu, &table)?);
+        }
+        Ok(found)
     }
 }
 

@@ -19,12 +19,22 @@ use crate::math::equirect_quadrature::EquirectQuadrature;
 use crate::pixels::RgbImage;
 
 /// A table of a model's lobes.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum LobeTableKind {
     /// [`lobe_shape`].
     Shapes,
     /// [`taps`], of so many taps.
     Taps(usize),
+}
+
+impl LobeTableKind {
+    /// Every kind with the sampler that shaders read it from.
+    pub const SAMPLERS: [(&'static str, Self); 3] =
+        [("lobe_shapes", Self::Shapes), ("two_taps", Self::Taps(2)), ("four_taps", Self::Taps(4))];
+
+    pub fn sampler(self) -> &'static str {
+        Self::SAMPLERS.iter().find(|(_, kind)| *kind == self).expect("two or four taps").0
+    }
 }
 
 /// Prepares an environment's map for the exact integrals of the f64 references.

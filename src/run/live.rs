@@ -9,11 +9,13 @@ use crate::experiment::value::Value;
 use crate::pipeline::{LightTables, RenderRequest};
 use crate::pixels::packed::{self, HALF_MAX};
 use crate::pixels::{Pixels, RgbImage};
+use crate::precompute::LobeTableKind;
 use crate::shade::{Method, Shading};
 use crate::spelling::Listed;
-use indexmap::IndexMap;
+use indexmap::{IndexMap, IndexSet};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 use std::hash::Hash;
 
 pub const LIVE_FILE: &str = "live.json";
@@ -82,8 +84,8 @@ pub struct LiveLobe {
     pub dfg: PackedImage,
     /// One of `DFG_AXES_*`.
     pub dfg_axes: u32,
-    /// `precompute::lobe_shape`.
-    pub lobe_shapes: PackedImage,
+    /// Tables of lobes by their samplers, of every method of the run and of `split-sum-relative`.
+    pub lobe_tables: BTreeMap<String, PackedImage>,
 }
 
 /// Computes the tables of every model in the first environments of a plan.
@@ -91,12 +93,11 @@ pub fn record(plan: &Plan, renderer: &mut dyn Renderer) -> Result<LiveRecord, Re
     let methods = distinct(plan, &[], |settings| settings.shading.method.name);
     let shader = |(_, request): &(Point, RenderRequest)| {
         let Method { name, text, uses_samples: is_sampled, .. } = *request.shading.method;
-        // Tables of taps are not in the record.
-        if request.shading.method.reads_taps() {
-            return None;
-        }
         Some(LiveShader { name: name.to_owned(), text: text?.to_owned(), is_sampled })
     };
+    let of_methods = methods.iter().filter_map(|(_, request)| request.shading.method.lobe_table);
+    let kinds: IndexSet<LobeTableKind> = [LobeTableKind::Shapes].into_iter().chain(of_methods).collect();
+    let kinds: Vec<LobeTableKind> = kinds.into_iter().collect();
     let methods = methods.iter().filter_map(shader).collect();
     let mut record =
         LiveRecord { environments: Vec::new(), lobes: Vec::new(), left_out: 0, models: models(plan), methods };
@@ -114,13 +115,16 @@ pub fn record(plan: &Plan, renderer: &mut dyn Renderer) -> Result<LiveRecord, Re
                 continue;
             }
             let Shading { brdf: model, masking_shadowing, .. } = of_lobe.shading;
+            let kinds: &[LobeTableKind] = if has_lobe { &[] } else { &kinds };
             let wanted = request.shaded(|s| (s.brdf, s.masking_shadowing) = (model, masking_shadowing));
-            let tables = renderer.light_tables(&wanted, ENVIRONMENT_TEXELS)?;
+            let tables = renderer.light_tables(&wanted, ENVIRONMENT_TEXELS, kinds)?;
             if !has_lobe {
+                let packed =
+                    |(kind, table): (&LobeTableKind, &Pixels<[f32; 4]>)| (kind.sampler().to_owned(), pack(table, 1.0));
                 let dfg = pack(&tables.dfg.map(|[a, b]| [a, b, 0.0]), 1.0);
                 let (masking, dfg_axes) = (masking.to_owned(), tables.dfg_axes as u32);
-                let lobe_shapes = pack(&tables.lobe_shapes, 1.0);
-                record.lobes.push(LiveLobe { brdf: brdf.clone(), masking, dfg, dfg_axes, lobe_shapes });
+                let lobe_tables = kinds.iter().zip(&tables.lobe_tables).map(packed).collect();
+                record.lobes.push(LiveLobe { brdf: brdf.clone(), masking, dfg, dfg_axes, lobe_tables });
             }
             let environment = environment.get_or_insert_with(|| of_environment(point, request, &tables));
             if !is_kept {

@@ -5,6 +5,7 @@ use crate::pipeline::{
     DeviceInfo, Frame, LightTables, Pipeline, PipelineError, RenderRequest, SharedWork, TimingSamples,
 };
 use crate::pixels::{Rgb8Image, RgbImage};
+use crate::precompute::LobeTableKind;
 use crate::tonemap::ToneCurve;
 
 #[derive(Clone, Debug, thiserror::Error)]
@@ -28,7 +29,12 @@ pub trait Renderer {
     fn render(&mut self, request: &RenderRequest) -> Result<Frame, RenderFault>;
     fn tonemap(&mut self, radiance: &RgbImage, curve: ToneCurve) -> Result<Rgb8Image, RenderFault>;
     /// The tables that light a surface, without levels of the environment wider than `width_max` texels.
-    fn light_tables(&mut self, request: &RenderRequest, width_max: u32) -> Result<LightTables, RenderFault>;
+    fn light_tables(
+        &mut self,
+        request: &RenderRequest,
+        width_max: u32,
+        kinds: &[LobeTableKind],
+    ) -> Result<LightTables, RenderFault>;
     /// The error on the scene `design` by steps, over all pixels and over bands of n·v, with `samples` per pixel.
     fn attributions(
         &mut self,
@@ -79,8 +85,13 @@ impl Renderer for Pipeline {
         Ok(Pipeline::tonemap(self, radiance, curve)?.0)
     }
 
-    fn light_tables(&mut self, request: &RenderRequest, width_max: u32) -> Result<LightTables, RenderFault> {
-        Ok(Pipeline::light_tables(self, request, width_max)?)
+    fn light_tables(
+        &mut self,
+        request: &RenderRequest,
+        width_max: u32,
+        kinds: &[LobeTableKind],
+    ) -> Result<LightTables, RenderFault> {
+        Ok(Pipeline::light_tables(self, request, width_max, kinds)?)
     }
 
     fn attributions(

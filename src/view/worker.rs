@@ -366,7 +366,7 @@ impl<'a> Renderer<'a> {
     ) -> Result<Rgb8Image, PipelineError> {
         match look.picture {
             Picture::Prefiltered | Picture::Dfg => {
-                let tables = self.pipeline.light_tables(request, TABLE_TEXELS)?;
+                let tables = self.pipeline.light_tables(request, TABLE_TEXELS, &[])?;
                 self.shown.level_count = tables.prefiltered.len() as u32;
                 Ok(of_tables(look, &tables))
             }

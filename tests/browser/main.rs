@@ -8,3 +8,4 @@ mod fixture;
 mod live;
 mod live_pixels;
 mod pages;
+mod paste;

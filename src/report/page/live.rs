@@ -9,6 +9,7 @@ use crate::files::read_regular;
 use crate::glsl::constants;
 use crate::glsl::source::{Choice, Language, METHOD_INCLUDE, PAGE_FOLDER, parse};
 use crate::gpu::shader_sources;
+use crate::precompute::LobeTableKind;
 use crate::run::live::{LIVE_FILE, LiveEnvironment, LiveLobe, LiveRecord, LiveShader};
 use crate::run::live_model::LiveModel;
 use crate::scene::camera::PERSPECTIVE_FOV_DEG;
@@ -56,10 +57,13 @@ impl LiveMethod {
         Self { name: name.to_owned(), title: Method::listed(name).title.to_owned(), is_sampled }
     }
 
-    /// Split sums with the DFG table, and methods that filter samples, in the order of the list.
-    fn all() -> [Vec<Self>; 2] {
-        // Tables of taps are not in the record.
-        let is_served = |method: &&Method| method.uses_prefiltered() && method.uses_dfg && !method.reads_taps();
+    /// Split sums with tables in a record, and methods that filter samples, in the order of the list.
+    fn all(record: Option<&LiveRecord>) -> [Vec<Self>; 2] {
+        let has = |kind: LobeTableKind| {
+            record.is_some_and(|record| record.lobes.iter().all(|lobe| lobe.lobe_tables.contains_key(kind.sampler())))
+        };
+        let is_served =
+            |method: &&Method| method.uses_prefiltered() && method.uses_dfg && method.lobe_table.is_none_or(has);
         let split_sums = METHODS.iter().filter(is_served);
         let sampled = METHODS.iter().filter(|method| method.uses_samples && method.uses_lod_bias);
         let of = |method: &Method| Self::new(method.name, method.uses_samples);
@@ -122,7 +126,7 @@ impl Light {
                 None
             }
         });
-        let [mut methods, sampled] = LiveMethod::all();
+        let [mut methods, sampled] = LiveMethod::all(record.as_ref());
         let mut shaders = BTreeMap::new();
         for own in record.iter().flat_map(|record| &record.methods) {
             match own_shaders(own) {
@@ -185,7 +189,7 @@ impl Light {
             .environments
             .iter()
             .flat_map(|e| e.levels.iter().chain(e.prefiltered.iter().flat_map(|map| &map.levels)));
-        let of_lobes = self.lobes.iter().flat_map(|lobe| [&lobe.dfg, &lobe.lobe_shapes]);
+        let of_lobes = self.lobes.iter().flat_map(|lobe| lobe.lobe_tables.values().chain([&lobe.dfg]));
         maps.chain(of_lobes).map(|image| image.base64.len()).sum()
     }
 }

@@ -162,11 +162,6 @@ impl Method {
         }
     }
 
-    /// Whether it reads a table of taps.
-    pub fn reads_taps(&self) -> bool {
-        matches!(self.lobe_table, Some(LobeTableKind::Taps(_)))
-    }
-
     /// Whether it reads the prefiltered map.
     pub fn uses_prefiltered(&self) -> bool {
         self.lookups > 0

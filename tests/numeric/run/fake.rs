@@ -5,6 +5,7 @@ use splitsum::pipeline::{
     DeviceInfo, Frame, FrameTimings, LightTables, PassTime, RenderRequest, SharedWork, Tally, TimingSamples,
 };
 use splitsum::pixels::{GrayImage, Pixels, Rgb8Image, RgbImage};
+use splitsum::precompute::LobeTableKind;
 use splitsum::precompute::dfg::DfgAxes;
 use splitsum::run::estimate::Ahead;
 use splitsum::run::{Progress, RenderFault, Renderer};
@@ -166,7 +167,12 @@ impl Renderer for Fake {
     }
 
     /// Constant light of radiance 1 in a few texels; the lobe reflects f0 whole.
-    fn light_tables(&mut self, request: &RenderRequest, _: u32) -> Result<LightTables, RenderFault> {
+    fn light_tables(
+        &mut self,
+        request: &RenderRequest,
+        _: u32,
+        kinds: &[LobeTableKind],
+    ) -> Result<LightTables, RenderFault> {
         let chain = |levels: u32| (0..levels).map(|k| RgbImage::filled(8 >> k, (4 >> k).max(1), [1.0; 3])).collect();
         let mut sh9 = vec![[0.0; 3]; 9];
         sh9[0] = [(4.0 * std::f32::consts::PI).sqrt(); 3];
@@ -180,7 +186,10 @@ impl Renderer for Fake {
             dfg,
             dfg_axes: DfgAxes::default(),
             // Every lobe points along r and is as wide as alpha.
-            lobe_shapes: Pixels::new(2, 6, [[[1.0, 0.0, 1.0, 0.0]; 4], [[1.0; 4]; 4], [[1.0; 4]; 4]].concat()),
+            lobe_tables: kinds
+                .iter()
+                .map(|_| Pixels::new(2, 6, [[[1.0, 0.0, 1.0, 0.0]; 4], [[1.0; 4]; 4], [[1.0; 4]; 4]].concat()))
+                .collect(),
         })
     }
 

@@ -21,13 +21,6 @@ use std::sync::{PoisonError, RwLock};
 /// The function that the file must define.
 pub const FUNCTION: &str = "specular_radiance";
 
-/// Tables of lobes by their names in shaders.
-const LOBE_TABLES: [(&str, LobeTableKind); 3] = [
-    ("lobe_shapes", LobeTableKind::Shapes),
-    ("two_taps", LobeTableKind::Taps(2)),
-    ("four_taps", LobeTableKind::Taps(4)),
-];
-
 /// Methods by name: `file:PATH`.
 static LOADED: RwLock<BTreeMap<String, &'static Method>> = RwLock::new(BTreeMap::new());
 
@@ -59,7 +52,7 @@ pub fn of_names_read(method: Method, reads: &BTreeSet<String>, stem: String) -> 
         // Not counted: more than one lookup counts as one.
         lookups: reads("prefiltered").into(),
         uses_dfg: reads("dfg"),
-        lobe_table: LOBE_TABLES.iter().find(|(name, _)| reads(name)).map(|(_, kind)| *kind),
+        lobe_table: LobeTableKind::SAMPLERS.iter().find(|(name, _)| reads(name)).map(|(_, kind)| *kind),
         ..method
     }
 }
