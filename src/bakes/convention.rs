@@ -221,6 +221,7 @@ pub static PRESETS: &[Preset] = &[
             engine: "bevy",
             about: "EnvironmentMapLight of Bevy: two KTX 2 cubes; features ktx2 and zstd",
             irradiance: Some("diffuse.ktx2"),
+            language: "WGSL",
             texel: "rgb9e5",
             is_packed: true,
             ..Product::PLAIN
@@ -248,6 +249,7 @@ pub static PRESETS: &[Preset] = &[
             about: "a DDS cube of 7 levels and the table as DDS; for an importer of your own, as Unity filters what it imports",
             specular: "specular.dds",
             tables: &["dfg.dds"],
+            language: "HLSL",
             sh: Some("sh.txt"),
             chain: Chain::Exactly(7),
             ..Product::PLAIN

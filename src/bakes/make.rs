@@ -26,6 +26,7 @@ use super::check::{Directions, Truth, errors, exact, level, table};
 use super::container::{Encoding, FACE_COUNT, FORMATS, Format, TEXELS, TEXELS_MAX, Texel};
 use super::convention::{Convention, Preset, TableAxes};
 use super::parts::Manifest;
+use super::paste::{self, TAPS};
 use super::product::{Chain, LAST_SIDE};
 use super::source::{FACES, MANIFEST, Reading, read};
 use super::{parts::Map, sh};
@@ -103,7 +104,8 @@ struct Planned {
 /// Fails if a file exists or cannot be written. [`Making::check`] reports what the engine's format cannot hold.
 pub fn make(making: &Making, out: &Path) -> Result<Baked, PixelsError> {
     let (product, convention) = (&making.preset.product, making.preset.convention());
-    let names = [Some(product.specular), product.irradiance, product.sh, Some(MANIFEST)];
+    let (code_name, code) = paste::file(product.language);
+    let names = [Some(product.specular), product.irradiance, product.sh, Some(TAPS), Some(&code_name), Some(MANIFEST)];
     for name in names.into_iter().flatten().chain(product.tables.iter().copied()) {
         if out.join(name).exists() {
             return Err(Fault::new("exists", "an empty folder; give another, or remove it").at(&out.join(name)));
@@ -112,7 +114,8 @@ pub fn make(making: &Making, out: &Path) -> Result<Baked, PixelsError> {
     std::fs::create_dir_all(out)
         .map_err(|error| Fault::new(format!("cannot be created ({error})"), "a folder").at(out))?;
     let alphas = convention.alphas(making.level_count as usize).expect("a preset names no widths");
-    let truth = Truth::new(making.environment, Kernel::new(making.brdf, making.weight, making.masking), &alphas);
+    let kernel = Kernel::new(making.brdf, making.weight, making.masking);
+    let truth = Truth::new(making.environment, kernel, &alphas);
     let sides = (0..making.level_count).map(|k| (making.side >> k).max(1));
     let specular = alphas.iter().zip(sides).map(|(alpha, side)| {
         let directions = Directions::new(&LAYOUTS[0], convention.axes, [side; 2]);
@@ -145,6 +148,13 @@ pub fn make(making: &Making, out: &Path) -> Result<Baked, PixelsError> {
     if let Some(name) = product.sh {
         let path = out.join(name);
         write_bytes(&path, sh::to_cmgen(&radiance).as_bytes())?;
+        files.push(path);
+    }
+    let level_count = convention.mapping_levels(making.level_count as usize);
+    let taps = paste::taps(kernel, making.masking, convention.mapping, level_count);
+    for (name, bytes) in [(TAPS, taps), (&code_name, code.into_bytes())] {
+        let path = out.join(name);
+        write_bytes(&path, &bytes)?;
         files.push(path);
     }
     let path = out.join(MANIFEST);
@@ -323,6 +333,7 @@ fn manifest(making: &Making, convention: &Convention, alphas: &[f64]) -> Manifes
         irradiance: product.irradiance.map(owned),
         tables: product.tables.iter().map(|name| owned(name)).collect(),
         sh: product.sh.map(owned),
+        taps: Some(owned(TAPS)),
     }
 }
 

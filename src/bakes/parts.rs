@@ -59,4 +59,6 @@ pub struct Manifest {
     /// Files of one table in several formats.
     pub tables: Vec<String>,
     pub sh: Option<String>,
+    /// The table of two taps (docs/paste.md).
+    pub taps: Option<String>,
 }

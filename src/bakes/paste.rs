@@ -1,6 +1,31 @@
 //! The code of docs/paste.md.
 
+use super::container::write_table;
+use crate::brdf::MaskingShadowing;
+use crate::precompute::prefilter::{Kernel, LevelMapping};
+use crate::precompute::taps::{Chain, TapTable};
+
 const PAGE: &str = include_str!("../../docs/paste.md");
+
+/// The table of two taps beside an engine's files.
+pub const TAPS: &str = "taps.ktx2";
+
+/// Fits the table of two taps to the levels of a prefiltered map; a KTX 2 file.
+pub fn taps(kernel: Kernel, masking: MaskingShadowing, mapping: &'static LevelMapping, level_count: u32) -> Vec<u8> {
+    write_table(&TapTable::fit(&Chain::new(kernel, mapping, level_count), kernel.brdf, masking, 2).texels)
+}
+
+/// Returns name and text of a file with the code for [`TAPS`]: the functions, and their use as a comment.
+pub fn file(language: &str) -> (String, String) {
+    let [functions, lines] = code(language, "split-sum-two").expect("a language of the page");
+    let lines: String = lines.lines().map(|line| format!("//     {line}\n")).collect();
+    let text = format!(
+        "// Two lookups of the prefiltered map. taps: {TAPS}, bilinear, clamped to edges, no mips.\n\n{functions}\n\
+         // In place of the lookup along r. dfg: (A, B). map: the prefiltered map; turn directions as for the lookup along r.\n\
+         {lines}"
+    );
+    (TAPS.replace("ktx2", &language.to_lowercase()), text)
+}
 
 /// Returns functions and use of a method in `GLSL`, `HLSL` or `WGSL`; `None` if the page has none.
 pub fn code(language: &str, method: &str) -> Option<[&'static str; 2]> {

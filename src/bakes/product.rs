@@ -1,6 +1,6 @@
 //! Output for each engine as data ([`super::convention::PRESETS`]).
 
-/// The files that `splitsum bake --for` writes.
+/// The files that `splitsum bake --for` writes, beside the table of two taps.
 #[derive(Debug)]
 pub struct Product {
     /// Name after `--for`.
@@ -13,6 +13,8 @@ pub struct Product {
     pub irradiance: Option<&'static str>,
     /// Files of the DFG table.
     pub tables: &'static [&'static str],
+    /// Shading language of the lines to paste.
+    pub language: &'static str,
     /// SH as cmgen's text.
     pub sh: Option<&'static str>,
     /// Default pixel format of the cubes.
@@ -42,6 +44,7 @@ impl Product {
         specular: "specular.ktx2",
         irradiance: None,
         tables: &[],
+        language: "GLSL",
         sh: None,
         texel: "rgba16f",
         is_packed: false,

@@ -296,7 +296,7 @@ fn halves_are_the_nearest_to_what_the_passes_made() {
         let mut request = RenderRequest { environment, ..requests().swap_remove(0) };
         let mut levels = |storage: StorageFormat| {
             request.shading.precompute = PrecomputeSettings { storage, ..small() };
-            pipeline.light_tables(&request, 0).unwrap().prefiltered
+            pipeline.light_tables(&request, 0, &[]).unwrap().prefiltered
         };
         let [whole, half] = [StorageFormat::F32, StorageFormat::F16].map(&mut levels);
         let mut cut_off = 0;

@@ -4,7 +4,7 @@ use super::files;
 use super::scores::marked_light;
 use glam::{DVec2, DVec3};
 use half::f16;
-use splitsum::bakes::container::{Encoding, FORMATS, TEXELS, from_bytes};
+use splitsum::bakes::container::{Encoding, FORMATS, TEXELS, from_bytes, read_texture};
 use splitsum::bakes::convention::{Axes, PRESETS, Preset, TABLE_AXES};
 use splitsum::bakes::given;
 use splitsum::bakes::make::{GOOD, Making, make};
@@ -16,7 +16,8 @@ use splitsum::environment::layout::LAYOUTS;
 use splitsum::environment::{Environment, LoadOptions};
 use splitsum::math::spherical_harmonics::{basis, irradiance};
 use splitsum::pixels::RgbImage;
-use splitsum::precompute::prefilter::WEIGHTS;
+use splitsum::precompute::prefilter::{Kernel, LevelMapping, WEIGHTS};
+use splitsum::precompute::taps;
 use splitsum::spelling::Listed;
 use std::f64::consts::PI;
 use std::path::Path;
@@ -93,6 +94,29 @@ fn every_direction_is_where_the_engine_looks() {
         }
         // Nothing is written over.
         assert!(make(&making, dir.path()).unwrap_err().to_string().contains("exists"));
+    }
+}
+
+/// The table beside the files is for the levels of the engine's own formula, the code in its own language.
+#[test]
+fn taps_are_for_the_levels_of_the_engine() {
+    let light = marked_light();
+    for (engine, mapping, level_count, code) in [
+        ("bevy", "linear", 4, "taps.wgsl"),
+        ("filament", "quadratic", 4, "taps.glsl"),
+        ("unity", "unity", 7, "taps.hlsl"),
+    ] {
+        let dir = tempfile::tempdir().unwrap();
+        make(&making(engine, &light), dir.path()).unwrap();
+        let kernel = Kernel::new(&Ggx, &WEIGHTS[0], MaskingShadowing::Correlated);
+        let levels = taps::Chain::new(kernel, LevelMapping::listed(mapping), level_count);
+        let table = taps::TapTable::fit(&levels, &Ggx, MaskingShadowing::Correlated, 2).texels;
+        let found = read_texture(&dir.path().join("taps.ktx2")).unwrap();
+        for (own, found) in table.data.iter().zip(&found.levels[0][0].data) {
+            assert_eq!(own.map(|value| f16::from_f32(value).to_f32())[..3], found[..], "{engine}");
+        }
+        let text = std::fs::read_to_string(dir.path().join(code)).unwrap();
+        assert!(text.contains("tap_part(") && text.contains("//     "), "{engine}: {text}");
     }
 }
 
