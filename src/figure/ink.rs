@@ -13,8 +13,8 @@ pub const INKS: [Ink; 9] = [
     (".fig-grid", "stroke", "--fig-grid", ["#dcdcd7", "#31363b"]),
     (".fig-axis", "stroke", "--fig-axis", ["#85888d", "#7d848b"]),
     (".fig-plain", "color", "--fig-muted", ["#575b62", "#a6acb3"]),
-    (".fig-d:not(.fig-hollow),.fig-o", "stroke", "--fig-ground", ["#fafaf8", "#101214"]),
-    (".fig-b,.fig-hollow", "fill", "--fig-ground", ["#fafaf8", "#101214"]),
+    (".fig-d,.fig-o", "stroke", "--fig-ground", ["#fafaf8", "#101214"]),
+    (".fig-b", "fill", "--fig-ground", ["#fafaf8", "#101214"]),
     (".fig-none", "fill", "--fig-none", ["#eeeeeb", "#202428"]),
 ];
 

@@ -31,19 +31,6 @@ pub fn marker(ink: Option<usize>, at: [f64; 2]) -> String {
     line(&[at]) + MARKERS[ink.unwrap_or(0) % MARKERS.len()]
 }
 
-/// The hatched rectangle from left, top to right, bottom.
-fn hatched([left, top, right, bottom]: [f64; 4]) -> String {
-    const PITCH: f64 = 6.0;
-    let count = ((right - left + bottom - top) / PITCH) as usize;
-    let stroke = |i: usize| {
-        // Along x + y = c.
-        let c = left + top + (i as f64 + 0.5) * PITCH;
-        let [from, to] = [(c - bottom).max(left), (c - top).min(right)];
-        if to > from { line(&[[from, c - from], [to, c - to]]) } else { String::new() }
-    };
-    path("fig-grid", "", &(0..count).map(stroke).collect::<String>())
-}
-
 /// Draws a panel from the ground up: tiles, bars, axes, rules, lines, intervals, dots.
 pub fn draw(figure: &Figure, index: usize, frame: &Frame) -> String {
     let panel = &figure.panels[index];
@@ -51,7 +38,7 @@ pub fn draw(figure: &Figure, index: usize, frame: &Frame) -> String {
     order.sort_by_key(|i| layer(&panel.marks[*i].shape));
     let drawn = |i: &usize| {
         let mark = &panel.marks[*i];
-        let shape = Pen { figure, frame, mark, index: *i, panel: index }.shape()?;
+        let shape = Pen { figure, frame, mark, index: *i }.shape()?;
         Some(format!("<g {}{shape}</g>\n", head(figure, mark, index)))
     };
     let (filled, others) = order.split_at(order.partition_point(|i| layer(&panel.marks[*i].shape) == 0));
@@ -65,7 +52,7 @@ pub fn draw(figure: &Figure, index: usize, frame: &Frame) -> String {
 /// Filled shapes are below the axes, dots on top.
 fn layer(shape: &Shape) -> u8 {
     match shape {
-        Shape::Tile { .. } | Shape::HorizontalBar { .. } | Shape::BeyondX(_) | Shape::BeyondY(_) => 0,
+        Shape::Tile { .. } | Shape::HorizontalBar { .. } => 0,
         Shape::HorizontalRule(_) | Shape::VerticalRule(_) => 1,
         Shape::Line(_) => 2,
         Shape::Whisker(..) => 3,
@@ -93,7 +80,6 @@ struct Pen<'f> {
     frame: &'f Frame,
     mark: &'f Mark,
     index: usize,
-    panel: usize,
 }
 
 impl Pen<'_> {
@@ -105,9 +91,8 @@ impl Pen<'_> {
             Shape::Dot(at) => {
                 let (at, arrow) = self.place(*at)?;
                 let hit = self.hit(&format!("M{:.0},{:.0}h0", at[0], at[1]));
-                let class = if self.is_beyond() { "fig-d fig-hollow" } else { "fig-d" };
                 let ink = self.figure.ink(self.mark.series);
-                let dot = if arrow.is_empty() { path(class, "", &marker(ink, at)) } else { arrow };
+                let dot = if arrow.is_empty() { path("fig-d", "", &marker(ink, at)) } else { arrow };
                 Some(dot + &hit)
             }
             Shape::HorizontalBar { y, base, to } => {
@@ -119,8 +104,6 @@ impl Pen<'_> {
             Shape::Whisker(a, b) => self.whisker(*a, *b),
             Shape::HorizontalRule(y) => self.rule(&self.frame.y, *y, |y| [[left, y], [right, y]]),
             Shape::VerticalRule(x) => self.rule(&self.frame.x, *x, |x| [[x, top], [x, bottom]]),
-            Shape::BeyondY(y) => Some(hatched([left, top, right, self.frame.y.at(*y)])),
-            Shape::BeyondX(x) => Some(hatched([self.frame.x.at(*x), top, right, bottom])),
             Shape::Tile { x, y, value, text } => Some(self.tile([*x, *y], *value, text)),
         }
     }
@@ -142,16 +125,6 @@ impl Pen<'_> {
         };
         let back = |side: f64| [at[0] - ARROW * (2.0 * dx + side * dy), at[1] - ARROW * (2.0 * dy - side * dx)];
         Some((at, path("fig-b", "", &(line(&[at, back(1.0), back(-1.0)]) + "Z"))))
-    }
-
-    /// Whether a dot is within the band of what was not reached.
-    fn is_beyond(&self) -> bool {
-        let Shape::Dot([x, y]) = self.mark.shape else { return false };
-        self.figure.panels[self.panel].marks.iter().any(|mark| match mark.shape {
-            Shape::BeyondY(limit) => y > limit,
-            Shape::BeyondX(limit) => x > limit,
-            _ => false,
-        })
     }
 
     /// A wide target for the pointer.

@@ -98,10 +98,6 @@ pub enum Shape {
     HorizontalRule(f64),
     /// Across the panel at an x.
     VerticalRule(f64),
-    /// What lies above a y was not reached: a hatched band, with hollow dots.
-    BeyondY(f64),
-    /// The same to the right of an x.
-    BeyondX(f64),
     /// A step of x and of y, coloured by a value, with a short text.
     Tile {
         x: usize,

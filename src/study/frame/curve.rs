@@ -5,8 +5,6 @@ use super::estimate::geometric_mean;
 use super::{Frame, Key, Row, by, distinct_in_order, fits};
 use crate::experiment::axis::METHOD;
 use crate::experiment::value::Value;
-use crate::study::table::axis_cells;
-use crate::table::csv::Cell;
 
 /// A sampling method in one case.
 #[derive(Clone, Debug)]
@@ -98,12 +96,6 @@ pub struct Beside<'r, 'f> {
 }
 
 impl Beside<'_, '_> {
-    /// Cells of the case on any axes, from the method that uses them.
-    pub fn cells(&self, axes: &[usize]) -> Vec<Cell> {
-        let [first, second] = [self.curve.first(), self.fixed].map(|row| row.key(axes));
-        axis_cells(axes, &united(&first, &second))
-    }
-
     /// The sampling method and the other.
     pub fn names(&self) -> [String; 2] {
         [self.curve.method.to_string(), self.fixed.text(METHOD)]

@@ -75,8 +75,8 @@ fn reach(mark: &Mark) -> [Vec<f64>; 2] {
         Form::Dot(at) => at.map(|x| vec![x]),
         Form::Whisker(a, b) => [0, 1].map(|i| vec![a[i], b[i]]),
         Form::HorizontalBar { y, base, to } => [vec![*base, *to], vec![*y]],
-        Form::HorizontalRule(y) | Form::BeyondY(y) => [Vec::new(), vec![*y]],
-        Form::VerticalRule(x) | Form::BeyondX(x) => [vec![*x], Vec::new()],
+        Form::HorizontalRule(y) => [Vec::new(), vec![*y]],
+        Form::VerticalRule(x) => [vec![*x], Vec::new()],
         Form::Tile { .. } => [Vec::new(), Vec::new()],
     }
 }

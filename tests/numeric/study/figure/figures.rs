@@ -131,16 +131,15 @@ fn effects() -> Figure {
     Figure { panels: vec![first, second], series: series(&["split-sum", "dominant"]), ..dots_of_nothing("Effects") }
 }
 
-/// Three methods with the same numbers, partly beyond a limit.
+/// Three methods with the same numbers.
 pub fn shared() -> Figure {
     let points = [[0.1, 1.0], [0.5, 4.0], [0.9, 32.0]];
     let marks = (0..3).flat_map(|series| {
         let dots = points.map(|at| Mark::new(Shape::Dot(at), series).tip("dot"));
         [Mark::new(Shape::Line(points.to_vec()), series)].into_iter().chain(dots)
     });
-    let marks = [Mark::neutral(Shape::BeyondY(16.0))].into_iter().chain(marks).collect();
     let (x, y) = (Scale::linear("n·v", [0.0, 1.0]).unwrap(), Scale::log("samples", [1.0, 32.0]).unwrap());
-    let panel = Panel { title: "alpha 0.1".to_owned(), x, y, marks };
+    let panel = Panel { title: "alpha 0.1".to_owned(), x, y, marks: marks.collect() };
     let inks = [("sampling", Some(2)), ("textbook", Some(0)), ("ggx", None)];
     let series = inks.map(|(name, ink)| Series { name: name.to_owned(), is_dashed: false, ink }).to_vec();
     Figure { panels: vec![panel.clone(), panel], series, ..dots_of_nothing("Shared") }
