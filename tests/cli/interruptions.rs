@@ -60,24 +60,6 @@ fn a_run_killed_at_twenty_moments_ends_with_the_same_tables() {
     assert_eq!(files(&dir.path().join("killed")), files(&dir.path().join("whole")));
 }
 
-#[test]
-fn two_runs_of_one_folder_do_not_mix() {
-    let Some(dir) = folder() else { return };
-    let spawn =
-        || command(dir.path(), &["run", "tiny.toml"]).stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap();
-    let (first, second) = (spawn(), spawn());
-    let outputs = [first.wait_with_output().unwrap(), second.wait_with_output().unwrap()];
-    let told = outputs.iter().filter(|output| output.status.code() == Some(75)).count();
-    let done = outputs.iter().filter(|output| output.status.success()).count();
-    // The second may also have come after the first had ended.
-    assert!(done >= 1 && told + done == 2, "{:?}", outputs.each_ref().map(stderr));
-    for output in outputs.iter().filter(|output| output.status.code() == Some(75)) {
-        assert!(stderr(output).contains("another run is using it"), "{}", stderr(output));
-    }
-    run_to(dir.path(), "whole");
-    assert!(table(dir.path(), "runs/tiny", "errors.csv") == table(dir.path(), "whole", "errors.csv"));
-}
-
 /// A small file system of its own, gone at the end of the test. `None` where mounting is not allowed.
 struct SmallDisk(std::path::PathBuf);
 

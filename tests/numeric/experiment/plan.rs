@@ -271,39 +271,6 @@ fn zipped_axes_step_together() {
 }
 
 #[test]
-fn sequence_and_storage_format_are_axes_of_the_methods_that_use_them() {
-    let plan = plan(
-        "name = \"x\"\n[axes]\nmethod = [\"sampled\", \"split-sum\"]\ndiffuse = [\"none\"]\n\
-         sequence = [\"hammersley\", \"sobol-owen\", \"r2\", \"random\"]\nstorage_format = [\"f32\", \"f16\"]\n",
-    );
-    // Sampled pixels see the sequence, the tables of the split sum the format.
-    assert_eq!(plan.cells.len(), 4 + 2);
-    assert_eq!(plan.groups().len(), 1, "the reference depends on neither");
-    let requests: Vec<_> = plan.cells.iter().map(|cell| plan.request(&cell.point)).collect();
-    let sequences: Vec<&str> = requests[..4].iter().map(|request| request.shading.sequence.name).collect();
-    assert_eq!(sequences, ["hammersley", "sobol-owen", "r2", "random"]);
-    assert_ne!(requests[4].shading.precompute.storage, requests[5].shading.precompute.storage);
-    let reference = plan.request(&plan.reference_point(&plan.cells[5].point));
-    assert_eq!(reference.shading.precompute.storage, Default::default());
-}
-
-#[test]
-fn size_point_set_and_clip_are_axes() {
-    let plan =
-        plan("name = \"x\"\n[axes]\nsize = [[8, 8], [16, 8]]\npoint_set = [0, 1]\nenvironment_clip_log2 = [-1, 3]\n");
-    assert_eq!(plan.cells.len(), 8);
-    let requests: Vec<_> = plan.cells.iter().map(|cell| plan.request(&cell.point)).collect();
-    assert_eq!((requests[0].size, requests[7].size), ([8, 8], [16, 8]));
-    assert_eq!((requests[0].shading.point_set, requests[7].shading.point_set), (0, 1));
-    let peak = |i: usize| requests[i].environment.image.data.iter().flatten().fold(0.0f32, |a, b| a.max(*b));
-    assert_eq!(peak(0), 0.5);
-    assert!(peak(1) > 0.5 && peak(1) <= 8.0);
-    assert_ne!(requests[0].environment.hash, requests[1].environment.hash);
-    // Each size and clip has its own reference; the point sets share it.
-    assert_eq!(plan.groups().len(), 4);
-}
-
-#[test]
 fn methods_are_timed_in_one_block_whatever_only_one_of_them_has() {
     // Without a diffuse term only the split sum reads tables, so only it has a storage format.
     let text = format!("{SWEEP}diffuse = [\"none\"]\nstorage_format = [\"f32\", \"f16\"]\n[timing]\nrounds = 5\n");

@@ -113,23 +113,6 @@ fn failures_of_cells_that_a_plan_lacks_are_forgotten() {
 }
 
 #[test]
-fn a_larger_plan_that_was_cut_off_goes_on() {
-    let (part, whole) = (plan(&EXPERIMENT.replace("[\"ggx\", \"phong\"]", "[\"ggx\"]")), plan(EXPERIMENT));
-    for renders in 0..10 {
-        let dir = tempfile::tempdir().unwrap();
-        finished(&part, dir.path());
-        let cut = log();
-        cut.borrow_mut().renders_left = Some(renders);
-        assert!(matches!(invoke(&whole, dir.path(), &cut, usize::MAX), Err(RunError::DeviceLost(_))));
-        let again = log();
-        invoke(&whole, dir.path(), &again, usize::MAX).unwrap();
-        // One model with its two references; an image of which only some cells were scored is rendered again.
-        assert!(again.borrow().renders.len() <= 10 - renders + 2, "{renders}: {:?}", again.borrow().renders);
-        assert_like_whole(dir.path(), &whole);
-    }
-}
-
-#[test]
 fn a_block_with_a_new_member_is_timed_again_and_others_stay() {
     let text = |samples: &str, brdfs: &str| {
         let text = EXPERIMENT.replace("[1, 4, 16]", samples).replace("[\"ggx\", \"phong\"]", brdfs);
