@@ -58,7 +58,7 @@ class Baker:
 
 
 class Splitsum(Baker):
-    """Ours, through the device, exact."""
+    """Ours, exact."""
 
     makes = "cube, irradiance map, SH, table, lobes"
 

@@ -79,9 +79,9 @@ impl Baking<'_> {
         }
         let (layout, level_count) = (settings.layout, settings.prefilter_level_count);
         let alpha = |level: u32| settings.level_mapping.alpha_from_mip(level.into(), level_count);
-        let degree = match settings.prefilter {
-            PrefilterBy::Harmonic => harmonic::degree_of_map(alpha(1)),
-            PrefilterBy::Sampled => harmonic::degree(1.0),
+        let (degree, mips) = match settings.prefilter {
+            PrefilterBy::Harmonic => (harmonic::degree_of_map(alpha(1)), Vec::new()),
+            PrefilterBy::Sampled => (harmonic::degree(1.0), mips::reference::chain(&environment.image)),
         };
         let light = Light {
             settings: &settings,
@@ -89,7 +89,7 @@ impl Baking<'_> {
             harmonics: harmonic::harmonics(&environment.image, degree),
             mips: FilteredMap {
                 layout: MapLayout::listed("equirect"),
-                levels: mips::reference::chain(&environment.image).into_iter().map(|level| vec![level]).collect(),
+                levels: mips.into_iter().map(|level| vec![level]).collect(),
             },
         };
         let mut files = Files { out, paths: Vec::new(), storage: settings.storage };
@@ -152,7 +152,7 @@ struct Light<'a> {
     settings: &'a PrecomputeSettings,
     environment: &'a Environment,
     harmonics: Harmonics,
-    /// The environment's own levels, which a sampled map reads.
+    /// The environment's own levels, which a sampled map reads; empty for others.
     mips: FilteredMap,
 }
 
