@@ -113,9 +113,10 @@ impl<'p> Forecast<'p> {
         }
     }
 
-    /// Seconds of work of a kind over its stated seconds.
-    fn ratio(&self, kind: &str) -> f64 {
-        self.earlier.ratio(kind) * self.beside_earlier.ratio(kind)
+    /// Predicts the seconds of work of a kind from its stated seconds; threads share scores.
+    fn predicted(&self, kind: &str, stated: f64) -> f64 {
+        let threads = if kind.starts_with(SCORE) { self.host.threads as f64 } else { 1.0 };
+        stated.max(0.0) * self.earlier.ratio(kind) * self.beside_earlier.ratio(kind) / threads
     }
 
     /// Predicts the rest after `elapsed` seconds of work.
@@ -133,9 +134,9 @@ impl<'p> Forecast<'p> {
     fn seconds(&self, work: &Work) -> f64 {
         let [mut device, mut beside, mut alone] = [0.0; 3];
         for (kind, [_, stated]) in &work.0 {
-            let seconds = stated.max(0.0) * self.ratio(kind);
+            let seconds = self.predicted(kind, *stated);
             match kind {
-                kind if kind.starts_with(SCORE) => beside += seconds / self.host.threads as f64,
+                kind if kind.starts_with(SCORE) => beside += seconds,
                 kind if kind == END || kind.starts_with(TIMED) => alone += seconds,
                 _ => device += seconds,
             }
@@ -148,9 +149,8 @@ impl<'p> Forecast<'p> {
         let mut parts: BTreeMap<usize, [f64; 2]> = BTreeMap::new();
         for (kind, [count, stated]) in &self.left.0 {
             let Some(place) = PARTS.iter().position(|(known, _)| kind.starts_with(known)) else { continue };
-            let threads = if PARTS[place].0 == SCORE { self.host.threads as f64 } else { 1.0 };
             let [sum, seconds] = parts.entry(place).or_default();
-            (*sum, *seconds) = (*sum + count, *seconds + stated * self.ratio(kind) / threads);
+            (*sum, *seconds) = (*sum + count, *seconds + self.predicted(kind, *stated));
         }
         parts.into_iter().map(|(place, [count, seconds])| (PARTS[place].1, count, seconds)).collect()
     }
