@@ -197,15 +197,15 @@ fn sentence(frame: &Frame, axes: &[usize], all: &[Pair]) -> Option<String> {
     let first = all.first()?;
     let own: Vec<&Pair> = all.iter().filter(|own| own.is_of(first) && own.metric == first.metric).collect();
     let is_one = own.len() == 1;
-    // "**8 to 16 samples per pixel** in `relmse` and 4 in `flip`".
-    let against = |fixed: &str, unit: &str| {
+    // "**8 to 16 samples per pixel** to beat `split-sum` in `relmse` and 4 in `flip`".
+    let against = |fixed: &str, unit: &str, beat: &str| {
         let own = all.iter().filter(|own| own.sampled == first.sampled && own.fixed == fixed);
         let ranges = grouped(own, |own| own.metric).into_iter().enumerate().filter_map(|(place, (metric, own))| {
             let range = range_words(ends(&own)?.map(|own| own.crossing.value), |n| counted(n, &own[0].tried));
             let unit = if range == "1" { unit.trim_end_matches('s').to_owned() } else { unit.to_owned() };
             let interval = if is_one { own[0].words().split_off(range.len()) } else { String::new() };
             Some(match place {
-                0 => format!("**{range}{unit}**{interval} in `{metric}`"),
+                0 => format!("**{range}{unit}**{interval}{beat} in `{metric}`"),
                 _ => format!("{range}{interval} in `{metric}`"),
             })
         });
@@ -214,16 +214,18 @@ fn sentence(frame: &Frame, axes: &[usize], all: &[Pair]) -> Option<String> {
     let [least, most] = ends(&own)?;
     let at = |own: &Pair| format!("{} at {}", own.words(), frame.names.label(axes, &own.key).replace(" · ", ", "));
     let more = match () {
-        () if *best != first.fixed => format!(" To beat `{best}`, which errs least, it needs {}.", against(best, "")),
+        () if *best != first.fixed => {
+            format!(" To beat `{best}`, which errs least, it needs {}.", against(best, "", ""))
+        }
         () if counted(least.crossing.value, &least.tried) == counted(most.crossing.value, &most.tried) => String::new(),
         () => format!(" Fewest: {}; most: {}.", at(least), at(most)),
     };
-    let needs = against(&first.fixed, " samples per pixel");
+    let needs = against(&first.fixed, " samples per pixel", &format!(" to beat `{}`", first.fixed));
     let (place, scope) = match first.crossing.n {
         1 => (format!(", under {}", frame.names.short(ENVIRONMENT, &fixed.first()?.point[ENVIRONMENT])), String::new()),
         n => (String::new(), format!(" Medians over {n} {}.", AXES[ENVIRONMENT].plural)),
     };
-    Some(format!("To beat `{}`, `{}` needs {needs}{place}.{more}{scope}", first.fixed, first.sampled))
+    Some(format!("`{}` needs {needs}{place}.{more}{scope}", first.sampled))
 }
 
 /// One row per metric, condition and pair, one column per value of [`Frame::row_axis`].

@@ -117,7 +117,7 @@ fn the_median_is_of_crossings() {
     assert!(
         ["break_even", "break_even_lo", "break_even_hi"].iter().all(|name| numbers(&never.table, name)[0].is_nan())
     );
-    let said = "To beat `split-sum`, `sampled` needs **more than 256 samples per pixel** in `relmse`";
+    let said = "`sampled` needs **more than 256 samples per pixel** to beat `split-sum` in `relmse`";
     assert!(never.sentence.starts_with(said), "{}", never.sentence);
 }
 
@@ -194,7 +194,7 @@ fn each_pair_of_methods_breaks_even_by_itself() {
     assert_eq!(of("relmse", "split-sum-two", "sampled-vndf"), [16.0, 16.0, 64.0]);
     assert_eq!(of("flip", "split-sum", "sampled-vndf"), [16.0, 16.0, 16.0]);
     assert!(of("flip", "split-sum-two", "sampled")[0].is_nan(), "107 samples were not tried");
-    let said = "To beat `split-sum`, `sampled` needs **4 samples per pixel** (95 % 4 to 16) in `relmse` and 64 in `flip`. \
+    let said = "`sampled` needs **4 samples per pixel** (95 % 4 to 16) to beat `split-sum` in `relmse` and 64 in `flip`. \
                 To beat `split-sum-two`, which errs least, it needs **16** (95 % 16 to 64) in `relmse` and more than 64 in `flip`.";
     assert!(found.sentence.starts_with(said), "{}", found.sentence);
     // The figure is in FLIP, over that of the split sum at one lookup; the other reads two.
