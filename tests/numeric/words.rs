@@ -1,4 +1,4 @@
-//! The documents avoid the words that readers stumbled over.
+//! The documents avoid the words that readers stumbled over, and take measured numbers from published runs.
 
 use std::path::{Path, PathBuf};
 
@@ -156,4 +156,99 @@ fn banned_words_are_found_in_help_and_messages_only() {
 fn banned_words_are_found_in_prose_only() {
     let page = "It is\nno number. Told, `anew` and\n\n    whoever\n```\nmend\n```\nIt is. No longer is it so; it is no longer, and there is no\nother.\n";
     assert_eq!(banned(&prose(page)), [(1, "is no"), (2, "told")]);
+}
+
+/// Pages, or sections of pages, with decimal numbers that no published table can fill, and why.
+const TYPED: [(&str, &str, &str); 17] = [
+    ("docs/architecture.md", "", "goldens and shares of tests"),
+    ("docs/bakes.md", "## Files", "formats"),
+    ("docs/bakes.md", "## Conventions", "formulas and versions of engines"),
+    ("docs/bakes.md", "## Scores", "definitions and limits"),
+    ("docs/bakes.md", "## Bakes for engines", "pixel formats, by hand"),
+    ("docs/bakes.md", "## Checked in other programs", "other programs' pictures, by scripts/check-clients.sh"),
+    ("docs/columns.md", "", "definitions"),
+    ("docs/conventions.md", "", "definitions"),
+    ("docs/estimators.md", "", "algebra and constants of sources"),
+    ("docs/glossary.md", "", "definitions"),
+    ("docs/own-method.md", "", "ranges of inputs"),
+    ("docs/paste.md", "## Tables", "algebra of a clamped lookup"),
+    ("docs/research.md", "## Several lookups", "constants of the fit"),
+    ("docs/research.md", "## Trials that did not ship", "trials without a published run"),
+    ("docs/running.md", "", "times of single commands on one machine"),
+    ("docs/source-documents.md", "", "sources"),
+    ("docs/testing.md", "## By hand", "programs by hand"),
+];
+
+/// Words before a number that is a place, a version or a level of confidence, not a result.
+const PLACES: [&str; 13] = [
+    "alpha",
+    "roughness",
+    "f0",
+    "n·v",
+    "mesa",
+    "lavapipe",
+    "rust",
+    "debian",
+    "apache-2",
+    "ofl",
+    "version",
+    "renderdoc",
+    "±",
+];
+
+/// Decimal numbers and percentages of a page that neither a block fills nor an entry of [`TYPED`] explains, each with
+/// its line from 1.
+fn typed_numbers(page: &str, text: &str) -> Vec<(usize, String)> {
+    let mut heading = String::new();
+    let mut found = Vec::new();
+    for (line, (whole, prose)) in text.lines().zip(prose(text).lines()).enumerate() {
+        if whole.starts_with("## ") || whole.starts_with("# ") {
+            heading = whole.to_owned();
+        }
+        if TYPED.iter().any(|(own, section, _)| *own == page && (section.is_empty() || *section == heading)) {
+            continue;
+        }
+        // Blocks within a sentence.
+        let mut parts = prose.split("<!-- csv ");
+        let first = parts.next().unwrap_or_default().to_owned();
+        let prose = parts.fold(first, |all, part| all + part.split("<!-- /csv -->").nth(1).unwrap_or_default());
+        let mut is_place = false;
+        let words: Vec<&str> = prose.split_whitespace().collect();
+        for (at, word) in words.iter().enumerate() {
+            let bare = word.trim_matches(|c: char| !c.is_alphanumeric()).to_lowercase();
+            let is_number = bare.starts_with(|c: char| c.is_ascii_digit()) && bare.parse::<f64>().is_ok();
+            let is_share = words.get(at + 1).is_some_and(|next| next.starts_with('%')) && bare != "95" && bare != "100";
+            if is_number && !is_place && (bare.contains(['.', 'e']) || is_share) {
+                found.push((line + 1, bare));
+            } else if !is_number {
+                let joins = ["to", "and", "or", "of", "at", "below", "above", "from", "until", "is", "", "are"];
+                is_place = PLACES.contains(&bare.as_str()) || is_place && joins.contains(&bare.as_str());
+            }
+        }
+    }
+    found
+}
+
+#[test]
+fn measured_numbers_come_from_published_runs() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let is_page = |file: &PathBuf| {
+        file.ends_with("README.md") && file.parent() == Some(root) || file.starts_with(root.join("docs"))
+    };
+    let mut faults = Vec::new();
+    for file in documents().iter().filter(|file| is_page(file)) {
+        let page = file.strip_prefix(root).unwrap().to_str().unwrap();
+        let text = std::fs::read_to_string(file).unwrap();
+        faults.extend(typed_numbers(page, &text).into_iter().map(|(line, number)| {
+            format!("{page}:{line}: {number}: fill it by a block from results/, or explain its section in TYPED")
+        }));
+    }
+    assert!(faults.is_empty(), "\n{}", faults.join("\n"));
+}
+
+#[test]
+fn typed_numbers_are_found() {
+    let page = "# A\n\nAt alpha 0.1, 0.25 and 0.5 it is 0.12. A share of 53 %, with 95 % <!-- csv a/b.csv x=0.5 -->0.7<!-- /csv -->.\n\n## B\n\n1.5 times\n";
+    assert_eq!(typed_numbers("docs/a.md", page), [(3, "0.12".into()), (3, "53".into()), (7, "1.5".into())]);
+    assert_eq!(typed_numbers("docs/estimators.md", page), []);
 }

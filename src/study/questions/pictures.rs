@@ -239,38 +239,38 @@ fn sentence(frame: &Frame, all: &[&Group]) -> Option<String> {
     ))
 }
 
-/// One row per case, one column per method: the median ratio and the share of worse pictures. Below them the worst
-/// pictures and the brightness.
+/// One row per score and case, one column per method: the median ratio and the share of worse pictures. Below them the
+/// worst pictures by the leading score, and the brightness.
 fn digest(frame: &Frame, all: &[&Group]) -> Table {
     let axes = of_cases(frame.case_axes());
     let methods = by_method(all, leading(frame));
-    let heads = if axes.is_empty() { vec!["pictures"] } else { frame.names.heads(&axes) };
-    let names = methods.iter().map(|(name, _)| name.clone()).chain([BASE.to_owned()]);
-    let mut table = Table::with_names(heads.iter().map(|head| head.to_string()).chain(names));
-    for key in distinct_in_order(all.iter().map(|group| group.key.clone())) {
-        let cells = methods.iter().map(|(_, own)| {
-            let group = own.iter().find(|group| fits(&group.key, &key));
-            let words = group.and_then(|group| {
+    let heads = frame.names.heads(&axes);
+    let names = methods.iter().map(|(name, _)| name.as_str()).chain([BASE]);
+    let head = std::iter::once("score").chain(heads.iter().copied());
+    let mut table = Table::with_names(head.chain(names.clone()).map(str::to_owned));
+    for metric in PICTURE_SCORES.into_iter().filter(|metric| *metric != BRIGHTNESS) {
+        let own: Vec<&&Group> = all.iter().filter(|group| group.metric == metric).collect();
+        for key in distinct_in_order(own.iter().map(|group| group.key.clone())) {
+            let cells = methods.iter().map(|(name, _)| {
+                let group = own.iter().find(|group| group.name == *name && fits(&group.key, &key))?;
                 let (median, worse) = (group.median()?, group.worse()?);
                 Some(format!("{}, {} worse", with_interval(&median), percent(worse.value)))
             });
-            Cell::from(words)
-        });
-        let head = if axes.is_empty() { cells![leading(frame)] } else { frame.names.head(&axes, &key) };
-        table.row(head.into_iter().chain(cells).chain([Cell::Missing]).collect());
+            let head = [cells![metric], frame.names.head(&axes, &key)].concat();
+            table.row(head.into_iter().chain(cells.map(Cell::from)).chain([Cell::Missing]).collect());
+        }
     }
-    let labelled = |label: &str, cells: Vec<Cell>| {
-        let mut row = all_head(&heads);
-        row[0] = label.into();
-        [row, cells].concat()
+    let labelled = |score: &str, label: &str, cells: Vec<Cell>| {
+        let blanks = heads.iter().skip(1).map(|_| Cell::Missing);
+        let head = heads.iter().take(1).map(|_| Cell::from(label)).chain(blanks);
+        std::iter::once(Cell::from(score)).chain(head).chain(cells).collect()
     };
     let worst = methods.iter().map(|(_, own)| {
         let worst = worst(own.iter().filter_map(|group| group.worst()));
         Cell::from(worst.map(|(row, ratio)| format!("{}: {}", number(ratio), picture_name(frame, row))))
     });
-    table.row(labelled("worst picture", worst.chain([Cell::Missing]).collect()));
-    let names = methods.iter().map(|(name, _)| name.as_str()).chain([BASE]);
-    table.row(labelled("mean brightness", names.map(|name| Cell::from(brightness(all, name))).collect()));
+    table.row(labelled(leading(frame), "worst picture", worst.chain([Cell::Missing]).collect()));
+    table.row(labelled(BRIGHTNESS, "range", names.map(|name| Cell::from(brightness(all, name))).collect()));
     table
 }
 
