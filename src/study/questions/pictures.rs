@@ -204,11 +204,8 @@ fn by_method<'g, 'r, 'f>(all: &[&'g Group<'r, 'f>], metric: &str) -> Vec<(String
 }
 
 /// "-52 to 54 %".
-fn brightness(all: &[&Group], name: &str) -> Option<String> {
-    let own = || all.iter().filter(|group| group.metric == BRIGHTNESS && group.name == name);
-    let least = own().map(|group| 100.0 * group.scores[0]).reduce(f64::min)?;
-    let most = own().map(|group| 100.0 * group.scores[1]).reduce(f64::max)?;
-    Some(range_words([least, most], number) + " %")
+fn brightness(scores: [f64; 2]) -> String {
+    range_words(scores.map(|score| 100.0 * score), number) + " %"
 }
 
 /// "shader-ball, venice_sunset, orientation 7, alpha 0.1".
@@ -225,13 +222,9 @@ fn sentence(frame: &Frame, all: &[&Group]) -> Option<String> {
     let medians = own.iter().filter_map(|group| Some(group.median()?.value));
     let worse = own.iter().filter_map(|group| Some(100.0 * group.worse()?.value));
     let (row, most) = worst(own.iter().filter_map(|group| group.worst()))?;
-    let [least, other] = [name.as_str(), BASE].map(|name| brightness(all, name));
-    let light = least.zip(other).map_or_else(String::new, |(own, base)| {
-        format!(" Mean brightness errs by {own} of the truth, with `{BASE}` by {base}.")
-    });
     Some(format!(
         "In the median picture `{name}` has **{} times** the `{metric}` of `{BASE}`, and it makes {} % of the pictures worse. \
-         The worst has {} times: {}.{light}",
+         The worst has {} times: {}.",
         range(medians),
         range(worse),
         number(most),
@@ -239,72 +232,73 @@ fn sentence(frame: &Frame, all: &[&Group]) -> Option<String> {
     ))
 }
 
-/// One row per score and case, one column per method: the median ratio and the share of worse pictures. Below them the
-/// worst pictures by the leading score, and the brightness.
+/// One row per score and case, one column per method: the median ratio and the share of worse pictures; for
+/// [`BRIGHTNESS`] the range of the pictures. The last row has the worst pictures by the leading score.
 fn digest(frame: &Frame, all: &[&Group]) -> Table {
     let axes = of_cases(frame.case_axes());
     let methods = by_method(all, leading(frame));
     let heads = frame.names.heads(&axes);
-    let names = methods.iter().map(|(name, _)| name.as_str()).chain([BASE]);
-    let head = std::iter::once("score").chain(heads.iter().copied());
-    let mut table = Table::with_names(head.chain(names.clone()).map(str::to_owned));
-    for metric in PICTURE_SCORES.into_iter().filter(|metric| *metric != BRIGHTNESS) {
-        let own: Vec<&&Group> = all.iter().filter(|group| group.metric == metric).collect();
+    let names: Vec<&str> = methods.iter().map(|(name, _)| name.as_str()).chain([BASE]).collect();
+    let mut table = Table::with_names(["score"].iter().chain(&heads).chain(&names).map(|name| (*name).to_owned()));
+    let words = |group: &Group| match group.metric {
+        BRIGHTNESS => Some(brightness(group.scores)),
+        _ if group.name == BASE => None,
+        _ => Some(format!("{}, {} worse", with_interval(&group.median()?), percent(group.worse()?.value))),
+    };
+    for metric in PICTURE_SCORES {
+        let own: Vec<&Group> = all.iter().copied().filter(|group| group.metric == metric).collect();
         for key in distinct_in_order(own.iter().map(|group| group.key.clone())) {
-            let cells = methods.iter().map(|(name, _)| {
-                let group = own.iter().find(|group| group.name == *name && fits(&group.key, &key))?;
-                let (median, worse) = (group.median()?, group.worse()?);
-                Some(format!("{}, {} worse", with_interval(&median), percent(worse.value)))
+            let cells = names.iter().map(|name| {
+                own.iter().find(|group| group.name == *name && fits(&group.key, &key)).and_then(|group| words(group))
             });
-            let head = [cells![metric], frame.names.head(&axes, &key)].concat();
-            table.row(head.into_iter().chain(cells.map(Cell::from)).chain([Cell::Missing]).collect());
+            table.row([cells![metric], frame.names.head(&axes, &key), cells.map(Cell::from).collect()].concat());
         }
     }
-    let labelled = |score: &str, label: &str, cells: Vec<Cell>| {
-        let blanks = heads.iter().skip(1).map(|_| Cell::Missing);
-        let head = heads.iter().take(1).map(|_| Cell::from(label)).chain(blanks);
-        std::iter::once(Cell::from(score)).chain(head).chain(cells).collect()
-    };
     let worst = methods.iter().map(|(_, own)| {
         let worst = worst(own.iter().filter_map(|group| group.worst()));
         Cell::from(worst.map(|(row, ratio)| format!("{}: {}", number(ratio), picture_name(frame, row))))
     });
-    table.row(labelled(leading(frame), "worst picture", worst.chain([Cell::Missing]).collect()));
-    table.row(labelled(BRIGHTNESS, "range", names.map(|name| Cell::from(brightness(all, name))).collect()));
+    let blanks = heads.iter().skip(1).map(|_| Cell::Missing);
+    let head = heads.iter().take(1).map(|_| Cell::from("worst picture")).chain(blanks);
+    let first = std::iter::once(Cell::from(leading(frame)));
+    table.row(first.chain(head).chain(worst).chain([Cell::Missing]).collect());
     table
 }
 
-/// Ratios by [`Frame::row_axis`], one panel per score and other case; the median and the worst picture, which link to
-/// their images.
+/// The leading score of the median picture by [`Frame::row_axis`], one panel per other case. Dots link to their image.
 fn figure(frame: &Frame, all: &[&Group]) -> Option<Figure> {
-    let (axes, row_axis) = (of_cases(frame.case_axes()), frame.row_axis());
+    let (axes, row_axis, metric) = (of_cases(frame.case_axes()), frame.row_axis(), leading(frame));
     let steps = values(all.iter().flat_map(|group| group.ratios.rows()), row_axis);
-    let series: Vec<String> = by_method(all, leading(frame)).into_iter().map(|(name, _)| name).collect();
-    let own = all.iter().filter(|group| group.name != BASE && group.metric != BRIGHTNESS);
-    let title = |group: &&&Group| {
-        let rest = frame.names.label_where(&axes, &group.key, |axis| axis != row_axis);
-        commas([group.metric, &rest])
-    };
-    let panel = |(title, own): (String, Vec<&&Group>)| {
-        let rule = Mark::neutral(Form::HorizontalRule(1.0));
-        let marks = own.into_iter().flat_map(|group| {
-            let (Some(median), Some((row, worst))) = (group.median(), group.worst()) else { return Vec::new() };
-            let (x, line) = (step(&steps, &row.point[row_axis]), step(&series, &group.name) as usize);
+    let methods = by_method(all, metric);
+    let series: Vec<String> = methods.iter().map(|(name, _)| name.clone()).collect();
+    let title = |key: &Key| frame.names.label_where(&axes, key, |axis| axis != row_axis);
+    let titles = distinct_in_order(all.iter().map(|group| title(&group.key)));
+    let line = |line: usize, own: &[&Group]| {
+        let dot = |group: &&Group| {
+            let median = group.median()?;
+            let row = group.nearest(median.value)?;
+            let x = step(&steps, &row.point[row_axis]);
             let words = |all: &Estimate| format!("median picture {}", with_interval(all));
-            let mut marks = group.ratios.marks(line, |y| [x, y], (&group.name, &words));
-            marks[0].cell = group.nearest(median.value).map(|row| row.cell.id.clone());
-            let tip = format!("{}: worst picture {}, {}", group.name, number(worst), picture_name(frame, row));
-            marks.push(dot([x, worst], line, tip, row));
-            marks
+            let mut dot = group.ratios.marks(line, |y| [x, y], (&group.name, &words)).into_iter().next()?;
+            dot.cell = Some(row.cell.id.clone());
+            Some(dot)
+        };
+        joined(own.iter().filter_map(dot).collect())
+    };
+    let panel = |name: String| {
+        let lines = methods.iter().enumerate().flat_map(|(index, (_, own))| {
+            let own: Vec<&Group> = own.iter().copied().filter(|group| title(&group.key) == name).collect();
+            line(index, &own)
         });
-        (title, std::iter::once(rule).chain(marks).collect())
+        let marks = std::iter::once(Mark::neutral(Form::HorizontalRule(1.0))).chain(lines).collect();
+        (name, marks)
     };
     Chart {
         title: "Pictures against the classic split sum",
-        note: format!("score over that of {BASE}: median picture (lower dot) and worst picture (upper dot){INTERVAL}"),
+        note: format!("{metric} over that of {BASE}, the median picture. Below 1 is better"),
         x: Along::values(frame, row_axis, &steps),
         y: Along::Log("ratio"),
-        panels: grouped(own, title).into_iter().map(panel).collect(),
+        panels: titles.into_iter().map(panel).collect(),
         series: series.clone(),
     }
     .figure()

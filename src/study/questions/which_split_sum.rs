@@ -1,4 +1,4 @@
-//! Which split sum should an engine ship? The error of each way to shade against its lookups of an environment map per pixel
+//! Which split sum errs least for its lookups? The error of each way to shade against its lookups of an environment map per pixel
 //! (`Method::lookups_of_pixel`); lookups of small tables do not count.
 //!
 //! Errors are divided by those of the first method of the experiment, the *base*, in the same case, and averaged geometrically over
@@ -9,7 +9,7 @@ use super::prelude::*;
 
 pub const QUESTION: Question = Question {
     name: "which-split-sum",
-    asks: "Which split sum should an engine ship?",
+    asks: "Which split sum errs least for its lookups?",
     columns: &[
         column("lookups", "Lookups of an environment map per pixel."),
         column(
@@ -84,9 +84,9 @@ fn sentence(frame: &Frame, ways: &[Way], base: &Value) -> Option<String> {
     let times = |way: &Way| format!("{} times{}", number(way.mean.value), interval_words(&way.mean, number));
     let many = if first.lookups == 1 { "lookup" } else { "lookups" };
     let first_words = match first.name == base.to_string() {
-        true => format!("With **{} {many}** per pixel, ship `{base}`: no other has less `{metric}`.", first.lookups),
+        true => format!("With **{} {many}** per pixel, `{base}` has the least `{metric}`.", first.lookups),
         false => format!(
-            "With **{} {many}** per pixel, ship `{}`: it has {} the `{metric}` of `{base}`.",
+            "With **{} {many}** per pixel, `{}` errs least: it has {} the `{metric}` of `{base}`.",
             first.lookups,
             first.name,
             times(first)
