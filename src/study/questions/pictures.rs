@@ -265,7 +265,8 @@ fn digest(frame: &Frame, all: &[&Group]) -> Table {
     table
 }
 
-/// The leading score of the median picture by [`Frame::row_axis`], one panel per other case. Dots link to their image.
+/// The leading score of the median picture by [`Frame::row_axis`], one panel per other case, and a single dot for the worst
+/// picture of each method there. Dots link to their image.
 fn figure(frame: &Frame, all: &[&Group]) -> Option<Figure> {
     let (axes, row_axis, metric) = (of_cases(frame.case_axes()), frame.row_axis(), leading(frame));
     let steps = values(all.iter().flat_map(|group| group.ratios.rows()), row_axis);
@@ -283,7 +284,11 @@ fn figure(frame: &Frame, all: &[&Group]) -> Option<Figure> {
             dot.cell = Some(row.cell.id.clone());
             Some(dot)
         };
-        joined(own.iter().filter_map(dot).collect())
+        let worst = worst(own.iter().filter_map(|group| group.worst())).map(|(row, most)| {
+            let tip = format!("worst picture {}, {}", number(most), picture_name(frame, row));
+            self::dot([step(&steps, &row.point[row_axis]), most], line, tip, row)
+        });
+        joined(own.iter().filter_map(dot).collect()).into_iter().chain(worst).collect::<Vec<_>>()
     };
     let panel = |name: String| {
         let lines = methods.iter().enumerate().flat_map(|(index, (_, own))| {
@@ -295,7 +300,7 @@ fn figure(frame: &Frame, all: &[&Group]) -> Option<Figure> {
     };
     Chart {
         title: "Pictures against the classic split sum",
-        note: format!("{metric} over that of {BASE}, the median picture. Below 1 is better"),
+        note: format!("{metric} over that of {BASE}, below 1 is better. Lines: the median picture; single marks: the worst one"),
         x: Along::values(frame, row_axis, &steps),
         y: Along::Log("ratio"),
         panels: titles.into_iter().map(panel).collect(),
