@@ -300,7 +300,9 @@ fn figure(frame: &Frame, all: &[&Group]) -> Option<Figure> {
     };
     Chart {
         title: "Pictures against the classic split sum",
-        note: format!("{metric} over that of {BASE}, below 1 is better. Lines: the median picture; single marks: the worst one"),
+        note: format!(
+            "{metric} over that of {BASE}, below 1 is better. Lines: the median picture; single marks: the worst one"
+        ),
         x: Along::values(frame, row_axis, &steps),
         y: Along::Log("ratio"),
         panels: titles.into_iter().map(panel).collect(),

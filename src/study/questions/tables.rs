@@ -50,6 +50,9 @@ fn enough(frame: &Frame) -> f64 {
     SHARE.powf(0.5 * frame.metric.power)
 }
 
+/// The method whose tables are judged.
+const TABLED: &str = "split-sum";
+
 fn lacks(shape: &Shape) -> Option<&'static str> {
     let draws_truth = shape.methods().any(|method| method.name == REFERENCE);
     match () {
@@ -57,7 +60,10 @@ fn lacks(shape: &Shape) -> Option<&'static str> {
             Some("reference.method is not ladder-view: tables are compared with the split sum with exact factors")
         }
         () if !draws_truth => Some("axes.method has no `reference`, which gives the cost of the split itself"),
-        () if !shape.methods().any(|method| method.uses_prefiltered()) => Some("axes.method has no method with tables"),
+        () if !shape.methods().any(|method| method.name == TABLED) => Some("axes.method has no `split-sum`"),
+        () if shape.methods().any(|method| method.uses_prefiltered() && method.name != TABLED) => {
+            Some("axes.method has a split sum other than `split-sum`, whose limit `ladder-view` is not")
+        }
         () => parameters(shape).is_empty().then_some("no setting of a table has two values"),
     }
 }
