@@ -25,7 +25,7 @@ const PIXELS_MAX: f32 = (1 << 21) as f32;
 /// Time that a notice stays.
 const NOTICE: Duration = Duration::from_secs(10);
 /// Delay before the window says that it is busy.
-pub const BUSY_AFTER: Duration = Duration::from_millis(250);
+const BUSY_AFTER: Duration = Duration::from_millis(250);
 
 /// The window's own state.
 #[derive(Default)]
@@ -61,6 +61,12 @@ impl Panel {
             self.outdated = Some(Instant::now());
         }
         self.generation = generation;
+    }
+
+    /// Returns when a half that shows an older state is to be dimmed, if that is after `now`.
+    pub fn dims_at(&self, now: Instant) -> Option<Instant> {
+        let since = self.outdated.filter(|_| self.seen != self.generation)?;
+        Some(since + BUSY_AFTER).filter(|at| *at > now)
     }
 
     /// Shows what an action did, for a while, or why it failed.

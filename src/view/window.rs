@@ -3,7 +3,7 @@
 //! Long because the events of a window and their handling are read together.
 
 use super::overlay::composed;
-use super::panel::{BUSY_AFTER, Panel};
+use super::panel::Panel;
 use super::state::{Side, State};
 use super::theme;
 use super::worker::{Shown, Standing, Worker};
@@ -64,6 +64,10 @@ pub fn open(state: State, options: Options, load: LoadOptions, out: PathBuf) -> 
         Windowed::Closed if !messages.is_empty() => Windowed::Failed(messages.join("\n")),
         ended => ended,
     }
+}
+
+fn earlier(a: Option<Instant>, b: Option<Instant>) -> Option<Instant> {
+    [a, b].into_iter().flatten().min()
 }
 
 /// Returns winit's error without the place in its source.
@@ -226,7 +230,8 @@ impl App {
         let output = self.context.run_ui(input, |ui| panel.ui(ui, state, shown));
         screen.input.handle_platform_output(&screen.window, output.platform_output);
         let delay = output.viewport_output.get(&ViewportId::ROOT).map(|viewport| viewport.repaint_delay);
-        self.wakes_at = delay.filter(|delay| *delay < Duration::from_secs(3600)).map(|delay| Instant::now() + delay);
+        let repaints_at = delay.filter(|delay| *delay < Duration::from_secs(3600)).map(|delay| Instant::now() + delay);
+        self.wakes_at = earlier(repaints_at, self.panel.dims_at(self.painted));
         let shapes = self.context.tessellate(output.shapes, output.pixels_per_point);
         let presented = screen.surface.resize(columns, rows).and_then(|()| {
             let mut buffer = screen.surface.buffer_mut()?;
@@ -286,8 +291,7 @@ impl App {
             worker.ask(self.generation, wanted.clone());
         }
         self.shown.standing = Standing::Busy;
-        let soon = Instant::now() + BUSY_AFTER;
-        self.wakes_at = Some(self.wakes_at.map_or(soon, |at| at.min(soon)));
+        self.wakes_at = earlier(self.wakes_at, self.panel.dims_at(self.painted));
         self.asked = Some(wanted);
     }
 
@@ -468,8 +472,7 @@ impl ApplicationHandler<Arrived> for App {
             WindowEvent::RedrawRequested => self.frame(events),
             // Leaves the processor to a renderer that is behind.
             WindowEvent::CursorMoved { .. } if self.shown.generation != self.generation => {
-                let next = self.painted + BEHIND;
-                self.wakes_at = Some(self.wakes_at.map_or(next, |at| at.min(next)));
+                self.wakes_at = earlier(self.wakes_at, Some(self.painted + BEHIND));
             }
             _ if response.repaint => screen.window.request_redraw(),
             _ => {}
