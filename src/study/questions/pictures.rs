@@ -306,7 +306,7 @@ fn figure(frame: &Frame, all: &[&Group]) -> Option<Figure> {
         x: Along::values(frame, row_axis, &steps),
         y: Along::Log("ratio"),
         panels: titles.into_iter().map(panel).collect(),
-        series: series.clone(),
+        series,
     }
     .figure()
 }

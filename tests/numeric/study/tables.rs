@@ -93,6 +93,9 @@ fn where_no_tables_are_enough_the_best_are_named() {
 #[test]
 fn only_the_exact_split_judges_tables() {
     assert!(run().lacks("tables").is_none());
+    let mut two = run();
+    two.add(&["builtin:sky", "0.1", "split-sum-two", "16x16", "64", "linear", "sampled"], 0.1);
+    assert!(two.lacks("tables").is_some(), "the exact split is not the limit of another split sum");
     let mut by_truth = judged_by("reference");
     let mut without_truth = judged_by("ladder-view");
     for paper in [&mut by_truth, &mut without_truth] {
