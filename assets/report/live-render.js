@@ -57,8 +57,8 @@ export class LiveRender {
     const shape = models[view.model];
     const { gl } = this;
     this.wanted = view;
-    const named = Object.entries(lobe.lobe_tables);
-    const [environment, map, dfg, lobe_tables, ...parts] = await Promise.all([
+    const named = Object.entries(lobe.tap_tables);
+    const [environment, map, dfg, tap_tables, ...parts] = await Promise.all([
       this.keep(`environment ${view.env}`, () => loadChain(gl, light.levels, light.layout)),
       this.keep(`prefiltered ${view.env} ${lobe.brdf}`, () => loadChain(gl, prefiltered.levels, light.layout)),
       this.keep(`dfg ${view.lobe}`, () => loadChain(gl, [lobe.dfg])),
@@ -69,7 +69,7 @@ export class LiveRender {
     if (this.wanted !== view) return false;
     const levelCount = prefiltered.levels.length;
     const tables = { filtered_environment: environment, prefiltered: map, dfg };
-    named.forEach(([name], i) => (tables[name] = lobe_tables[i]));
+    named.forEach(([name], i) => (tables[name] = tap_tables[i]));
     this.view = { ...view, light, lobe, shape, parts, levelCount, tables };
     this.restart();
     return true;

@@ -60,7 +60,7 @@ class Baker:
 class Splitsum(Baker):
     """Ours, exact."""
 
-    makes = "cube, irradiance map, SH, table, lobes"
+    makes = "cube, irradiance map, SH, table, taps"
 
     def __init__(self, program):
         super().__init__("splitsum", run(program, "--version")[1].split()[1], "splitsum")

@@ -6,7 +6,7 @@ float dielectric_share(float f0, vec2 dfg) {
 }
 
 // A part of the table: the places between n (0) and r (1) of two taps in x and z, and their levels in y and w. The last part has the
-// weights of all taps. taps: the table, square parts below each other with nodes at both ends of both axes, first for F0 1, then for 0.04.
+// weights of two or four taps. taps: the table, square parts below each other with nodes at both ends of both axes, first for F0 1, then for 0.04.
 vec4 tap_part(sampler2D taps, float part, float n_dot_v, float roughness, float dielectric) {
     vec2 size = vec2(textureSize(taps, 0));
     vec2 at = vec2(sqrt(clamp(n_dot_v, 0.0, 1.0)), roughness) * (size.x - 1.0) + vec2(0.5, 0.5 + part * size.x);

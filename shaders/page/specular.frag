@@ -6,7 +6,7 @@
 uniform FILTERED_MAP filtered_environment;
 uniform FILTERED_MAP prefiltered;
 uniform sampler2D dfg;
-uniform sampler2D lobe_shapes;
+uniform sampler2D one_tap;
 uniform sampler2D two_taps;
 uniform sampler2D four_taps;
 // One row of sample points (lib/sampling.glsl).

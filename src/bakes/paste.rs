@@ -3,7 +3,7 @@
 use super::container::write_table;
 use crate::brdf::MaskingShadowing;
 use crate::precompute::prefilter::{Kernel, LevelMapping};
-use crate::precompute::taps::{Chain, TapTable};
+use crate::precompute::taps::{Chain, TapCount, TapTable};
 
 const PAGE: &str = include_str!("../../docs/paste.md");
 
@@ -12,7 +12,8 @@ pub const TAPS: &str = "taps.ktx2";
 
 /// Fits the table of two taps to the levels of a prefiltered map; a KTX 2 file.
 pub fn taps(kernel: Kernel, masking: MaskingShadowing, mapping: &'static LevelMapping, level_count: u32) -> Vec<u8> {
-    write_table(&TapTable::fit(&Chain::new(kernel, mapping, level_count), kernel.brdf, masking, 2).texels)
+    let chain = Chain::new(kernel, mapping, level_count);
+    write_table(&TapTable::fit(&chain, kernel.brdf, masking, TapCount::Two).texels)
 }
 
 /// Returns name and text of a file with the code for [`TAPS`]: the functions, and their use as a comment.

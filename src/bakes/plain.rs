@@ -1,4 +1,4 @@
-//! Bakes tables for any program: the prefiltered map, DFG table, lobes and taps of each model, SH9, the irradiance map.
+//! Bakes tables for any program: the prefiltered map, DFG table and taps of each model, SH9, the irradiance map.
 
 use super::check::{Directions, exact};
 use super::container::{TEXELS_MAX, write_table};
@@ -9,14 +9,13 @@ use crate::brdf::{Brdf, MaskingShadowing};
 use crate::environment::Environment;
 use crate::environment::layout::{FilteredMap, MapLayout};
 use crate::files::names_in;
-use crate::glsl::constants::{LOBE_SHAPE_PARTS, LOBE_SHAPE_SIDE};
 use crate::math::harmonics::Harmonics;
 use crate::math::sequence::SEQUENCES;
 use crate::pixels::{Fault, Pixels, PixelsError, exr, half};
 use crate::precompute::prefilter::{Kernel, harmonic, reference};
 use crate::precompute::sh9::reference::project_bilinear;
-use crate::precompute::taps::{Chain, TapTable};
-use crate::precompute::{HALF_MAX, PrecomputeSettings, PrefilterBy, StorageFormat, exact_quadrature, lobe_shape, mips};
+use crate::precompute::taps::{Chain, TapCount, TapTable};
+use crate::precompute::{HALF_MAX, PrecomputeSettings, PrefilterBy, StorageFormat, exact_quadrature, mips};
 use crate::spelling::Listed;
 use rayon::prelude::*;
 use serde_json::json;
@@ -43,7 +42,7 @@ pub const SETTINGS: &[&str] = &[
 pub struct Baking<'a> {
     pub environment: &'a Environment,
     pub settings: PrecomputeSettings,
-    /// Each gets a prefiltered map, a DFG table, a lobe table and taps.
+    /// Each gets a prefiltered map, a DFG table and tables of taps.
     pub brdfs: &'a [&'static dyn Brdf],
     pub masking: MaskingShadowing,
 }
@@ -110,14 +109,12 @@ impl Baking<'_> {
             let table = dfg(*brdf, masking, axes, settings.dfg_size).map(|[a, b, _]| [a, b, 0.0, 0.0]);
             // Viewers show nothing for channels named A and B.
             files.image(&format!("dfg_{name}.exr"), &table, &["R", "G"])?;
-            let lobes = lobes(kernel, masking);
-            files.image(&format!("lobes_{name}.exr"), &lobes, &["R", "G", "B", "A"])?;
-            files.bytes(&format!("lobes_{name}.h"), lobe_header(name, &lobes).as_bytes())?;
-            for (words, count) in [("two", 2), ("four", 4)] {
+            for count in TapCount::ALL {
+                let word = count.word();
                 let chain = Chain::new(kernel, settings.level_mapping, level_count);
                 let taps = TapTable::fit(&chain, *brdf, masking, count).texels;
-                files.image(&format!("taps_{words}_{name}.exr"), &taps, &["R", "G", "B", "A"])?;
-                files.bytes(&format!("taps_{words}_{name}.ktx2"), &write_table(&taps))?;
+                files.image(&format!("taps_{word}_{name}.exr"), &taps, &["R", "G", "B", "A"])?;
+                files.bytes(&format!("taps_{word}_{name}.ktx2"), &write_table(&taps))?;
             }
         }
         let names: Vec<_> = files.paths.iter().filter_map(|path| path.file_name()?.to_str()).collect();
@@ -131,8 +128,7 @@ impl Baking<'_> {
             "mapping": layout.mapping,
             "radiance": "linear Rec.709",
             "dfg": "channel R (A of the text) scales f0, channel G (B) is added; x = n_dot_v, y = perceptual_roughness, both at texel centres (i + 0.5) / size, row 0 is the smoothest; a lookup within half a texel of an edge is clamped: at roughness 1 ggx errs by up to 0.5 / size",
-            "lobes": "two square parts below each other, nodes at both ends of x = sqrt(n_dot_v) and y = perceptual_roughness: first moments as shares of r and n (of the parts of weight 1 - Fc, then of Fc), and ratios of perceptual roughness for shares 0, 1/2 and 1 of the second; docs/paste.md",
-            "taps": "square parts below each other, nodes at both ends of x = sqrt(n_dot_v) and y = perceptual_roughness: for F0 1, then for 0.04, a part for each two taps (place between n and r, level, twice) and a part of weights; for this number and mapping of levels; docs/paste.md",
+            "taps": "square parts below each other, nodes at both ends of x = sqrt(n_dot_v) and y = perceptual_roughness: for F0 1, then for 0.04, a part for each two taps (place between n and r, level, twice) and a part of weights, which one tap lacks; for this number and mapping of levels; docs/paste.md",
             "irradiance": "irradiance / pi: what a Lambert surface of albedo 1 reflects",
             "prefilter_alphas": (0..level_count).map(alpha).collect::<Vec<_>>(),
             "level_mapping": settings.level_mapping.name,
@@ -224,41 +220,4 @@ fn sh9(environment: &Environment) -> serde_json::Value {
         "meaning": "radiance L_lm = integral of L Y_lm; irradiance(n) = sum of A_l L_lm Y_lm(n) with A = pi, 2pi/3, pi/4",
         "radiance": radiance.map(|coefficient| coefficient.as_vec3().to_array()),
     })
-}
-
-/// Makes the parts of a lobe table that `split-sum-relative` reads: the moments, and below them the last widths.
-fn lobes(kernel: Kernel, masking: MaskingShadowing) -> Pixels<[f32; 4]> {
-    let [side, part] = [LOBE_SHAPE_SIDE, LOBE_SHAPE_SIDE * LOBE_SHAPE_SIDE];
-    let texels = lobe_shape::texels(kernel, masking);
-    let (moments, widths) = (&texels[..part as usize], &texels[(part * (LOBE_SHAPE_PARTS - 1)) as usize..]);
-    Pixels::new(side, 2 * side, [moments, widths].concat())
-}
-
-/// Writes the table as source text that is valid C, C++ and GLSL, row by row.
-fn lobe_header(model: &str, lobes: &Pixels<[f32; 4]>) -> String {
-    let (name, count) = (format!("splitsum_lobes_{model}"), lobes.width * lobes.height);
-    let rows: Vec<String> = (0..lobes.height)
-        .flat_map(|y| (0..lobes.width).map(move |x| (x, y)))
-        .map(|(x, y)| format!("SPLITSUM_LOBE({})", lobes.get(x, y).map(|number| format!("{number:?}")).join(", ")))
-        .collect();
-    format!(
-        "/* {} x {} texels, rows of y first; docs/paste.md says what they hold. */\n\
-         #undef SPLITSUM_LOBE\n\
-         #if defined(GL_core_profile) || defined(GL_ES)\n\
-         #define SPLITSUM_LOBE(x, y, z, w) vec4(x, y, z, w)\n\
-         const vec4 {name}[{count}] = vec4[{count}](\n\
-         #else\n\
-         #define SPLITSUM_LOBE(x, y, z, w) {{x, y, z, w}}\n\
-         static const float {name}[{count}][4] = {{\n\
-         #endif\n\
-         {}\n\
-         #if defined(GL_core_profile) || defined(GL_ES)\n\
-         );\n\
-         #else\n\
-         }};\n\
-         #endif\n",
-        lobes.width,
-        lobes.height,
-        rows.join(",\n"),
-    )
 }

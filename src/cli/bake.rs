@@ -17,7 +17,7 @@ use splitsum::experiment::value::Value;
 use splitsum::spelling::{Listed, not_one_of};
 use std::path::PathBuf;
 
-/// Write the prefiltered map, DFG table, lobes, SH9 and irradiance map as files.
+/// Write the prefiltered map, DFG table, taps, SH9 and irradiance map as files.
 #[derive(Args, Debug)]
 #[command(
     allow_negative_numbers = true,

@@ -58,10 +58,6 @@ constants! {
     GUIDE_FLOOR: f32 = 0.002;
     /// Narrower lobes guide with this width: they fit between the mean directions of neighbouring cells.
     GUIDE_ALPHA_MIN: f32 = 0.15;
-    /// Nodes per side of the table of lobe shapes; see `precompute::lobe_shape`.
-    LOBE_SHAPE_SIDE: u32 = 32;
-    /// Its parts: first moments, widths of least squared error, widths of least relative error.
-    LOBE_SHAPE_PARTS: u32 = 3;
     /// Number of real spherical harmonics up to degree 2.
     SH9_COUNT: u32 = 9;
     /// Width of the Hann window of `sh9-windowed`: degree 1 has the weight 0.933, degree 2 0.75.

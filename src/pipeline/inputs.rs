@@ -8,16 +8,13 @@ use crate::bakes::given::{GivenMap, GivenTable};
 use crate::brdf::{Brdf, MaskingShadowing};
 use crate::environment::Environment;
 use crate::environment::layout::MapLayout;
-use crate::glsl::constants::{LOBE_SHAPE_PARTS, LOBE_SHAPE_SIDE};
 use crate::pixels::Pixels;
 use crate::precompute::dfg::DfgAxes;
 use crate::precompute::prefilter::pass::Recipe;
 use crate::precompute::prefilter::{self, Kernel, LevelMapping};
 use crate::precompute::sh9::Projection;
-use crate::precompute::taps::{Chain, TapTable};
-use crate::precompute::{
-    LobeTableKind, PrecomputeSettings, PrefilterBy, dfg, filtered, irradiance, lobe_shape, mips, sh9,
-};
+use crate::precompute::taps::{Chain, TapCount, TapTable};
+use crate::precompute::{PrecomputeSettings, PrefilterBy, dfg, filtered, irradiance, mips, sh9};
 use crate::shade::Shading;
 use crate::spelling::Listed;
 use std::collections::BTreeSet;
@@ -171,9 +168,9 @@ impl<'a> DfgInputs<'a> {
     }
 }
 
-/// Inputs of a table of lobes, which is made on the host.
-pub(super) struct LobeTableInputs {
-    pub(super) kind: LobeTableKind,
+/// Inputs of a table of taps, which is made on the host.
+pub(super) struct TapTableInputs {
+    pub(super) count: TapCount,
     /// The kernel of the prefiltered map.
     pub(super) kernel: Kernel,
     pub(super) masking: MaskingShadowing,
@@ -181,47 +178,31 @@ pub(super) struct LobeTableInputs {
     pub(super) level_count: u32,
 }
 
-impl LobeTableInputs {
-    pub(super) fn of(request: &RenderRequest, kind: LobeTableKind) -> Self {
+impl TapTableInputs {
+    pub(super) fn of(request: &RenderRequest, count: TapCount) -> Self {
         let Shading { brdf, masking_shadowing: masking, .. } = request.shading;
         let PrecomputeSettings { prefilter_weight, level_mapping: mapping, prefilter_level_count: level_count, .. } =
             request.shading.tables();
-        Self { kind, kernel: Kernel::new(brdf, prefilter_weight, masking), masking, mapping, level_count }
+        Self { count, kernel: Kernel::new(brdf, prefilter_weight, masking), masking, mapping, level_count }
     }
 
     pub(super) fn key(&self) -> SharedKey {
-        let Self { kind, kernel: Kernel { brdf, weight, masking: of_weight }, masking, mapping, level_count } = self;
-        let (model, weight) = (brdf.name(), weight.name);
+        let Self { count, kernel: Kernel { brdf, weight, masking: of_weight }, masking, mapping, level_count } = self;
+        let (model, weight, mapping, count) = (brdf.name(), weight.name, mapping.name, *count as u32);
         let lobe = format!("brdf={model}\nweight={weight}\nweight_masking={of_weight:?}\nmasking={masking:?}\n");
-        let (kind, inputs) = match kind {
-            LobeTableKind::Shapes => ("lobe-shapes", lobe),
-            LobeTableKind::Taps(count) => {
-                ("taps", format!("{lobe}mapping={}\nlevels={level_count}\ntaps={count}\n", mapping.name))
-            }
-        };
+        let inputs = format!("{lobe}mapping={mapping}\nlevels={level_count}\ntaps={count}\n");
         // The model's shader identifies the model.
-        SharedKey { kind, inputs, shaders: vec![dfg::pass::shader(*brdf)] }
+        SharedKey { kind: "taps", inputs, shaders: vec![dfg::pass::shader(*brdf)] }
     }
 
     /// Makes the table.
     pub(super) fn texels(&self) -> Pixels<[f32; 4]> {
-        match self.kind {
-            LobeTableKind::Shapes => {
-                let texels = lobe_shape::texels(self.kernel, self.masking);
-                Pixels::new(LOBE_SHAPE_SIDE, LOBE_SHAPE_PARTS * LOBE_SHAPE_SIDE, texels)
-            }
-            LobeTableKind::Taps(count) => {
-                let chain = Chain::new(self.kernel, self.mapping, self.level_count);
-                TapTable::fit(&chain, self.kernel.brdf, self.masking, count).texels
-            }
-        }
+        let chain = Chain::new(self.kernel, self.mapping, self.level_count);
+        TapTable::fit(&chain, self.kernel.brdf, self.masking, self.count).texels
     }
 
     /// Returns width and height of the table.
     pub(super) fn size(&self) -> [u32; 2] {
-        match self.kind {
-            LobeTableKind::Shapes => [LOBE_SHAPE_SIDE, LOBE_SHAPE_PARTS * LOBE_SHAPE_SIDE],
-            LobeTableKind::Taps(count) => TapTable::size(count),
-        }
+        TapTable::size(self.count)
     }
 }

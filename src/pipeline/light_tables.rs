@@ -4,9 +4,10 @@ use super::{Pipeline, PipelineError, RenderRequest};
 use crate::environment::layout::MapLayout;
 use crate::gpu::{Gpu, Image};
 use crate::pixels::{Pixels, RgbImage};
+use crate::precompute::PrecomputeSettings;
 use crate::precompute::dfg::DfgAxes;
 use crate::precompute::prefilter::LevelMapping;
-use crate::precompute::{LobeTableKind, PrecomputeSettings};
+use crate::precompute::taps::TapCount;
 use crate::shade::{Diffuse, METHODS, Method, Shading};
 use crate::spelling::Listed;
 
@@ -29,8 +30,8 @@ pub struct LightTables {
     pub dfg: Pixels<[f32; 2]>,
     /// Positions of its texels.
     pub dfg_axes: DfgAxes,
-    /// Tables of lobes, in the order that was asked for.
-    pub lobe_tables: Vec<Pixels<[f32; 4]>>,
+    /// Tables of taps, in the order that was asked for.
+    pub tap_tables: Vec<Pixels<[f32; 4]>>,
 }
 
 impl Pipeline {
@@ -41,16 +42,16 @@ impl Pipeline {
         &mut self,
         request: &RenderRequest,
         texels_max: u32,
-        kinds: &[LobeTableKind],
+        counts: &[TapCount],
     ) -> Result<LightTables, PipelineError> {
-        self.with_memory(|pipeline| pipeline.read_light_tables(request, texels_max, kinds))
+        self.with_memory(|pipeline| pipeline.read_light_tables(request, texels_max, counts))
     }
 
     fn read_light_tables(
         &mut self,
         request: &RenderRequest,
         texels_max: u32,
-        kinds: &[LobeTableKind],
+        counts: &[TapCount],
     ) -> Result<LightTables, PipelineError> {
         let mut request = RenderRequest {
             shading: Shading {
@@ -89,13 +90,13 @@ impl Pipeline {
                 .collect::<Result<_, _>>()?,
             dfg_axes,
             dfg: dfg.map(|[a, b, ..]: [f32; 4]| [a, b]),
-            lobe_tables: Vec::with_capacity(kinds.len()),
+            tap_tables: Vec::with_capacity(counts.len()),
         };
-        for kind in kinds {
-            let reads = |method: &&Method| method.lobe_table == Some(*kind);
+        for count in counts {
+            let reads = |method: &&Method| method.tap_table == Some(*count);
             request.shading.method = METHODS.iter().find(reads).expect("a method for each table");
-            let table = self.prepare(&request)?.tables.lobe_table;
-            found.lobe_tables.push(read_texels(&self.gpu, &table)?);
+            let table = self.prepare(&request)?.tables.tap_table;
+            found.tap_tables.push(read_texels(&self.gpu, &table)?);
         }
         Ok(found)
     }

@@ -2,7 +2,7 @@
 
 use super::antialias::Edges;
 use super::inputs::{
-    DfgInputs, IrradianceInputs, LobeTableInputs, PrefilterInputs, SharedKey, filtered_key, mips_key, sh9_key,
+    DfgInputs, IrradianceInputs, PrefilterInputs, SharedKey, TapTableInputs, filtered_key, mips_key, sh9_key,
 };
 use super::resources::{Prepared, ReferenceData, Resources, Target, harmonics};
 use super::shared_work::{Kept, Levels, Maker};
@@ -60,8 +60,8 @@ impl Resources {
             true => self.dfg_table(maker, DfgInputs::of(request), storage)?,
             false => self.blank_image.clone(),
         };
-        let lobe_table = match request.shading.method.lobe_table {
-            Some(kind) => self.lobe_table(maker, LobeTableInputs::of(request, kind), storage)?,
+        let tap_table = match request.shading.method.tap_table {
+            Some(count) => self.tap_table(maker, TapTableInputs::of(request, count), storage)?,
             None => self.blank_image.clone(),
         };
         let points = self.points(
@@ -77,7 +77,7 @@ impl Resources {
         let lobes = request.reference_lobes();
         let reference = if lobes.is_empty() { None } else { Some(self.reference_data(gpu, request)?) };
         Ok(Prepared {
-            tables: Tables { environment, filtered, prefiltered, dfg, lobe_table, irradiance_map, sh9, points },
+            tables: Tables { environment, filtered, prefiltered, dfg, tap_table, irradiance_map, sh9, points },
             scene,
             target,
             lights: lights.transpose()?,
@@ -232,15 +232,15 @@ impl Resources {
         self.stored(gpu, &key, made.image, storage)
     }
 
-    fn lobe_table(
+    fn tap_table(
         &mut self,
         maker: &mut Maker,
-        inputs: LobeTableInputs,
+        inputs: TapTableInputs,
         storage: StorageFormat,
     ) -> Result<Image, PipelineError> {
         let (gpu, key) = (maker.gpu, inputs.key());
-        let empty = || gpu.image("lobe table", inputs.size(), 1, Format::Rgba32Float).map(Levels::all);
-        let made = maker.table(&mut self.tables.lobe_tables, &key, empty, |table| {
+        let empty = || gpu.image("tap table", inputs.size(), 1, Format::Rgba32Float).map(Levels::all);
+        let made = maker.table(&mut self.tables.tap_tables, &key, empty, |table| {
             gpu.write_image(&table.image, 0, &inputs.texels().data)?;
             Ok(Report::default())
         })?;

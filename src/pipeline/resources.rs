@@ -33,7 +33,7 @@ pub(super) struct Shelves {
     /// Spherical harmonics of environments, by degree.
     pub(super) harmonics: Recent<String, Arc<Harmonics>>,
     pub(super) dfg_tables: Recent<String, Levels>,
-    pub(super) lobe_tables: Recent<String, Levels>,
+    pub(super) tap_tables: Recent<String, Levels>,
     /// Copies in half precision.
     pub(super) halves: Recent<String, Image>,
 }
@@ -48,7 +48,7 @@ impl Shelves {
             prefiltered: Recent::weighed(6, Levels::bytes),
             harmonics: Recent::new(2),
             dfg_tables: Recent::weighed(9, Levels::bytes),
-            lobe_tables: Recent::new(9),
+            tap_tables: Recent::new(9),
             halves: Recent::weighed(9, Image::bytes),
         }
     }

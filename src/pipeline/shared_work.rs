@@ -15,7 +15,7 @@ pub struct Tally {
     pub read: usize,
 }
 
-/// A tally for each kind: `mips`, `sh9`, `irradiance`, `prefilter`, `dfg`, `lobe-shapes`, `reference`.
+/// A tally for each kind: `mips`, `sh9`, `irradiance`, `prefilter`, `dfg`, `taps`, `reference`.
 pub type SharedWork = BTreeMap<String, Tally>;
 
 /// The disk cache, if there is one, and the tally so far.

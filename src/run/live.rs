@@ -9,7 +9,7 @@ use crate::experiment::value::Value;
 use crate::pipeline::{LightTables, RenderRequest};
 use crate::pixels::packed::{self, HALF_MAX};
 use crate::pixels::{Pixels, RgbImage};
-use crate::precompute::LobeTableKind;
+use crate::precompute::taps::TapCount;
 use crate::shade::{Method, Shading};
 use crate::spelling::Listed;
 use indexmap::{IndexMap, IndexSet};
@@ -84,8 +84,8 @@ pub struct LiveLobe {
     pub dfg: PackedImage,
     /// One of `DFG_AXES_*`.
     pub dfg_axes: u32,
-    /// Tables of lobes by their samplers, of every method of the run and of `split-sum-relative`.
-    pub lobe_tables: BTreeMap<String, PackedImage>,
+    /// Tables of taps by their samplers, of every method of the run and of `split-sum-one`.
+    pub tap_tables: BTreeMap<String, PackedImage>,
 }
 
 /// Computes the tables of every model in the first environments of a plan.
@@ -95,9 +95,9 @@ pub fn record(plan: &Plan, renderer: &mut dyn Renderer) -> Result<LiveRecord, Re
         let Method { name, text, uses_samples: is_sampled, .. } = *request.shading.method;
         Some(LiveShader { name: name.to_owned(), text: text?.to_owned(), is_sampled })
     };
-    let of_methods = methods.iter().filter_map(|(_, request)| request.shading.method.lobe_table);
-    let kinds: IndexSet<LobeTableKind> = [LobeTableKind::Shapes].into_iter().chain(of_methods).collect();
-    let kinds: Vec<LobeTableKind> = kinds.into_iter().collect();
+    let of_methods = methods.iter().filter_map(|(_, request)| request.shading.method.tap_table);
+    let counts: IndexSet<TapCount> = [TapCount::One].into_iter().chain(of_methods).collect();
+    let counts: Vec<TapCount> = counts.into_iter().collect();
     let methods = methods.iter().filter_map(shader).collect();
     let mut record =
         LiveRecord { environments: Vec::new(), lobes: Vec::new(), left_out: 0, models: models(plan), methods };
@@ -115,16 +115,16 @@ pub fn record(plan: &Plan, renderer: &mut dyn Renderer) -> Result<LiveRecord, Re
                 continue;
             }
             let Shading { brdf: model, masking_shadowing, .. } = of_lobe.shading;
-            let kinds: &[LobeTableKind] = if has_lobe { &[] } else { &kinds };
+            let counts: &[TapCount] = if has_lobe { &[] } else { &counts };
             let wanted = request.shaded(|s| (s.brdf, s.masking_shadowing) = (model, masking_shadowing));
-            let tables = renderer.light_tables(&wanted, ENVIRONMENT_TEXELS, kinds)?;
+            let tables = renderer.light_tables(&wanted, ENVIRONMENT_TEXELS, counts)?;
             if !has_lobe {
                 let packed =
-                    |(kind, table): (&LobeTableKind, &Pixels<[f32; 4]>)| (kind.sampler().to_owned(), pack(table, 1.0));
+                    |(count, table): (&TapCount, &Pixels<[f32; 4]>)| (count.sampler().to_owned(), pack(table, 1.0));
                 let dfg = pack(&tables.dfg.map(|[a, b]| [a, b, 0.0]), 1.0);
                 let (masking, dfg_axes) = (masking.to_owned(), tables.dfg_axes as u32);
-                let lobe_tables = kinds.iter().zip(&tables.lobe_tables).map(packed).collect();
-                record.lobes.push(LiveLobe { brdf: brdf.clone(), masking, dfg, dfg_axes, lobe_tables });
+                let tap_tables = counts.iter().zip(&tables.tap_tables).map(packed).collect();
+                record.lobes.push(LiveLobe { brdf: brdf.clone(), masking, dfg, dfg_axes, tap_tables });
             }
             let environment = environment.get_or_insert_with(|| of_environment(point, request, &tables));
             if !is_kept {

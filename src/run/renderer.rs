@@ -5,7 +5,7 @@ use crate::pipeline::{
     DeviceInfo, Frame, LightTables, Pipeline, PipelineError, RenderRequest, SharedWork, TimingSamples,
 };
 use crate::pixels::{Rgb8Image, RgbImage};
-use crate::precompute::LobeTableKind;
+use crate::precompute::taps::TapCount;
 use crate::tonemap::ToneCurve;
 
 #[derive(Clone, Debug, thiserror::Error)]
@@ -33,7 +33,7 @@ pub trait Renderer {
         &mut self,
         request: &RenderRequest,
         width_max: u32,
-        kinds: &[LobeTableKind],
+        counts: &[TapCount],
     ) -> Result<LightTables, RenderFault>;
     /// The error on the scene `design` by steps, over all pixels and over bands of n·v, with `samples` per pixel.
     fn attributions(
@@ -89,9 +89,9 @@ impl Renderer for Pipeline {
         &mut self,
         request: &RenderRequest,
         width_max: u32,
-        kinds: &[LobeTableKind],
+        counts: &[TapCount],
     ) -> Result<LightTables, RenderFault> {
-        Ok(Pipeline::light_tables(self, request, width_max, kinds)?)
+        Ok(Pipeline::light_tables(self, request, width_max, counts)?)
     }
 
     fn attributions(

@@ -19,8 +19,8 @@ pub struct Tables {
     pub filtered: Image,
     pub prefiltered: Image,
     pub dfg: Image,
-    /// The table of lobes that the method reads.
-    pub lobe_table: Image,
+    /// The table of taps that the method reads.
+    pub tap_table: Image,
     pub irradiance_map: Image,
     pub sh9: Buffer,
     pub points: Points,
@@ -129,13 +129,13 @@ impl Passes<'_> {
     pub fn specular(&self, recorder: &mut Recorder, points: PointRange<'_>, part: Part) -> Result<(), GpuError> {
         let Shading { method, brdf, precompute, .. } = *self.shading;
         let shader = specular_shader(precompute.layout, method, brdf);
-        let Tables { environment, filtered, prefiltered, dfg, lobe_table, .. } = self.tables;
+        let Tables { environment, filtered, prefiltered, dfg, tap_table, .. } = self.tables;
         let rest = [
             Bind::Sample(environment, Sampler::MAP),
             Bind::Sample(filtered, Sampler::MAP),
             Bind::Sample(prefiltered, Sampler::MAP),
             Bind::Sample(dfg, TABLE),
-            Bind::Sample(lobe_table, TABLE),
+            Bind::Sample(tap_table, TABLE),
             points.bind(),
         ];
         let params = ShadeParams { point_count: points.count, ..self.params(part.first_row) };

@@ -16,7 +16,6 @@ use crate::pixels::Pixels;
 use crate::pixels::lookup::{Wrap, trilinear};
 use crate::precompute::PrecomputeSettings;
 use crate::precompute::dfg::{Albedos, DfgAxes};
-use crate::precompute::lobe_shape::{LobeTable, Objective};
 use crate::precompute::prefilter::LevelMapping;
 use crate::precompute::taps::{TapTable, dielectric_share};
 use glam::{DVec2, DVec3};
@@ -51,7 +50,7 @@ pub struct Light {
     pub dfg_axes: DfgAxes,
     /// Exact (A, B) by n·v.
     pub albedos: Albedos,
-    pub lobe_shapes: LobeTable,
+    pub one_tap: TapTable,
     pub two_taps: TapTable,
     pub four_taps: TapTable,
     /// Irradiance over π.
@@ -116,28 +115,6 @@ impl Light {
         self.split_sum(surface, n.lerp(reflect(v, n), share_of_r(n.dot(v), alpha)).normalize(), alpha)
     }
 
-    /// Computes the split sum at alpha along the lobe's first moment; a colour counts by its mean.
-    pub fn moment_split_sum(&self, surface: &Surface) -> DVec3 {
-        let direction = self.lobe_shapes.direction([surface.n, surface.v], surface.alpha, self.share_of_f90(surface));
-        self.split_sum(surface, direction, surface.alpha)
-    }
-
-    /// Computes the split sum along the first moment at the width of an objective.
-    pub fn fitted_split_sum(&self, surface: &Surface, objective: Objective) -> DVec3 {
-        let (direction, width) = self.fitted_lobe(surface, self.share_of_f90(surface), objective);
-        self.split_sum(surface, direction, width)
-    }
-
-    /// Sums one lookup for each part of the lobe, at the width of least relative error.
-    pub fn parted_split_sum(&self, surface: &Surface) -> DVec3 {
-        let of_part = |share| {
-            let (direction, width) = self.fitted_lobe(surface, share, Objective::Relative);
-            self.mean_radiance(direction, width)
-        };
-        let pair = self.dfg(surface.n.dot(surface.v), surface.alpha);
-        surface.f0 * pair.x * of_part(0.0) + pair.y * of_part(1.0)
-    }
-
     /// Sums the taps of a table; a colour counts by its mean.
     pub fn tapped_split_sum(&self, surface: &Surface, table: &TapTable) -> DVec3 {
         let Surface { n, v, alpha, .. } = *surface;
@@ -150,12 +127,6 @@ impl Light {
             })
             .sum();
         mean.max(DVec3::ZERO) * (surface.f0 * pair.x + pair.y)
-    }
-
-    /// Returns direction and width of a lobe whose part of weight Fc has the share `share`.
-    fn fitted_lobe(&self, surface: &Surface, share: f64, objective: Objective) -> (DVec3, f64) {
-        let Surface { n, v, alpha, .. } = *surface;
-        (self.lobe_shapes.direction([n, v], alpha, share), self.lobe_shapes.width(n.dot(v), alpha, share, objective))
     }
 
     /// Returns the share of the reflected light that has the weight Fc.

@@ -12,8 +12,8 @@ use splitsum::environment::layout::MapLayout;
 use splitsum::environment::{Environment, LoadOptions};
 use splitsum::pipeline::RenderRequest;
 use splitsum::pixels::Pixels;
-use splitsum::precompute::LobeTableKind;
 use splitsum::precompute::dfg::DfgAxes;
+use splitsum::precompute::taps::TapCount;
 use splitsum::scene::{CameraKind, MaterialOverride, Scene};
 use splitsum::shade::{Diffuse, Method};
 use splitsum::spelling::Listed;
@@ -87,8 +87,9 @@ fn pasted_lines_draw_a_sphere_as_render_does() {
     // Relative errors of single pixels: the browser filters cubes by weights of 8 bits, tables are half floats, and
     // four taps have weights of both signs.
     for (method, kind, within) in [
-        ("split-sum-two", Some(LobeTableKind::Taps(2)), 1e-3),
-        ("split-sum-four", Some(LobeTableKind::Taps(4)), 1.2e-3),
+        ("split-sum-two", Some(TapCount::Two), 1e-3),
+        ("split-sum-four", Some(TapCount::Four), 1.2e-3),
+        ("split-sum-one", Some(TapCount::One), 1e-3),
         ("split-sum-cap", None, 1e-3),
     ] {
         for (f0, alpha) in [([1.0, 0.7, 0.3], 0.25), ([0.04; 3], 0.5)] {
@@ -120,7 +121,7 @@ fn pasted_lines_draw_a_sphere_as_render_does() {
             );
             let mut textures = json!({ "map": packed(&tables.prefiltered, 6), "table": packed(&[tables.dfg], 1) });
             if kind.is_some() {
-                textures["taps"] = packed(&tables.lobe_tables, 1);
+                textures["taps"] = packed(&tables.tap_tables, 1);
             }
             let values = json!({ "f0": f0, "extent": request.camera.extent(1.0), "roughness": [f32::sqrt(alpha)],
                 "last": [tables.prefiltered.len() - 1] });

@@ -93,7 +93,7 @@ fn wrong_experiments_and_folders_are_refused() {
         ("weights.toml", "name = \"x\"\nweights = [\"pictur\", \"sphere\"]\n[axes]\nscene = [\"design\"]\n"),
         (
             "pictures.toml",
-            "name = \"x\"\nasks = [\"pictures\"]\n[axes]\nmethod = [\"split-sum\", \"split-sum-fitted\"]\nenvironment_orientation = [1]\n",
+            "name = \"x\"\nasks = [\"pictures\"]\n[axes]\nmethod = [\"split-sum\", \"split-sum-one\"]\nenvironment_orientation = [1]\n",
         ),
         ("method.toml", "name = \"x\"\n[axes]\nmethod = [\"split-sum\", \"file:my.glsl\"]\n"),
         ("my.glsl", "vec3 specular_radiance(Surface s) {\n    return nothing;\n}\n"),

@@ -168,7 +168,7 @@ fn the_reference_reads_no_memory_before_writing_it() {
             filtered: blank.clone(),
             prefiltered: blank.clone(),
             dfg: blank.clone(),
-            lobe_table: blank.clone(),
+            tap_table: blank.clone(),
             irradiance_map: blank,
             sh9: gpu.buffer("blank", 256).unwrap(),
             points: Points::upload(gpu, 1, request.shading.sequence, 0, PixelPoints::Shared).unwrap(),

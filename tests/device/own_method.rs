@@ -17,7 +17,7 @@ fn a_shader_tells_what_its_method_depends_on() {
         let told = own::of_names_read(*method, &names_read(&shader, own::FUNCTION).unwrap(), String::new());
         let facts = |m: &splitsum::shade::Method| {
             let points = [m.uses_samples, m.uses_point_set, m.uses_lod_bias];
-            (points, [m.uses_prefiltered(), m.uses_dfg], m.lobe_table)
+            (points, [m.uses_prefiltered(), m.uses_dfg], m.tap_table)
         };
         assert_eq!(facts(&told), facts(method), "{}", method.name);
     }

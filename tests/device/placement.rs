@@ -6,16 +6,12 @@ use crate::compare::{Worst, relative};
 use crate::harness::{golden_environment, lobe_sphere, render_by_seeds, request, scene, with_pipeline};
 use crate::methods::{EXACT, Sight, radiance, sights};
 use glam::{DMat3, DVec2, DVec3};
-use splitsum::brdf::Brdf;
 use splitsum::brdf::reflect;
 use splitsum::environment::{Environment, Placement, orientation};
 use splitsum::math::equirect::direction_from_uv;
 use splitsum::pipeline::RenderRequest;
 use splitsum::pixels::RgbImage;
-use splitsum::precompute::dfg::reference::dfg;
 use splitsum::precompute::exact_quadrature;
-use splitsum::precompute::lobe_shape::LobeShapes;
-use splitsum::precompute::prefilter::{Kernel, harmonic::factors};
 use splitsum::scene::{CameraKind, MaterialOverride};
 use splitsum::shade::reference::{Surface, integrate_all};
 use splitsum::shade::{Diffuse, METHODS, Method};
@@ -88,38 +84,6 @@ fn a_linear_map_lights_by_its_turned_gradient() {
                 }
                 worst.check();
             }
-        }
-    });
-}
-
-/// Under linear light a lookup along the moment m gives `W (1 + c g·m)`, c the kernel's mean cosine: W and m by quadrature, c from its harmonic.
-#[test]
-fn the_moment_of_a_lobe_lights_as_linear_light_does() {
-    with_pipeline(|pipeline| {
-        let environment = linear_environment();
-        // Widths of levels: no blend of two.
-        for (alpha, model) in [(0.0625, "ggx"), (0.25, "ggx"), (0.25, "beckmann")] {
-            let request = request(&environment, lobe_sphere(alpha), CameraKind::Perspective, [24, 24]).shaded(|s| {
-                s.method = Method::listed("split-sum-moment");
-                s.brdf = <dyn Brdf>::listed(model);
-            });
-            let frame = pipeline.render(&request).unwrap();
-            let kernel = Kernel::cosine(request.shading.brdf);
-            let shapes = LobeShapes::new(kernel, request.shading.masking_shadowing);
-            let mean_cosine = factors(kernel, alpha, 1)[1];
-            // Between nodes the direction is off by up to 0.02 alpha (`lookups_between_nodes_meet_the_shape_there`), 0.005 at most here.
-            let mut worst = Worst::new(format!("{model} alpha {alpha}"), relative(5e-3));
-            for sight in world_sights(&request, 7) {
-                let Surface { n, v, .. } = sight.surface;
-                let n_dot_v = n.dot(v);
-                let [a, b] = shapes.at(n_dot_v, alpha).moments;
-                let pair = dfg(request.shading.brdf, request.shading.masking_shadowing, n_dot_v, alpha);
-                let m = a.lerp(b, pair.f90_scale / pair.albedo());
-                let m = (m.x * reflect(v, n) + m.y * n).normalize();
-                let expected = pair.albedo() * linear(Placement::default(), mean_cosine, m);
-                worst.add_rgb(radiance(&frame, sight.pixel), expected, || format!("n·v {n_dot_v}"));
-            }
-            worst.check();
         }
     });
 }

@@ -19,12 +19,11 @@ use splitsum::math::frame::Frame as LocalFrame;
 use splitsum::math::sequence::{PixelPoints, SEQUENCES};
 use splitsum::pipeline::{Frame, RenderRequest};
 use splitsum::precompute::dfg::{Albedos, DfgAxes};
-use splitsum::precompute::lobe_shape::LobeTable;
 use splitsum::precompute::points::Points;
 use splitsum::precompute::prefilter::pass::Recipe;
 use splitsum::precompute::prefilter::{Kernel, LEVEL_MAPPINGS, WEIGHTS, harmonic, reference::estimate};
 use splitsum::precompute::sh9::reference::project_bilinear;
-use splitsum::precompute::taps::{Chain, TapTable};
+use splitsum::precompute::taps::{Chain, TapCount, TapTable};
 use splitsum::precompute::{PrecomputeSettings, PrefilterBy, exact_quadrature, irradiance, prefilter};
 use splitsum::scene::{CameraKind, MaterialOverride};
 use splitsum::shade::twin::{Light, Samples, Twin};
@@ -203,9 +202,9 @@ fn light(gpu: &Gpu, request: &RenderRequest) -> Light {
         dfg: dfg_table(gpu, model, masking, settings),
         dfg_axes: settings.dfg_axes,
         albedos: albedos(model, masking, request.scene.materials[0].alpha.into()),
-        lobe_shapes: lobe_shapes(model, masking),
-        two_taps: taps(model, masking, settings, 2),
-        four_taps: taps(model, masking, settings, 4),
+        one_tap: taps(model, masking, settings, TapCount::One),
+        two_taps: taps(model, masking, settings, TapCount::Two),
+        four_taps: taps(model, masking, settings, TapCount::Four),
         irradiance_map: read_map(gpu, layout, &map),
         sh9: coefficients(gpu, &image).1,
         exact_sh9: project_bilinear(&exact_quadrature(&request.environment.image)),
@@ -246,16 +245,16 @@ fn albedos(model: &'static dyn Brdf, masking: MaskingShadowing, alpha: f64) -> A
 }
 
 /// The table that the pipeline writes to the device.
-fn lobe_shapes(model: &'static dyn Brdf, masking: MaskingShadowing) -> LobeTable {
-    static MADE: Made<LobeTable> = Made::none();
-    MADE.get(format!("{} {masking:?}", model.name()), || LobeTable::new(Kernel::cosine(model), masking))
-}
-
-fn taps(model: &'static dyn Brdf, masking: MaskingShadowing, settings: &PrecomputeSettings, count: usize) -> TapTable {
+fn taps(
+    model: &'static dyn Brdf,
+    masking: MaskingShadowing,
+    settings: &PrecomputeSettings,
+    count: TapCount,
+) -> TapTable {
     static MADE: Made<TapTable> = Made::none();
     let PrecomputeSettings { level_mapping: mapping, prefilter_level_count: levels, .. } = *settings;
     let fit = || TapTable::fit(&Chain::new(Kernel::cosine(model), mapping, levels), model, masking, count);
-    MADE.get(format!("{} {masking:?} {} {levels} {count}", model.name(), mapping.name), fit)
+    MADE.get(format!("{} {masking:?} {} {levels} {count:?}", model.name(), mapping.name), fit)
 }
 
 /// What the device's g-buffer holds.

@@ -18,7 +18,6 @@ mod ladder_diffuse;
 mod ladder_outside;
 mod layering;
 mod library;
-mod lobe_shape;
 mod map_layouts;
 mod math;
 mod metrics;

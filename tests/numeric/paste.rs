@@ -3,8 +3,7 @@
 use splitsum::bakes::paste::code;
 use splitsum::glsl::source::{Language, compiler, parse};
 
-const METHODS: [&str; 5] =
-    ["split-sum-relative", "split-sum-parted", "split-sum-two", "split-sum-four", "split-sum-cap"];
+const METHODS: [&str; 4] = ["split-sum-two", "split-sum-four", "split-sum-one", "split-sum-cap"];
 
 /// Compiles each method's code in a fragment shader made of it.
 fn compile_all(language: &str, shader: impl Fn(&str, &str) -> String, compile: impl Fn(&str) -> Result<(), String>) {
@@ -21,7 +20,7 @@ fn compile_all(language: &str, shader: impl Fn(&str, &str) -> String, compile: i
 fn the_glsl_compiles_for_webgl_2() {
     let shader = |functions: &str, lines: &str| {
         format!(
-            "#version 300 es\nprecision highp float;\nuniform sampler2D lobes, taps;\nuniform samplerCube map;\n\
+            "#version 300 es\nprecision highp float;\nuniform sampler2D taps;\nuniform samplerCube map;\n\
              uniform vec3 n, v, f0;\nuniform vec2 dfg;\nuniform float n_dot_v, roughness;\nout vec4 color;\n\
              float lod(float r) {{ return 4.0 * r; }}\n{functions}\nvoid main() {{\n{lines}color = vec4(specular, 1.0);\n}}\n"
         )
@@ -33,7 +32,7 @@ fn the_glsl_compiles_for_webgl_2() {
 fn the_hlsl_compiles() {
     let shader = |functions: &str, lines: &str| {
         format!(
-            "Texture2D<float4> lobes, taps;\nTextureCube<float4> map;\nSamplerState bilinear, trilinear;\n\
+            "Texture2D<float4> taps;\nTextureCube<float4> map;\nSamplerState bilinear, trilinear;\n\
              float3 n, v, f0;\nfloat2 dfg;\nfloat n_dot_v, roughness;\n\
              float lod(float r) {{ return 4.0 * r; }}\n{functions}\n\
              float4 main() : SV_Target {{\n{lines}return float4(specular, 1.0);\n}}\n"
@@ -62,9 +61,9 @@ fn the_wgsl_compiles() {
     let shader = |functions: &str, lines: &str| {
         format!(
             "struct Here {{ n: vec3f, v: vec3f, f0: vec3f, dfg: vec2f, n_dot_v: f32, roughness: f32 }}\n\
-             @group(0) @binding(0) var<uniform> here: Here;\n@group(0) @binding(1) var lobes: texture_2d<f32>;\n\
-             @group(0) @binding(2) var taps: texture_2d<f32>;\n@group(0) @binding(3) var map: texture_cube<f32>;\n\
-             @group(0) @binding(4) var bilinear: sampler;\n@group(0) @binding(5) var trilinear: sampler;\n\
+             @group(0) @binding(0) var<uniform> here: Here;\n@group(0) @binding(1) var taps: texture_2d<f32>;\n\
+             @group(0) @binding(2) var map: texture_cube<f32>;\n@group(0) @binding(3) var bilinear: sampler;\n\
+             @group(0) @binding(4) var trilinear: sampler;\n\
              fn lod(r: f32) -> f32 {{ return 4.0 * r; }}\n{functions}\n\
              @fragment fn main() -> @location(0) vec4f {{\nlet n = here.n; let v = here.v; let f0 = here.f0; let dfg = here.dfg;\n\
              let n_dot_v = here.n_dot_v; let roughness = here.roughness;\n{lines}return vec4f(specular, 1.0);\n}}\n"
@@ -87,10 +86,8 @@ fn body(code: &str) -> String {
 #[test]
 fn the_languages_say_the_same() {
     const HLSL: &[[&str; 2]] = &[
-        ["vec2 size = vec2(textureSize(lobes, 0));", "vec2 size;\nlobes.GetDimensions(size.x, size.y);"],
         ["vec2 size = vec2(textureSize(taps, 0));", "vec2 size;\ntaps.GetDimensions(size.x, size.y);"],
         ["textureLod(map, ", "map.SampleLevel(trilinear, "],
-        ["textureLod(lobes, ", "lobes.SampleLevel(bilinear, "],
         ["textureLod(taps, ", "taps.SampleLevel(bilinear, "],
         ["vec3(1.0 / 3.0)", "vec3(1.0, 1.0, 1.0) / 3.0"],
         ["mix(", "lerp("],
@@ -101,22 +98,16 @@ fn the_languages_say_the_same() {
         ["\nvec2 ", "\nlet "],
         ["\nvec3 ", "\nlet "],
         ["\nvec4 ", "\nlet "],
-        ["textureSize(lobes, 0)", "textureDimensions(lobes)"],
         ["textureSize(taps, 0)", "textureDimensions(taps)"],
         ["textureLod(map, ", "textureSampleLevel(map, trilinear, "],
-        ["textureLod(lobes, ", "textureSampleLevel(lobes, bilinear, "],
         ["textureLod(taps, ", "textureSampleLevel(taps, bilinear, "],
         ["max(mean, 0.0)", "max(mean, vec3(0.0))"],
         ["vec2(", "vec2f("],
         ["vec3(", "vec3f("],
         ["vec4(", "vec4f("],
     ];
-    const BOTH: &[[&str; 2]] = &[
-        ["clamp(", "saturate("],
-        [", 0.0, 1.0)", ")"],
-        ["_lookup(lobes, ", "_lookup(lobes, bilinear, "],
-        ["_part(taps, ", "_part(taps, bilinear, "],
-    ];
+    const BOTH: &[[&str; 2]] =
+        &[["clamp(", "saturate("], [", 0.0, 1.0)", ")"], ["_part(taps, ", "_part(taps, bilinear, "]];
     for (language, words) in [("HLSL", HLSL), ("WGSL", WGSL)] {
         for method in METHODS {
             let [glsl, other] = ["GLSL", language].map(|language| code(language, method).unwrap().map(body));
@@ -130,7 +121,6 @@ fn the_languages_say_the_same() {
 #[test]
 fn the_page_prints_the_functions_that_the_methods_include() {
     let shaders = [
-        ("split-sum-relative", include_str!("../../shaders/lib/lobe_lookup.glsl")),
         ("split-sum-two", include_str!("../../shaders/lib/tap_lookup.glsl")),
         ("split-sum-cap", include_str!("../../shaders/lib/cap_direction.glsl")),
     ];

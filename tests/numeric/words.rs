@@ -172,7 +172,7 @@ const TYPED: [(&str, &str, &str); 17] = [
     ("docs/glossary.md", "", "definitions"),
     ("docs/own-method.md", "", "ranges of inputs"),
     ("docs/paste.md", "## Tables", "algebra of a clamped lookup"),
-    ("docs/research.md", "## Several lookups", "constants of the fit"),
+    ("docs/research.md", "## Taps", "constants of the fit"),
     ("docs/research.md", "## Trials without a published run", "trials without a published run"),
     ("docs/running.md", "", "times of single commands on one machine"),
     ("docs/source-documents.md", "", "sources"),

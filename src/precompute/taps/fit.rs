@@ -1,11 +1,14 @@
 //! Finds the taps whose kernels are together closest to a lobe.
 
-use super::Tap;
 use super::chain::{Chain, LEVEL_MIN};
+use super::lobe::Lobe;
+use super::{Tap, TapCount};
 use crate::math::quadrature::GaussLegendre;
-use crate::precompute::lobe_shape::{Lobe, Objective};
 use glam::DVec3;
 use std::f64::consts::{FRAC_PI_2, PI};
+
+/// Flux of even light over a small lamp's, in the relative error of several taps. Chosen on five maps.
+pub const AMBIENT: f64 = 4.0;
 
 /// Penalty of squared weights: without it two taps of opposite weights cancel where that gains nothing.
 const RIDGE: f64 = 1e-3;
@@ -77,9 +80,17 @@ fn rings(angle: f64, narrowest: f64) -> Vec<(DVec3, f64)> {
     found
 }
 
+/// Returns the weight of a squared difference where the lobe has that density.
+fn weight(count: TapCount, density: f64) -> f64 {
+    match count {
+        TapCount::One => 1.0,
+        TapCount::Two | TapCount::Four => (AMBIENT / (4.0 * PI) + density).powi(-2),
+    }
+}
+
 impl<'a> Fit<'a> {
     /// `share`: of the part of weight Fc.
-    pub fn new(chain: &'a Chain, lobe: &Lobe, share: f64) -> Self {
+    pub fn new(chain: &'a Chain, lobe: &Lobe, share: f64, count: TapCount) -> Self {
         let (n_dot_v, moments) = (lobe.mirror().z, lobe.moments());
         let moment = moments[0].lerp(moments[1], share);
         let m = moment.x * lobe.mirror() + moment.y * DVec3::Z;
@@ -92,7 +103,7 @@ impl<'a> Fit<'a> {
         let mut densities: Vec<f64> = directions.iter().map(|l| lobe.density(share, *l)).collect();
         let whole: f64 = densities.iter().zip(&measures).map(|(density, measure)| density * measure).sum();
         densities.iter_mut().for_each(|density| *density /= whole);
-        let weigh = |(density, measure): (&f64, &f64)| measure * Objective::Relative.weight(*density);
+        let weigh = |(density, measure): (&f64, &f64)| measure * weight(count, *density);
         let own_level = chain.level(lobe.alpha);
         let mut fit = Self {
             chain,
@@ -127,7 +138,7 @@ impl<'a> Fit<'a> {
         self.directions.iter().map(|l| self.chain.density(tap.level, l.dot(about))).collect()
     }
 
-    /// Returns `∫ (Σ w K - ŵ)² / (b + ŵ)²` in the unit of the weights.
+    /// Returns the weighted `∫ (Σ w K - ŵ)²` in the unit of the weights.
     pub fn error(&self, taps: &[Tap]) -> f64 {
         let kernels: Vec<_> = taps.iter().map(|tap| self.kernel(tap)).collect();
         (0..self.directions.len()).map(|i| self.weights[i] * self.residual(taps, &kernels, i).powi(2)).sum()

@@ -1,27 +1,59 @@
-//! Several lookups of a prefiltered map in place of one: taps of unequal width and weight in the plane of incidence.
+//! Where, how wide and with which weights to look up a prefiltered map: one, two or four taps in the plane of incidence.
 //!
 //! A tap reads the map along a direction between the normal n and the mirror direction r, at a real level, and counts with
 //! a weight; the weights add up to 1. The taps of a view are those whose kernels `K`, the blend of two levels that a
-//! lookup averages with, are together closest to the normalised lobe ŵ by `∫ (Σ w K - ŵ)² / (b + ŵ)²`
-//! ([`Objective::Relative`](super::lobe_shape::Objective)). No environment enters.
+//! lookup averages with, are together closest to the normalised lobe ŵ by `∫ (Σ w K - ŵ)² / (b + ŵ)²`, `b =`
+//! [`AMBIENT`]`/4π`: squared relative error under a small lamp anywhere and even light. One tap has the least
+//! `∫ (K - ŵ)²`: by relative error it would be narrower, and miss lamps that the lobe reaches. No environment enters.
 //!
 //! There is a table for each model, masking and chain of levels. Its axes are `√n_dot_v` and perceptual roughness, with
 //! nodes at both ends of each. It has square parts below each other: for f0 = 1 a part for each two taps (place and
-//! level of one, then of the other) and a part with all weights, then the same for f0 = 0.04. Other f0 lie between by
-//! the share that every f0 reflects ([`dielectric_share`]).
+//! level of one, then of the other) and, except for one tap, a part with all weights, then the same for f0 = 0.04.
+//! Other f0 lie between by the share that every f0 reflects ([`dielectric_share`]).
 //!
 //! The smoothest rows are not fitted. They use the taps of the first fitted one, drawn together as the lobe is: for a
 //! mirror all taps read level 0 along r.
 
 mod chain;
 mod fit;
+mod lobe;
 mod nodes;
 mod table;
 
 pub use chain::Chain;
-pub use fit::Fit;
-pub use nodes::{Nodes, SIDE, parameters_from_node};
+pub use fit::AMBIENT;
+pub use nodes::{SIDE, parameters_from_node};
 pub use table::{TapTable, dielectric_share};
+
+/// The number of taps of a table.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum TapCount {
+    One = 1,
+    Two = 2,
+    Four = 4,
+}
+
+impl TapCount {
+    pub const ALL: [Self; 3] = [Self::One, Self::Two, Self::Four];
+
+    /// Returns its word in the names of files.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::One => "one",
+            Self::Two => "two",
+            Self::Four => "four",
+        }
+    }
+
+    /// Returns the sampler that shaders read the table from.
+    pub fn sampler(self) -> &'static str {
+        match self {
+            Self::One => "one_tap",
+            Self::Two => "two_taps",
+            Self::Four => "four_taps",
+        }
+    }
+}
 
 /// One lookup.
 #[derive(Clone, Copy, Debug, PartialEq)]

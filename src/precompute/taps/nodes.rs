@@ -2,9 +2,9 @@
 
 use super::chain::Chain;
 use super::fit::{Fit, Parameters};
-use super::{F0, Tap};
+use super::lobe::Lobe;
+use super::{F0, Tap, TapCount};
 use crate::brdf::{Brdf, MaskingShadowing, alpha_from_perceptual_roughness};
-use crate::precompute::lobe_shape::Lobe;
 use glam::DVec2;
 use rayon::prelude::*;
 
@@ -28,11 +28,11 @@ pub fn parameters_from_node([x, y]: [usize; 2]) -> DVec2 {
 }
 
 /// Where every search starts.
-fn first_guess(count: usize) -> &'static [f64] {
+fn first_guess(count: TapCount) -> &'static [f64] {
     match count {
-        2 => &[0.1, -0.3, -0.5, 0.2, 0.4],
-        4 => &[0.0, -0.3, -0.6, 0.2, 0.3, 0.3, -0.4, 0.3, -0.2, -0.4, 0.1],
-        _ => panic!("tables have 2 or 4 taps, not {count}"),
+        TapCount::One => &[0.0, 0.0],
+        TapCount::Two => &[0.1, -0.3, -0.5, 0.2, 0.4],
+        TapCount::Four => &[0.0, -0.3, -0.6, 0.2, 0.3, 0.3, -0.4, 0.3, -0.2, -0.4, 0.1],
     }
 }
 
@@ -50,13 +50,13 @@ pub struct Nodes<'a> {
 type Place = [usize; 3];
 
 impl<'a> Nodes<'a> {
-    pub fn new(chain: &'a Chain, brdf: &'static dyn Brdf, masking: MaskingShadowing, count: usize) -> Self {
+    pub fn new(chain: &'a Chain, brdf: &'static dyn Brdf, masking: MaskingShadowing, count: TapCount) -> Self {
         let is_filtered = |y: &usize| chain.level(parameters_from_node([0, *y]).y) > LEVEL_FIRST;
         let first_row = (0..SIDE).find(is_filtered).expect("the last row is the last level");
         let fit = |[f0, y, x]: Place| {
             let DVec2 { x: n_dot_v, y: alpha } = parameters_from_node([x, y]);
             let lobe = Lobe::new(brdf, masking, n_dot_v, alpha);
-            Fit::new(chain, &lobe, lobe.albedos.y / (F0[f0] * lobe.albedos.x + lobe.albedos.y))
+            Fit::new(chain, &lobe, lobe.albedos.y / (F0[f0] * lobe.albedos.x + lobe.albedos.y), count)
         };
         let places: Vec<Place> = (0..F0.len() * (SIDE - first_row) * SIDE).map(|i| place(first_row, i)).collect();
         let fits: Vec<Fit> = places.par_iter().map(|place| fit(*place)).collect();

@@ -1,8 +1,8 @@
 //! The table of taps, and lookups in it.
 
-use super::F0;
 use super::chain::Chain;
 use super::nodes::{Nodes, SIDE, parameters_from_node};
+use super::{F0, TapCount};
 use crate::brdf::{Brdf, MaskingShadowing, perceptual_roughness_from_alpha};
 use crate::pixels::Pixels;
 use crate::pixels::lookup::{Wrap, bilinear};
@@ -22,14 +22,18 @@ pub fn dielectric_share(f0: f64, [a, b]: [f64; 2]) -> f64 {
     ((1.0 - f0) * (F0[1] * a + b) / ((1.0 - F0[1]) * (f0 * a + b))).clamp(0.0, 1.0)
 }
 
+/// Returns the number of parts for one f0: pairs of taps, and the weights of several.
+fn part_count(count: TapCount) -> usize {
+    count as usize / 2 + 1
+}
+
 impl TapTable {
     /// Returns width and height of a table.
-    pub fn size(count: usize) -> [u32; 2] {
-        [SIDE as u32, (F0.len() * (count / 2 + 1) * SIDE) as u32]
+    pub fn size(count: TapCount) -> [u32; 2] {
+        [SIDE as u32, (F0.len() * part_count(count) * SIDE) as u32]
     }
 
-    /// Fits the table of 2 or 4 taps.
-    pub fn fit(chain: &Chain, brdf: &'static dyn Brdf, masking: MaskingShadowing, count: usize) -> Self {
+    pub fn fit(chain: &Chain, brdf: &'static dyn Brdf, masking: MaskingShadowing, count: TapCount) -> Self {
         let nodes = Nodes::new(chain, brdf, masking, count);
         let mut parts: Vec<Vec<[f32; 4]>> = Vec::new();
         for f0 in 0..F0.len() {
@@ -37,8 +41,8 @@ impl TapTable {
                 let theta = parameters_from_node(at).x.acos();
                 let taps = nodes.taps(f0, at);
                 let pairs = taps.chunks(2).map(|pair| {
-                    let [first, second] = [pair[0], pair[1]].map(|tap| [tap.place(theta), tap.level]);
-                    [first[0], first[1], second[0], second[1]]
+                    let channel = |k: usize| pair.get(k / 2).map_or(0.0, |tap| [tap.place(theta), tap.level][k % 2]);
+                    [0, 1, 2, 3].map(channel)
                 });
                 let weight = |k: usize| taps.get(k).map_or(0.0, |tap| tap.weight);
                 let weights = [weight(0), weight(1), weight(2), weight(3)];
@@ -46,7 +50,9 @@ impl TapTable {
             };
             let texels: Vec<Vec<[f32; 4]>> =
                 (0..SIDE).flat_map(|y| (0..SIDE).map(move |x| [x, y])).map(of_node).collect();
-            parts.extend((0..count / 2 + 1).map(|part| texels.iter().map(|of_node| of_node[part]).collect::<Vec<_>>()));
+            parts.extend(
+                (0..part_count(count)).map(|part| texels.iter().map(|of_node| of_node[part]).collect::<Vec<_>>()),
+            );
         }
         let [width, height] = Self::size(count);
         Self { texels: Pixels::new(width, height, parts.concat()) }
@@ -55,7 +61,7 @@ impl TapTable {
     /// Returns place between n and r, level and weight of each tap; `dielectric` is the [`dielectric_share`].
     pub fn taps(&self, n_dot_v: f64, alpha: f64, dielectric: f64) -> Vec<[f64; 3]> {
         let (side, height) = (f64::from(self.texels.width), f64::from(self.texels.height));
-        let of_f0 = self.texels.height / self.texels.width / 2;
+        let of_f0 = self.texels.height / self.texels.width / F0.len() as u32;
         let at =
             DVec2::new(n_dot_v.clamp(0.0, 1.0).sqrt(), perceptual_roughness_from_alpha(alpha)) * (side - 1.0) + 0.5;
         let lookup = |part: u32| {
@@ -66,6 +72,10 @@ impl TapTable {
             of(DVec4::truncate).extend(of(|texel| DVec3::splat(texel.w)).x)
         };
         let part = |part: u32| lookup(part).lerp(lookup(of_f0 + part), dielectric).to_array();
+        if of_f0 == part_count(TapCount::One) as u32 {
+            let [place, level, ..] = part(0);
+            return vec![[place, level, 1.0]];
+        }
         let weights = part(of_f0 - 1);
         let pairs = (0..of_f0 - 1).flat_map(|pair| {
             let [first, of_first, second, of_second] = part(pair);

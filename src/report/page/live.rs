@@ -9,7 +9,7 @@ use crate::files::read_regular;
 use crate::glsl::constants;
 use crate::glsl::source::{Choice, Language, METHOD_INCLUDE, PAGE_FOLDER, parse};
 use crate::gpu::shader_sources;
-use crate::precompute::LobeTableKind;
+use crate::precompute::taps::TapCount;
 use crate::run::live::{LIVE_FILE, LiveEnvironment, LiveLobe, LiveRecord, LiveShader};
 use crate::run::live_model::LiveModel;
 use crate::scene::camera::PERSPECTIVE_FOV_DEG;
@@ -59,11 +59,11 @@ impl LiveMethod {
 
     /// Split sums with tables in a record, and methods that filter samples, in the order of the list.
     fn all(record: Option<&LiveRecord>) -> [Vec<Self>; 2] {
-        let has = |kind: LobeTableKind| {
-            record.is_some_and(|record| record.lobes.iter().all(|lobe| lobe.lobe_tables.contains_key(kind.sampler())))
+        let has = |count: TapCount| {
+            record.is_some_and(|record| record.lobes.iter().all(|lobe| lobe.tap_tables.contains_key(count.sampler())))
         };
         let is_served =
-            |method: &&Method| method.uses_prefiltered() && method.uses_dfg && method.lobe_table.is_none_or(has);
+            |method: &&Method| method.uses_prefiltered() && method.uses_dfg && method.tap_table.is_none_or(has);
         let split_sums = METHODS.iter().filter(is_served);
         let sampled = METHODS.iter().filter(|method| method.uses_samples && method.uses_lod_bias);
         let of = |method: &Method| Self::new(method.name, method.uses_samples);
@@ -189,7 +189,7 @@ impl Light {
             .environments
             .iter()
             .flat_map(|e| e.levels.iter().chain(e.prefiltered.iter().flat_map(|map| &map.levels)));
-        let of_lobes = self.lobes.iter().flat_map(|lobe| lobe.lobe_tables.values().chain([&lobe.dfg]));
+        let of_lobes = self.lobes.iter().flat_map(|lobe| lobe.tap_tables.values().chain([&lobe.dfg]));
         maps.chain(of_lobes).map(|image| image.base64.len()).sum()
     }
 }

@@ -8,7 +8,6 @@ mod sampled_vndf;
 pub mod split_sum;
 mod split_sum_cap;
 mod split_sum_engines;
-mod split_sum_lobes;
 mod split_sum_taps;
 
 use super::diffuse::Diffuse;
@@ -16,7 +15,8 @@ use super::reference::integrate;
 use super::twin::{SpecularTwin, Twin};
 use super::{NONE, REFERENCE};
 use crate::brdf::Compensation;
-use crate::precompute::{LobeTableKind, PrecomputeSettings, PrefilterBy, StorageFormat};
+use crate::precompute::taps::TapCount;
+use crate::precompute::{PrecomputeSettings, PrefilterBy, StorageFormat};
 use crate::spelling::{Listed, listed};
 use glam::DVec3;
 
@@ -40,8 +40,8 @@ pub struct Method {
     pub lookups: u32,
     /// Reads the DFG table for the specular term itself; see [`Method::needs_dfg`].
     pub uses_dfg: bool,
-    /// The table of the model's lobes that it reads.
-    pub lobe_table: Option<LobeTableKind>,
+    /// The table of taps that it reads.
+    pub tap_table: Option<TapCount>,
     /// Depends on the widths of the prefiltered map's levels without reading the map.
     pub uses_levels: bool,
     /// Depends on the weight of prefiltered maps without reading one.
@@ -71,11 +71,8 @@ pub static METHODS: &[Method] = &[
     split_sum_engines::GODOT,
     split_sum_engines::NRD,
     split_sum_engines::UNITY,
-    split_sum_lobes::MOMENT,
-    split_sum_lobes::FITTED,
-    split_sum_lobes::RELATIVE,
-    split_sum_lobes::PARTED,
     split_sum_cap::METHOD,
+    split_sum_taps::ONE,
     split_sum_taps::TWO,
     split_sum_taps::FOUR,
     Method::plain(NONE, "No specular term", "no specular term", Twin::Estimator(|_, _, _| DVec3::ZERO)),
@@ -90,13 +87,8 @@ pub static METHODS: &[Method] = &[
     ladder::STORAGE,
 ];
 
-const CORRECTED: [&str; 5] = [
-    split_sum_lobes::RELATIVE.name,
-    split_sum_lobes::PARTED.name,
-    split_sum_cap::METHOD.name,
-    split_sum_taps::TWO.name,
-    split_sum_taps::FOUR.name,
-];
+const CORRECTED: [&str; 4] =
+    [split_sum_cap::METHOD.name, split_sum_taps::ONE.name, split_sum_taps::TWO.name, split_sum_taps::FOUR.name];
 
 /// The unbiased estimator of the specular integral, by many random samples of BRDF and environment.
 const INTEGRATED: Method = Method {
@@ -123,7 +115,7 @@ impl Method {
             uses_lod_bias: false,
             lookups: 0,
             uses_dfg: false,
-            lobe_table: None,
+            tap_table: None,
             uses_levels: false,
             uses_weight: false,
             prefilter: None,

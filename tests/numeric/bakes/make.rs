@@ -110,7 +110,7 @@ fn taps_are_for_the_levels_of_the_engine() {
         make(&making(engine, &light), dir.path()).unwrap();
         let kernel = Kernel::new(&Ggx, &WEIGHTS[0], MaskingShadowing::Correlated);
         let levels = taps::Chain::new(kernel, LevelMapping::listed(mapping), level_count);
-        let table = taps::TapTable::fit(&levels, &Ggx, MaskingShadowing::Correlated, 2).texels;
+        let table = taps::TapTable::fit(&levels, &Ggx, MaskingShadowing::Correlated, taps::TapCount::Two).texels;
         let found = read_texture(&dir.path().join("taps.ktx2")).unwrap();
         for (own, found) in table.data.iter().zip(&found.levels[0][0].data) {
             assert_eq!(own.map(|value| f16::from_f32(value).to_f32())[..3], found[..], "{engine}");

@@ -5,8 +5,8 @@ use splitsum::pipeline::{
     DeviceInfo, Frame, FrameTimings, LightTables, PassTime, RenderRequest, SharedWork, Tally, TimingSamples,
 };
 use splitsum::pixels::{GrayImage, Pixels, Rgb8Image, RgbImage};
-use splitsum::precompute::LobeTableKind;
 use splitsum::precompute::dfg::DfgAxes;
+use splitsum::precompute::taps::TapCount;
 use splitsum::run::estimate::Ahead;
 use splitsum::run::{Progress, RenderFault, Renderer};
 use splitsum::shade::reference_pass::Convergence;
@@ -171,7 +171,7 @@ impl Renderer for Fake {
         &mut self,
         request: &RenderRequest,
         _: u32,
-        kinds: &[LobeTableKind],
+        counts: &[TapCount],
     ) -> Result<LightTables, RenderFault> {
         let chain = |levels: u32| (0..levels).map(|k| RgbImage::filled(8 >> k, (4 >> k).max(1), [1.0; 3])).collect();
         let mut sh9 = vec![[0.0; 3]; 9];
@@ -186,9 +186,9 @@ impl Renderer for Fake {
             dfg,
             dfg_axes: DfgAxes::default(),
             // Every lobe points along r and is as wide as alpha.
-            lobe_tables: kinds
+            tap_tables: counts
                 .iter()
-                .map(|_| Pixels::new(2, 6, [[[1.0, 0.0, 1.0, 0.0]; 4], [[1.0; 4]; 4], [[1.0; 4]; 4]].concat()))
+                .map(|_| Pixels::new(2, 4, [[[1.0, 0.0, 0.0, 0.0]; 2], [[1.0, 1.0, 0.0, 0.0]; 2]].concat().repeat(2)))
                 .collect(),
         })
     }

@@ -15,7 +15,7 @@ fn made(point: &Point) -> Option<Made> {
     Some(Made::error(own * f0 * point.get("alpha").number()))
 }
 
-const METHODS: &str = "method = [\"split-sum\", \"split-sum-relative\"]\nalbedo = [0]\n";
+const METHODS: &str = "method = [\"split-sum\", \"split-sum-one\"]\nalbedo = [0]\n";
 
 /// The one answer of a run that asks one question.
 fn told(head: &str, axes: &str) -> (Finished, Finding) {

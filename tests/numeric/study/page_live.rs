@@ -10,7 +10,7 @@ use splitsum::environment::layout::{LAYOUTS, MapLayout};
 use splitsum::experiment::Plan;
 use splitsum::glsl::source::{Language, parse};
 use splitsum::pixels::packed::HALF_MAX;
-use splitsum::precompute::LobeTableKind;
+use splitsum::precompute::taps::TapCount;
 use splitsum::report::page::Told;
 use splitsum::report::page::live::{BUDGET_BYTES, Light};
 use splitsum::report::page::render::shaders;
@@ -45,11 +45,11 @@ fn half_scales_are_the_least_powers_of_two_that_fit() {
 fn the_page_has_a_shader_of_every_method_that_its_tables_serve() {
     let dir = tempfile::tempdir().unwrap();
     let run = finished_run(dir.path());
-    // A run with methods of every table of lobes.
+    // A run with methods of every table of taps.
     let mut record = record(&run);
     for lobe in &mut record.lobes {
-        let table = lobe.lobe_tables["lobe_shapes"].clone();
-        lobe.lobe_tables.extend(LobeTableKind::SAMPLERS.map(|(name, _)| (name.to_owned(), table.clone())));
+        let table = lobe.tap_tables["one_tap"].clone();
+        lobe.tap_tables.extend(TapCount::ALL.map(|count| (count.sampler().to_owned(), table.clone())));
     }
     std::fs::write(run.join(LIVE_FILE), serde_json::to_string(&record).unwrap()).unwrap();
     let mut light = light(&run, BUDGET_BYTES);

@@ -8,7 +8,7 @@ use splitsum::study::table::Table;
 
 const AXES: &[&str] = &["scene", "environment", "environment_orientation", "alpha", "method"];
 
-/// Six environments, two scenes and two orientations. Under environment i the ratios of `split-sum-relative` are x/2
+/// Six environments, two scenes and two orientations. Under environment i the ratios of `split-sum-one` are x/2
 /// and 2x on the sphere and x twice on the ball, x = 0.5 exp(0.4 (i - 2.5)). Brightness is off by half, and by a
 /// hundredth.
 fn six_maps() -> Paper {
@@ -19,7 +19,7 @@ fn six_maps() -> Paper {
             [("sphere", "1", x / 2.0), ("sphere", "2", 2.0 * x), ("shader-ball", "1", x), ("shader-ball", "2", x)]
         {
             let sign = if orientation == "1" { -1.0 } else { 1.0 };
-            for (method, error, bias) in [("split-sum", 0.1, 0.5), ("split-sum-relative", 0.1 * ratio, 0.01)] {
+            for (method, error, bias) in [("split-sum", 0.1, 0.5), ("split-sum-one", 0.1 * ratio, 0.01)] {
                 let cell = paper.add(&[scene, &format!("map{i}.hdr"), orientation, "0.1", method], error);
                 cell.scores = Some(MetricValues::of(|name| Some(if name == "bias_rel" { sign * bias } else { error })));
             }
@@ -40,7 +40,7 @@ fn number(row: &Table, name: &str) -> f64 {
 #[test]
 fn pictures_have_a_median_a_share_made_worse_and_a_worst_one() {
     let found = six_maps().finding("pictures");
-    let row_of = |metric| row(&found.table, "split-sum-relative", metric);
+    let row_of = |metric| row(&found.table, "split-sum-one", metric);
     for metric in &PICTURE_SCORES[..3] {
         let own = row_of(metric);
         assert_eq!(number(&own, "images"), 24.0);
@@ -66,11 +66,11 @@ fn pictures_have_a_median_a_share_made_worse_and_a_worst_one() {
     let digest = found.digest.as_ref().unwrap();
     let light = only(digest, &[("score", "bias_rel")]);
     assert_eq!(
-        ["split-sum-relative", "split-sum"].map(|name| column(&light, name).concat()),
+        ["split-sum-one", "split-sum"].map(|name| column(&light, name).concat()),
         ["-1.0 to 1.0 %", "-50 to 50 %"]
     );
     // Each scene has its own row.
-    let ball = only(&found.table, &[("scene", "shader-ball"), ("method", "split-sum-relative"), ("metric", "relmse")]);
+    let ball = only(&found.table, &[("scene", "shader-ball"), ("method", "split-sum-one"), ("metric", "relmse")]);
     assert!((number(&ball, "worse_fraction") - 1.0 / 6.0).abs() < F64 && number(&ball, "images") == 12.0);
 }
 
@@ -79,7 +79,7 @@ fn the_worst_picture_has_a_name_and_a_link() {
     let paper = six_maps();
     let found = paper.finding("pictures");
     assert!(found.sentence.contains("The worst has 2.7 times: map5.hdr, sphere, orientation 2"), "{}", found.sentence);
-    let id = column(&row(&found.table, "split-sum-relative", "relmse"), "worst_cell").concat();
+    let id = column(&row(&found.table, "split-sum-one", "relmse"), "worst_cell").concat();
     let cell = paper.run.cells.iter().find(|cell| cell.id == id).unwrap();
     assert_eq!(cell.point.get("environment").to_string(), "map5.hdr");
     let figure = found.figure.unwrap();
@@ -108,7 +108,7 @@ fn pictures_within_the_noise_do_not_count() {
         cell.noise_floors = MetricValues::of(|name| (name == "relmse").then_some(0.1));
     }
     let table = paper.finding("pictures").table;
-    let images = |metric| number(&row(&table, "split-sum-relative", metric), "images");
+    let images = |metric| number(&row(&table, "split-sum-one", metric), "images");
     assert_eq!((images("relmse"), images("flip")), (23.0, 24.0));
 }
 
@@ -122,9 +122,9 @@ fn runs_without_several_orientations_or_a_base_are_refused() {
         paper.lacks("pictures")
     };
     let [base, other] =
-        [["sphere", "a.hdr", "1", "0.1", "split-sum"], ["sphere", "a.hdr", "1", "0.1", "split-sum-fitted"]];
+        [["sphere", "a.hdr", "1", "0.1", "split-sum"], ["sphere", "a.hdr", "1", "0.1", "split-sum-one"]];
     assert!(lack(&[base, other]).unwrap().contains("fewer than two orientations"));
-    assert!(lack(&[other, ["sphere", "a.hdr", "2", "0.1", "split-sum-fitted"]]).unwrap().contains("no `split-sum`"));
+    assert!(lack(&[other, ["sphere", "a.hdr", "2", "0.1", "split-sum-one"]]).unwrap().contains("no `split-sum`"));
     let design = |[_, a, b, c, d]: [&'static str; 5]| ["design", a, b, c, d];
     assert!(lack(&[design(base), design(other)]).unwrap().contains("not a picture"));
     // A design beside the pictures does not hide them.
@@ -132,5 +132,5 @@ fn runs_without_several_orientations_or_a_base_are_refused() {
     paper.add(&["design", "map0.hdr", "1", "0.1", "split-sum"], 1.0);
     let answers = answers(&paper.run, None);
     let found = answers.iter().find(|answer| answer.question.name == "pictures").unwrap();
-    assert_eq!(number(&row(&found.finding.table, "split-sum-relative", "relmse"), "images"), 24.0);
+    assert_eq!(number(&row(&found.finding.table, "split-sum-one", "relmse"), "images"), 24.0);
 }

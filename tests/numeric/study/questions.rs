@@ -90,7 +90,7 @@ diffuse = ["none"]"#,
         REFERENCE,
         r#"environment = ["builtin:constant", "builtin:sky", "builtin:studio", "builtin:checker", "builtin:cap", "builtin:gradient"]
 environment_orientation = [1, 2]
-method = ["split-sum", "split-sum-relative", "split-sum-parted", "sampled"]
+method = ["split-sum", "split-sum-one", "split-sum-two", "sampled"]
 samples = [4, 16]
 f0 = [0.04, 1]
 alpha = [0.1, 0.5]

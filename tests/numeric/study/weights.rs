@@ -135,7 +135,7 @@ fn recorded_bins_determine_scores_and_floors() {
 /// grazing ones.
 fn two_views() -> Paper {
     let mut paper = Paper::new(&["scene", "method"]);
-    for (method, errors) in [("split-sum", [1.0, 0.2]), ("split-sum-relative", [0.1, 0.3])] {
+    for (method, errors) in [("split-sum", [1.0, 0.2]), ("split-sum-one", [0.1, 0.3])] {
         let [low, high] = errors;
         paper.add(&["design", method], 0.5 * (low + high)).bins = vec![
             bin([0.0, 0.5], |name| (name == "relmse").then_some(low)),
@@ -194,7 +194,7 @@ fn runs_without_bins_or_floors_keep_what_they_have() {
     assert!(found.len() == 1 && found[0].0 == "uniform" && (found[0].1 - 0.2 / 0.6).abs() < F64, "{found:?}");
     assert!(bare.with_weights(&["picture".to_owned()]).unwrap_err().contains("errors_by_n_dot_v.csv"));
     // A picture's pixels count as they are.
-    let axes = "environment = [\"builtin:sky\"]\nmethod = [\"split-sum\", \"split-sum-relative\"]\n";
+    let axes = "environment = [\"builtin:sky\"]\nmethod = [\"split-sum\", \"split-sum-one\"]\n";
     let run = finished_of(&format!("{}{axes}", super::paper::HEAD), |_| Some(Made::error(0.5)));
     assert_eq!(ratios(&run), [("picture".to_owned(), 1.0)]);
 }
@@ -204,11 +204,11 @@ fn runs_without_bins_or_floors_keep_what_they_have() {
 fn errors_are_drawn_against_counted_instructions() {
     let bench = Bench::finished(
         "name = \"costs\"\nsize = [16, 16]\nreference = { samples = 64 }\n[axes]\nbrdf = [\"ggx\"]\ndiffuse = [\"none\"]\n\
-         method = [\"split-sum\", \"split-sum-relative\", \"sampled\"]\nsamples = [4, 16]\nlayout = [\"cube\"]\n",
+         method = [\"split-sum\", \"split-sum-one\", \"sampled\"]\nsamples = [4, 16]\nlayout = [\"cube\"]\n",
     );
     let head = "family,method,brdf,layout,options,outside_alu,outside_quarter_rate,inside_alu,inside_quarter_rate";
     // The newest family comes last; other code has options.
-    let rows = "vega10,sampled,,cube,,1,1,1,1\nnavi21,split-sum,,cube,,85,10,0,0\nnavi21,split-sum-relative,,cube,,128,15,0,0\n\
+    let rows = "vega10,sampled,,cube,,1,1,1,1\nnavi21,split-sum,,cube,,85,10,0,0\nnavi21,split-sum-one,,cube,,128,15,0,0\n\
                 navi21,sampled,ggx,cube,masking=correlated,9,9,9,9\nnavi21,sampled,ggx,cube,,86,7,84,14\n";
     std::fs::write(bench.path("costs.csv"), format!("{head}\n{rows}")).unwrap();
     let of = |run: &Finished| super::paper::finding(run, "which-split-sum");

@@ -12,7 +12,7 @@ pub use load::{load, shader_name};
 
 use super::Method;
 use crate::glsl::constants::FILE_PREFIX;
-use crate::precompute::LobeTableKind;
+use crate::precompute::taps::TapCount;
 use crate::shade::twin::Twin;
 use glam::DVec3;
 use std::collections::{BTreeMap, BTreeSet};
@@ -52,7 +52,7 @@ pub fn of_names_read(method: Method, reads: &BTreeSet<String>, stem: String) -> 
         // Not counted: more than one lookup counts as one.
         lookups: reads("prefiltered").into(),
         uses_dfg: reads("dfg"),
-        lobe_table: LobeTableKind::SAMPLERS.iter().find(|(name, _)| reads(name)).map(|(_, kind)| *kind),
+        tap_table: TapCount::ALL.into_iter().find(|count| reads(count.sampler())),
         ..method
     }
 }
