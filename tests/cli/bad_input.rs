@@ -53,6 +53,8 @@ fn wrong_flags_of_render_and_compare_are_refused() {
             "render --method splitsum --out x.png",
             "render --environment builtin:ski --out x.png",
             "render --scene sphear --out x.png",
+            "render --scene cathedral --out x.png",
+            "render --scene name.glsl --out x.png",
             "render --environment no.hdr --scene no.obj --out x.png",
             "render --method-shader nothing.glsl --out x.exr",
             "render --method-shader include.glsl --out x.exr",
@@ -90,7 +92,16 @@ fn wrong_experiments_and_folders_are_refused() {
             "name = \"x\"\nasks = [\"tables\"]\nreference = { method = \"reference\", samples = 64 }\n[axes]\nalpha = [0.5]\n\
              method = [\"reference\"]\nsamples = [7]\n",
         ),
-        ("weights.toml", "name = \"x\"\nweights = [\"pictur\", \"sphere\"]\n[axes]\nscene = [\"design\"]\n"),
+        (
+            "by.toml",
+            "name = \"x\"\nasks = [\"unknown\", { question = \"effect\", by = \"brdf\" }, { question = \"error\", by = \"samples\" }, \
+             { question = \"visibility\", by = \"f0\" }]\n[axes]\nmethod = [\"sampled\", \"sampled-vndf\"]\nsamples = [1, 4]\n\
+             f0 = [1, 0.04]\nexposure = [1, 2]\n",
+        ),
+        (
+            "weights.toml",
+            "name = \"x\"\nweights = [\"pictur\", \"sphere\", \"design\"]\n[axes]\nscene = [\"design\"]\n",
+        ),
         (
             "pictures.toml",
             "name = \"x\"\nasks = [\"pictures\"]\n[axes]\nmethod = [\"split-sum\", \"split-sum-one\"]\nenvironment_orientation = [1]\n",
@@ -102,6 +113,8 @@ fn wrong_experiments_and_folders_are_refused() {
         ("errors.csv", ""),
     ]);
     published(dir.path(), "run");
+    let emptied = published(dir.path(), "emptied");
+    std::fs::write(emptied.join("errors.csv"), "").unwrap();
     assert_refusals(
         "commands_of_run_and_report_that_are_refused",
         dir.path(),
@@ -112,6 +125,7 @@ fn wrong_experiments_and_folders_are_refused() {
             "plan empty.toml",
             // Values that do not go together do not hide a question that cannot be answered.
             "plan asks.toml",
+            "plan by.toml",
             "plan weights.toml",
             "plan pictures.toml",
             "plan method.toml",
@@ -119,15 +133,21 @@ fn wrong_experiments_and_folders_are_refused() {
             "run no.toml",
             "run x.toml --device -1",
             "run x.toml --cache-limit -5",
+            "run x.toml --cache errors.csv",
             "run x.toml --set rougness=1",
             "bake builtin:sky --for filamnt --out x",
             "run x.toml --out errors.csv",
+            #[cfg(target_os = "linux")]
+            "run x.toml --out /proc/splitsum-run",
+            #[cfg(target_os = "linux")]
+            "bake builtin:constant --out /proc/splitsum-bake",
             "run x.toml --shard 1/2",
             "run x.toml --shard 3/2 --out x",
             "merge x",
             "merge",
             "answers nowhere",
             "answers errors.csv",
+            "answers emptied",
             "report errors.csv",
             "report run --out errors.csv",
             "report run --out no/x.html",
@@ -211,21 +231,6 @@ fn a_run_without_a_device_leaves_nothing_behind() {
     blind.env("VK_DRIVER_FILES", "/nonexistent").env("VK_ICD_FILENAMES", "/nonexistent");
     assert_ends(&blind.output().unwrap(), 2, &["Vulkan"]);
     assert!(!dir.path().join("out").exists());
-}
-
-#[test]
-fn answers_of_a_run_whose_table_was_emptied_are_refused_and_stay() {
-    let root = tempfile::tempdir().unwrap();
-    let dir = published(root.path(), "run");
-    let answers = || splitsum(&dir, &["answers", "."]);
-    assert_eq!(answers().status.code(), Some(0));
-    let summary = std::fs::read(dir.join("summary.md")).unwrap();
-    std::fs::write(dir.join("errors.csv"), "").unwrap();
-    let output = answers();
-    assert_eq!(output.status.code(), Some(2));
-    assert!(stderr(&output).contains("./errors.csv: the file is empty"), "{}", stderr(&output));
-    assert_eq!(stderr(&output).trim().lines().count(), 1, "{}", stderr(&output));
-    assert_eq!(std::fs::read(dir.join("summary.md")).unwrap(), summary);
 }
 
 /// Devices and pipes in the place of files never end, or never begin.

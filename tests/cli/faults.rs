@@ -164,14 +164,3 @@ fn a_driver_below_the_floor_is_named_with_what_it_lacks() {
     // The layer alone takes nothing away.
     assert!(run("", &RENDER).status.success());
 }
-
-/// A folder that takes no files even from root.
-#[cfg(target_os = "linux")]
-#[test]
-fn a_run_cannot_go_where_nothing_can_be_written() {
-    let Some(dir) = folder() else { return };
-    let output = splitsum(dir.path(), &["run", "tiny.toml", "--out", "/proc/splitsum-run"]);
-    assert_ends(&output, 2, &["/proc/splitsum-run", "cannot create the folder", "choose another --out"]);
-    let output = splitsum(dir.path(), &["bake", "builtin:constant", "--out", "/proc/splitsum-bake"]);
-    assert_ends(&output, 2, &["/proc/splitsum-bake", "a folder"]);
-}

@@ -1,5 +1,6 @@
 //! What grows with the number of cells: nothing may hold all images, all records or the whole text of a plan.
 
+use super::end_to_end::has_device;
 use super::{command, ok, splitsum, stderr};
 use std::io::{BufRead, BufReader, Read};
 use std::path::Path;
@@ -40,21 +41,28 @@ fn folder(cells: usize) -> tempfile::TempDir {
     dir
 }
 
-/// Memory of a process, KiB, as far as the system tells: `VmHWM:` is the most that it held, `VmRSS:` what it holds.
-fn kib(process: u32, line: &str) -> Option<u64> {
+/// The most memory that a process held, KiB, if the system reports it.
+fn peak_kib(process: u32) -> Option<u64> {
     let status = std::fs::read_to_string(format!("/proc/{process}/status")).ok()?;
-    status.lines().find_map(|text| text.strip_prefix(line))?.split_whitespace().next()?.parse().ok()
+    status.lines().find_map(|text| text.strip_prefix("VmHWM:"))?.split_whitespace().next()?.parse().ok()
 }
 
-fn peak_kib(process: u32) -> Option<u64> {
-    kib(process, "VmHWM:")
+/// Bytes that each further cell adds to the peak, KiB, of what is done in a folder of few cells and one of many; 0, with a
+/// line, if the system does not report the memory of a process.
+fn bytes_a_cell([few, many]: [usize; 2], peak: impl Fn(&Path, usize) -> Option<u64>) -> u64 {
+    let [Some(small), Some(large)] = [few, many].map(|cells| peak(folder(cells).path(), cells)) else {
+        eprintln!("skipped: the system does not report the memory of a process");
+        return 0;
+    };
+    let bytes = large.saturating_sub(small) * 1024 / (many - few) as u64;
+    println!("{small} KiB and {large} KiB: {bytes} bytes a cell");
+    bytes
 }
 
 /// Peak, KiB, of a plan when its first line comes out; its text must be whole all the same.
-fn plan_peak(cells: usize) -> Option<u64> {
-    let dir = folder(cells);
+fn plan_peak(dir: &Path, cells: usize) -> Option<u64> {
     let mut child =
-        command(dir.path(), &["plan", "growth.toml", "--json", "--no-cache"]).stdout(Stdio::piped()).spawn().unwrap();
+        command(dir, &["plan", "growth.toml", "--json", "--no-cache"]).stdout(Stdio::piped()).spawn().unwrap();
     let mut out = BufReader::new(child.stdout.take().unwrap());
     let mut text = String::new();
     out.read_line(&mut text).unwrap();
@@ -72,11 +80,7 @@ fn plan_peak(cells: usize) -> Option<u64> {
 
 #[test]
 fn a_plan_is_written_as_it_is_made() {
-    let (Some(few), Some(many)) = (plan_peak(1000), plan_peak(9000)) else {
-        return eprintln!("skipped: the system does not tell the memory of a process");
-    };
-    let bytes = many.saturating_sub(few) * 1024 / 8000;
-    println!("{few} KiB and {many} KiB: {bytes} bytes a cell");
+    let bytes = bytes_a_cell([1000, 9000], plan_peak);
     assert!(bytes < 4000, "{bytes} bytes a cell: as JSON values alone a cell takes 12,000");
 }
 
@@ -97,49 +101,39 @@ fn peak_of(dir: &Path, arguments: &[&str]) -> Option<u64> {
 
 #[test]
 fn a_run_of_four_times_the_cells_takes_little_more_memory() {
-    let [small, large] = [folder(200), folder(800)];
-    if !splitsum(small.path(), &["devices"]).status.success() {
-        return eprintln!("skipped: no Vulkan device");
+    if !has_device() {
+        return;
     }
-    let run = ["run", "growth.toml", "--no-cache"];
-    let (Some(few), Some(many)) = (peak_of(small.path(), &run), peak_of(large.path(), &run)) else {
-        return eprintln!("skipped: the system does not tell the memory of a process");
-    };
-    let bytes = many.saturating_sub(few) * 1024 / 600;
-    println!("{few} KiB and {many} KiB: {bytes} bytes a cell");
+    let bytes = bytes_a_cell([200, 800], |dir, _| {
+        let peak = peak_of(dir, &["run", "growth.toml", "--no-cache"]);
+        // No image of a design is in the report, nor in a sheet.
+        let run = dir.join("runs/growth");
+        let report = std::fs::metadata(run.join("report.html")).unwrap().len();
+        assert!(report < 4_000_000, "{report}");
+        assert_eq!(super::entries(&run.join("tables")), [""; 0]);
+        peak
+    });
     assert!(bytes < 8_000, "{bytes} bytes a cell: its image takes 7,700, its tables as text 40,000");
-
-    // No image of a design stands in the report, nor in a sheet.
-    let run = large.path().join("runs/growth");
-    let report = std::fs::metadata(run.join("report.html")).unwrap().len();
-    assert!(report < 4_000_000, "{report}");
-    assert_eq!(super::entries(&run.join("tables")), [""; 0]);
 }
 
 #[test]
 fn a_merge_of_four_times_the_cells_takes_little_more_memory() {
-    let [small, large] = [folder(200), folder(800)];
-    if !splitsum(small.path(), &["devices"]).status.success() {
-        return eprintln!("skipped: no Vulkan device");
+    if !has_device() {
+        return;
     }
-    let merge_peak = |dir: &Path| {
+    let bytes = bytes_a_cell([200, 800], |dir, _| {
         ok(dir, &["run", "growth.toml", "--shard", "1/1", "--out", "shared", "--no-cache"]);
         peak_of(dir, &["merge", "shared"])
-    };
-    let (Some(few), Some(many)) = (merge_peak(small.path()), merge_peak(large.path())) else {
-        return eprintln!("skipped: the system does not tell the memory of a process");
-    };
-    let bytes = many.saturating_sub(few) * 1024 / 600;
-    println!("{few} KiB and {many} KiB: {bytes} bytes a cell");
+    });
     assert!(bytes < 15_000, "{bytes} bytes a cell");
 }
 
 #[test]
 fn a_finished_run_ends_at_once_unless_a_file_was_touched() {
-    let dir = folder(10);
-    if !splitsum(dir.path(), &["devices"]).status.success() {
-        return eprintln!("skipped: no Vulkan device");
+    if !has_device() {
+        return;
     }
+    let dir = folder(10);
     let run = ["run", "growth.toml", "--no-cache"];
     let first = ok(dir.path(), &run);
     let cells = dir.path().join("runs/growth/cells");
@@ -162,51 +156,4 @@ fn a_finished_run_ends_at_once_unless_a_file_was_touched() {
     std::fs::write(dir.path().join("growth.toml"), other).unwrap();
     assert!(ok(dir.path(), &run).contains("Written to"));
     assert!(std::fs::read_to_string(dir.path().join("runs/growth/experiment.toml")).unwrap().ends_with("# other\n"));
-}
-
-/// It takes minutes, so it runs only when asked for: `scripts/soak.sh`.
-#[cfg(target_os = "linux")]
-#[test]
-#[ignore = "takes minutes: scripts/soak.sh"]
-fn a_sweep_of_thousands_of_cells_stays_flat() {
-    const CELLS: usize = 5000;
-    let dir = folder(CELLS);
-    // The validation layer writes what it finds, objects that outlive their device included.
-    let log = |name: &str| std::fs::File::create(dir.path().join(name)).unwrap();
-    let mut child = command(dir.path(), &["run", "growth.toml", "--out", "whole"])
-        .env("VK_INSTANCE_LAYERS", "VK_LAYER_KHRONOS_validation")
-        .env("VK_LOADER_DEBUG", "layer")
-        .stdout(log("stdout.txt"))
-        .stderr(log("stderr.txt"))
-        .spawn()
-        .unwrap();
-    // Resident KiB and open files after every 50 cells.
-    let mut samples: Vec<(u64, usize)> = Vec::new();
-    let status = loop {
-        if let Some(status) = child.try_wait().unwrap() {
-            break status;
-        }
-        let done = std::fs::read_dir(dir.path().join("whole/cells")).map_or(0, Iterator::count);
-        let files = std::fs::read_dir(format!("/proc/{}/fd", child.id())).map_or(0, Iterator::count);
-        if let Some(kib) = kib(child.id(), "VmRSS:").filter(|_| done >= 50 * (samples.len() + 1)) {
-            samples.push((kib, files));
-        }
-        std::thread::sleep(Duration::from_millis(20));
-    };
-    assert!(status.success());
-    let [output, said] =
-        ["stdout.txt", "stderr.txt"].map(|name| std::fs::read_to_string(dir.path().join(name)).unwrap());
-    assert!(said.contains("KHRONOS_validation"), "the validation layer is not installed");
-    assert!(!output.contains("Validation Error") && !output.contains("VUID-"), "{output}");
-    // After 500 cells everything that is kept on purpose is there.
-    let median = |samples: &[(u64, usize)]| {
-        let mut kib: Vec<u64> = samples.iter().map(|(kib, _)| *kib).collect();
-        kib.sort_unstable();
-        kib[kib.len() / 2] as f64
-    };
-    let (before, after) = (median(&samples[10..15]), median(&samples[samples.len() - 5..]));
-    println!("{before} KiB after 500 cells, {after} KiB after {CELLS}");
-    assert!(after < 1.05 * before, "memory grew from {before} to {after} KiB");
-    let files = samples[10..].iter().map(|(_, files)| *files);
-    assert!(files.clone().max().unwrap() - files.min().unwrap() <= 4, "{samples:?}");
 }

@@ -1,7 +1,6 @@
 //! The binary as a user runs it: messages, exit codes, files.
 
 mod bad_input;
-mod cache;
 mod check_bake;
 mod cost;
 mod end_to_end;
