@@ -222,14 +222,9 @@ impl Page {
             json!(selector)
         );
         let place = self.eval(&script);
-        self.click_at(place[0].as_f64().unwrap(), place[1].as_f64().unwrap());
-    }
-
-    /// Clicks a place of the window, CSS pixels.
-    pub fn click_at(&mut self, x: f64, y: f64) {
         for kind in ["mouseMoved", "mousePressed", "mouseReleased"] {
             let button = if kind == "mouseMoved" { "none" } else { "left" };
-            let event = json!({ "type": kind, "x": x, "y": y, "button": button, "clickCount": 1 });
+            let event = json!({ "type": kind, "x": place[0], "y": place[1], "button": button, "clickCount": 1 });
             self.call("Input.dispatchMouseEvent", event);
         }
     }

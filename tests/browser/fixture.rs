@@ -26,16 +26,11 @@ pub const SIDE: u32 = 24;
 
 /// A finished run of the renderer made of formulas; the folder's name is hostile too.
 pub fn finished_run(dir: &Path, name: &str, broken: Option<&'static str>) -> PathBuf {
+    let axes = "environment = [\"builtin:constant\"]\nbrdf = [\"ggx\", \"phong\"]\nalpha = [0.1, 0.5]\n\
+                method = [\"sampled\", \"split-sum\"]\nsamples = [1, 4, 16]\nexposure = [1, 10]";
     let why = json!("phong has \"<b>no</b>\" alpha of 0.5 & </script>");
-    let text = format!(
-        "name = {}\nquestion = {}\nsize = [{SIDE}, {SIDE}]\nreference = {{ samples = 64 }}\n[axes]\n\
-         environment = [\"builtin:constant\"]\nbrdf = [\"ggx\", \"phong\"]\nalpha = [0.1, 0.5]\n\
-         method = [\"sampled\", \"split-sum\"]\nsamples = [1, 4, 16]\nexposure = [1, 10]\n\
-         [[exclude]]\nbrdf = \"phong\"\nalpha = 0.5\nwhy = {why}\n[timing]\nwarmup = 1\nrounds = 3\n",
-        json!("hostile"),
-        json!(HOSTILE),
-    );
-    run_of_text(&dir.join(name), &text, Log { broken_method: broken, ..Log::default() })
+    let rest = format!("[[exclude]]\nbrdf = \"phong\"\nalpha = 0.5\nwhy = {why}\n[timing]\nwarmup = 1\nrounds = 3");
+    run_of(&dir.join(name), axes, &rest, Log { broken_method: broken, ..Log::default() })
 }
 
 /// The report of a finished run of an experiment whose axes are given.
@@ -45,14 +40,11 @@ pub fn report_of(dir: &Path, axes: &str, rest: &str) -> PathBuf {
 
 /// A finished run in `dir` of an experiment whose axes are given.
 pub fn run_of(dir: &Path, axes: &str, rest: &str, log: Log) -> PathBuf {
-    let head = "name = \"sections\"\nsize = [24, 24]\nreference = { samples = 64 }";
-    run_of_text(dir, &format!("{head}\n[axes]\n{axes}\n{rest}\n"), log)
-}
-
-/// A finished run in `dir` of an experiment as written.
-pub fn run_of_text(dir: &Path, text: &str, log: Log) -> PathBuf {
-    let file = dir.with_file_name("sections.toml");
-    let plan = Plan::from_text(&file, text, &[]).unwrap_or_else(|error| panic!("{error}"));
+    let question = json!(HOSTILE);
+    let head =
+        format!("name = \"hostile\"\nquestion = {question}\nsize = [{SIDE}, {SIDE}]\nreference = {{ samples = 64 }}");
+    let (file, text) = (dir.with_file_name("hostile.toml"), format!("{head}\n[axes]\n{axes}\n{rest}\n"));
+    let plan = Plan::from_text(&file, &text, &[]).unwrap_or_else(|error| panic!("{error}"));
     let stop = AtomicBool::new(false);
     let fail_fast = log.broken.is_none() && log.broken_method.is_none();
     let options = RunOptions { fail_fast, command_line: vec![HOSTILE.to_owned()], ..RunOptions::new(dir, &stop) };

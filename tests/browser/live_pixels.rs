@@ -4,6 +4,7 @@ use crate::chromium::{self, Page};
 use crate::fake::Silent;
 use crate::fixture::{assert_clean, page_of};
 use crate::live::{linear, open, rest};
+use serde::Serialize;
 use serde_json::json;
 use splitsum::brdf::MODELS;
 use splitsum::environment::{Environment, LoadOptions, Placement};
@@ -94,13 +95,13 @@ fn bench() -> Option<Bench> {
 }
 
 /// Settings as the page's scripts name them, and what the renderer is asked for.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Serialize)]
 struct Setting {
     env: usize,
     model: usize,
     lobe: usize,
-    /// None: the materials of the scene.
-    surface: Option<Surface>,
+    #[serde(flatten)]
+    surface: Surface,
     diffuse: bool,
     n: u32,
     yaw: f64,
@@ -111,19 +112,20 @@ struct Setting {
     turn: f64,
 }
 
-#[derive(Clone, Copy, Debug)]
+/// What is `None` is the scene's own.
+#[derive(Clone, Copy, Debug, Serialize)]
 struct Surface {
-    albedo: [f32; 3],
-    metallic: f32,
-    f0: f32,
-    roughness: f32,
+    albedo: Option<[f32; 3]>,
+    metallic: Option<f32>,
+    f0: Option<f32>,
+    roughness: Option<f32>,
 }
 
 impl Surface {
-    const FIRST: Self = Self { albedo: [0.9, 0.5, 0.2], metallic: 0.0, f0: 0.04, roughness: 0.5 };
+    const OF_SCENE: Self = Self { albedo: None, metallic: None, f0: None, roughness: None };
 
-    fn at(metallic: f32, roughness: f32) -> Option<Self> {
-        Some(Self { metallic, roughness, ..Self::FIRST })
+    const fn at(metallic: f32, roughness: f32) -> Self {
+        Self { albedo: Some([0.9, 0.5, 0.2]), metallic: Some(metallic), f0: Some(0.04), roughness: Some(roughness) }
     }
 }
 
@@ -132,7 +134,7 @@ impl Setting {
         env: 0,
         model: 0,
         lobe: 0,
-        surface: Some(Surface::FIRST),
+        surface: Surface::at(0.0, 0.5),
         diffuse: true,
         n: 12,
         yaw: 0.0,
@@ -143,10 +145,8 @@ impl Setting {
     };
 
     fn script(&self) -> String {
-        let Self { env, model, lobe, surface, diffuse, n, yaw, pitch, distance, orientation, turn } = self;
-        let values = json!({ "env": env, "model": model, "lobe": lobe, "diffuse": diffuse, "n": n, "yaw": yaw, "pitch": pitch,
-            "distance": distance, "orientation": orientation, "turn": turn, "method": "sampled", "against": "split-sum", "mode": "error", "albedo": surface.map(|s| s.albedo),
-            "metallic": surface.map(|s| s.metallic), "f0": surface.map(|s| s.f0), "roughness": surface.map(|s| s.roughness) });
+        let mut values = json!(self);
+        (values["method"], values["against"], values["mode"]) = ("sampled".into(), "split-sum".into(), "error".into());
         format!("live.set({values}).then(() => null)")
     }
 
@@ -164,12 +164,9 @@ impl Setting {
         let of_run = plan.request(&plan.cells[0].point);
         let environment = Environment::load(ENVIRONMENTS[self.env], Path::new(""), &LoadOptions::default()).unwrap();
         let scene = Scene::load(SCENES[self.model], Path::new("")).unwrap();
-        let surface = self.surface.map_or(MaterialOverride::default(), |surface| MaterialOverride {
-            albedo: Some(surface.albedo),
-            metallic: Some(surface.metallic),
-            alpha: Some((surface.roughness * surface.roughness).max(1e-3)),
-            f0: Some([surface.f0; 3]),
-        });
+        let Surface { albedo, metallic, f0, roughness } = self.surface;
+        let alpha = roughness.map(|roughness| (roughness * roughness).max(1e-3));
+        let surface = MaterialOverride { albedo, metallic, alpha, f0: f0.map(|f0| [f0; 3]) };
         RenderRequest {
             environment: Arc::new(environment),
             camera: self.camera(&scene, size),
@@ -221,7 +218,7 @@ fn pixels_and_errors_are_those_of_the_renderer() {
             ..first
         },
         // More than a frame takes, on the scene's own materials.
-        Setting { model: 1, surface: None, n: 1024, yaw: 15.0, ..first },
+        Setting { model: 1, surface: Surface::OF_SCENE, n: 1024, yaw: 15.0, ..first },
         // Triangles.
         Setting { model: 2, surface: Surface::at(0.0, 0.6), pitch: 20.0, yaw: 15.0, ..first },
     ];
