@@ -1,6 +1,5 @@
 //! Every function of every BRDF model against its f64 twin.
 
-use crate::chi_square::{Random, fit_of_half_vectors};
 use crate::compare::{Tolerance, Worst, absolute, relative};
 use crate::harness::{Probe, rounded, rounded3, vec4, with_gpu, xyz};
 use glam::{DVec2, DVec3};
@@ -115,15 +114,24 @@ fn distributions_masking_and_fresnel() {
     });
 }
 
+/// What the shader draws is what its twin draws, with its density; and the weight of a light that is 1 everywhere.
 #[test]
-fn samples_of_d_and_their_density() {
+fn samples_and_their_densities() {
     with_gpu(|gpu| {
         for model in MODELS {
             let items = items(*model);
-            let mut sample = Worst::new(format!("{} sample_d across", model.name()), F32_DIRECTION);
-            let mut upright = Worst::new(format!("{} sample_d along n", model.name()), F32_DIRECTION);
-            let mut lobe = Worst::new(format!("{} lobe across", model.name()), F32_DIRECTION);
-            let mut pdf = Worst::new(format!("{} pdf_h", model.name()), F32_LOBE);
+            let worst = |what: &str, tolerance| Worst::new(format!("{} {what}", model.name()), tolerance);
+            let mut sample = worst("sample_d across", F32_DIRECTION);
+            let mut upright = worst("sample_d along n", F32_DIRECTION);
+            let mut lobe = worst("lobe across", F32_DIRECTION);
+            let mut pdf = worst("pdf_h", F32_LOBE);
+            // Slopes are in units of alpha; Beckmann's inversion ends flat where the last visible slope is.
+            let mut visible_slope = worst("visible slope", absolute(4e-6));
+            let mut visible_pdf = worst("pdf_visible_l", Tolerance { relative: 8e-6, floor: 1e-30 });
+            let mut visible_own = worst("pdf_visible_l of its sample", relative(8e-6));
+            let mut vndf_slope = worst("vndf slope", absolute(2e-5));
+            let mut vndf_pdf = worst("pdf_vndf_l of its sample", relative(1e-5));
+            let mut ratio = worst("d_over_pdf", relative(1e-5));
             for (item, out) in items.iter().zip(run(gpu, *model, MaskingShadowing::Separable, &items)) {
                 let h = model.sample_d(item.xi, item.alpha);
                 let across = |h: DVec3| DVec3::new(h.x, h.y, 0.0);
@@ -132,78 +140,25 @@ fn samples_of_d_and_their_density() {
                 upright.add(out[1][2], h.z, || item.case());
                 upright.add(out[2][2], h.z, || item.case());
                 pdf.add(out[2][3], model.d(h, item.alpha) * h.z, || item.case());
-            }
-            [sample, upright, lobe, pdf].into_iter().for_each(Worst::check);
-        }
-    });
-}
 
-#[test]
-fn visible_samples_and_their_density() {
-    with_gpu(|gpu| {
-        for model in MODELS {
-            let items = items(*model);
-            // In units of alpha.
-            const F32_SLOPE: Tolerance = absolute(4e-6);
-            let mut slope = Worst::new(format!("{} visible slope", model.name()), F32_SLOPE);
-            let mut pdf =
-                Worst::new(format!("{} pdf_visible_l", model.name()), Tolerance { relative: 8e-6, floor: 1e-30 });
-            let mut own = Worst::new(format!("{} pdf_visible_l of its sample", model.name()), relative(8e-6));
-            for (item, out) in items.iter().zip(run(gpu, *model, MaskingShadowing::Separable, &items)) {
-                let in_alpha = |h: DVec3| DVec3::new(h.x, h.y, 0.0) / (h.z * item.alpha);
+                let in_alpha = |h: DVec3| across(h) / (h.z * item.alpha);
+                let off = |sampled: DVec3, expected: DVec3| {
+                    (in_alpha(sampled) - in_alpha(expected)).length() / (1.0 + in_alpha(expected).length())
+                };
                 let (sampled, expected) = (xyz(out[3]), model.sample_visible(item.xi, item.v, item.alpha));
-                let off = (in_alpha(sampled) - in_alpha(expected)).length() / (1.0 + in_alpha(expected).length());
-                slope.add(off, 0.0, || format!("{sampled} against {expected}, {}", item.case()));
-                pdf.add(out[4][0], model.pdf_visible_l(item.v, item.h, item.alpha), || item.case());
-                own.add(out[4][1], model.pdf_visible_l(item.v, sampled, item.alpha), || item.case());
-            }
-            [slope, pdf, own].into_iter().for_each(Worst::check);
-        }
-    });
-}
+                visible_slope.add(off(sampled, expected), 0.0, || format!("{sampled} for {expected}, {}", item.case()));
+                visible_pdf.add(out[4][0], model.pdf_visible_l(item.v, item.h, item.alpha), || item.case());
+                visible_own.add(out[4][1], model.pdf_visible_l(item.v, sampled, item.alpha), || item.case());
 
-/// What the shader draws is what its twin draws, with its density, and the weight of a light that is 1 everywhere.
-#[test]
-fn drawn_visible_normals_and_their_density() {
-    with_gpu(|gpu| {
-        for model in MODELS {
-            let items = items(*model);
-            // In units of alpha; Beckmann's inversion ends flat where the last visible slope is.
-            let mut slope = Worst::new(format!("{} vndf slope", model.name()), absolute(2e-5));
-            let mut pdf = Worst::new(format!("{} pdf_vndf_l of its sample", model.name()), relative(1e-5));
-            let mut ratio = Worst::new(format!("{} d_over_pdf", model.name()), relative(1e-5));
-            for (item, out) in items.iter().zip(run(gpu, *model, MaskingShadowing::Separable, &items)) {
-                let in_alpha = |h: DVec3| DVec3::new(h.x, h.y, 0.0) / (h.z * item.alpha);
                 let (sampled, expected) = (xyz(out[7]), model.sample_vndf(item.xi, item.v, item.alpha));
-                let off = (in_alpha(sampled) - in_alpha(expected)).length() / (1.0 + in_alpha(expected).length());
-                slope.add(off, 0.0, || format!("{sampled} against {expected}, {}", item.case()));
+                vndf_slope.add(off(sampled, expected), 0.0, || format!("{sampled} for {expected}, {}", item.case()));
                 let density = model.pdf_vndf_l(item.v, sampled, item.alpha);
-                pdf.add(out[4][2], density, || item.case());
-                let d = model.d(sampled, item.alpha) / (4.0 * item.v.z * density);
-                ratio.add(out[4][3], d, || item.case());
+                vndf_pdf.add(out[4][2], density, || item.case());
+                ratio.add(out[4][3], model.d(sampled, item.alpha) / (4.0 * item.v.z * density), || item.case());
             }
-            [slope, pdf, ratio].into_iter().for_each(Worst::check);
-        }
-    });
-}
-
-/// The shader's own samples follow the density, by Pearson's test on half vectors.
-#[test]
-fn drawn_visible_normals_follow_their_density() {
-    const COUNT: usize = 20_000;
-    with_gpu(|gpu| {
-        for model in MODELS {
-            for (alpha, n_dot_v) in [(0.05, 0.3), (0.3, 0.05), (0.7, 0.9), (1.0, 0.3)] {
-                let v = rounded3(direction_from_polar((1.0f64 - n_dot_v * n_dot_v).sqrt(), n_dot_v, 0.15));
-                let mut random = Random((1000.0 * alpha) as u64);
-                let of_point = |xi: DVec2| Item { alpha, v, h: DVec3::Z, n_dot_l: 0.5, xi, l: DVec3::Z };
-                let items: Vec<Item> = (0..COUNT).map(|_| of_point(random.xi().as_vec2().as_dvec2())).collect();
-                let drawn: Vec<DVec3> =
-                    run(gpu, *model, MaskingShadowing::Separable, &items).iter().map(|out| xyz(out[7])).collect();
-                let pdf_h = |h: DVec3| model.pdf_vndf_l(v, h, alpha) * 4.0 * v.dot(h).abs();
-                let p = fit_of_half_vectors(alpha, pdf_h, &drawn);
-                assert!(p > 1e-3, "{} alpha {alpha} n_dot_v {n_dot_v}: p = {p}", model.name());
-            }
+            let of_d = [sample, upright, lobe, pdf];
+            let of_visible = [visible_slope, visible_pdf, visible_own, vndf_slope, vndf_pdf, ratio];
+            of_d.into_iter().chain(of_visible).for_each(Worst::check);
         }
     });
 }

@@ -1,9 +1,9 @@
 //! The g-buffer against its f64 twin.
 
 use crate::compare::{Tolerance, Worst, absolute, relative};
-use crate::gltf_files::{load, mesh, png, textured};
+use crate::gltf_files::{load, png, sheet, textured};
 use crate::harness::{poison_image, with_gpu};
-use serde_json::{Value, json};
+use serde_json::json;
 use splitsum::gbuffer::pass::{self, GbufferImages, SceneData};
 use splitsum::gbuffer::{Gbuffer, reference};
 use splitsum::gpu::Gpu;
@@ -121,16 +121,6 @@ fn mapped_sheet(is_double_sided: bool, z_scale: f64) -> Scene {
     let mut model = textured(sheet(), material, &[image(90, 60), image(10, 100), image(120, 110)]);
     model["nodes"][0]["scale"] = json!([1, 1, z_scale]);
     load(&model).expect("a readable file")
-}
-
-/// Two triangles that bend.
-fn sheet() -> Value {
-    let positions = [-1., -1., 0., 1., -1., 0.3, 1., 1., -0.2, -1., 1., 0.1];
-    let (normals, uvs) =
-        ([[-0.3, -0.1, 0.9], [0.4, -0.2, 0.9], [0.1, 0.5, 0.8], [-0.2, 0.3, 0.9]], [0., 0., 1., 0., 1., 1., 0., 1.]);
-    let attributes: [(&str, usize, &[f32]); 3] =
-        [("POSITION", 3, &positions), ("NORMAL", 3, &normals.concat()), ("TEXCOORD_0", 2, &uvs)];
-    mesh(&attributes, &[0, 1, 2, 0, 2, 3])
 }
 
 /// The sheet with a map of three to four texels a pixel: slow waves under a chequer of single texels, which every level but the first

@@ -82,54 +82,9 @@ fn entries_of_the_disk_cache_have_the_bits_of_new_tables() {
     }
 }
 
-/// Every request that differs from `base` in one field or one setting.
+/// Requests that differ from `base` in one field or one setting each.
 fn neighbours(base: &RenderRequest) -> Vec<RenderRequest> {
-    // Without `..`: a new field needs a neighbour below, if it can change an image.
-    let RenderRequest {
-        environment,
-        scene: _,
-        camera: _,
-        size,
-        shading,
-        reference_samples,
-        reference_error: _,
-        lights: _,
-        background,
-        antialias: _,
-        given: _,
-        seed,
-    } = base.clone();
-    let Shading {
-        placement,
-        environment_scale,
-        method: _,
-        diffuse: _,
-        brdf: _,
-        masking_shadowing: _,
-        compensation: _,
-        samples,
-        sequence: _,
-        point_set,
-        pixel_points: _,
-        lod_bias,
-        precompute,
-    } = shading;
-    let PrecomputeSettings {
-        layout: own,
-        prefilter_size: [width, height],
-        prefilter_level_count,
-        prefilter: _,
-        prefilter_sample_count,
-        level_mapping: _,
-        prefilter_weight: _,
-        prefilter_lod_bias,
-        dfg_size,
-        dfg_sample_count,
-        dfg_axes: _,
-        irradiance_size: [map_width, map_height],
-        irradiance_sample_count: [azimuths, polars],
-        storage,
-    } = precompute;
+    let PrecomputeSettings { layout: own, prefilter_level_count, level_mapping, .. } = base.shading.precompute;
     let side = 4 << prefilter_level_count;
     let texels = |level: u32| vec![[0.5, 0.4, 0.3, 1.0]; (own.face_count * (side >> level) * (side >> level)) as usize];
     let given_map = Arc::new(GivenMap {
@@ -137,7 +92,7 @@ fn neighbours(base: &RenderRequest) -> Vec<RenderRequest> {
         hash: "map".to_owned(),
         layout: own,
         side,
-        mapping: precompute.level_mapping,
+        mapping: level_mapping,
         levels: (0..prefilter_level_count).map(texels).collect(),
     });
     let texels = vec![[0.6, 0.1, 0.0, 1.0]; 16];
@@ -152,43 +107,43 @@ fn neighbours(base: &RenderRequest) -> Vec<RenderRequest> {
     let rough = MaterialOverride { alpha: Some(0.7), ..MaterialOverride::default() };
     let toward = DVec3::new(0.0, 0.6, 0.8);
     let light = Light { kind: LightKind::Directional, position_or_direction: toward, color: [1.0, 2.0, 3.0] };
-    let far = Camera::for_scene(CameraKind::Perspective, &base.scene, size);
+    let far = Camera::for_scene(CameraKind::Perspective, &base.scene, base.size);
     let layouts = LAYOUTS.iter().filter(|layout| *layout != own && layout.face_count == 1);
     let by_layout = layouts.map(|layout| set(&|s| s.layout = layout));
     let by_field = vec![
-        other(&|r| r.environment = Arc::new(environment.clipped(1.0))),
-        shaded(&|s| s.placement.orientation = placement.orientation + 1),
-        shaded(&|s| s.placement.rotation_deg = placement.rotation_deg + 40.0),
-        shaded(&|s| s.environment_scale = 3.0 * environment_scale),
+        other(&|r| r.environment = Arc::new(r.environment.clipped(1.0))),
+        shaded(&|s| s.placement.orientation += 1),
+        shaded(&|s| s.placement.rotation_deg += 40.0),
+        shaded(&|s| s.environment_scale *= 3.0),
         other(&|r| r.scene = Arc::new(r.scene.apply(&rough))),
         other(&|r| r.camera = far),
-        other(&|r| r.size = [size[0] + 3, size[1]]),
+        other(&|r| r.size[0] += 3),
         shaded(&|s| s.brdf = splitsum::brdf::MODELS[1]),
         shaded(&|s| s.masking_shadowing = MaskingShadowing::Correlated),
         shaded(&|s| s.compensation = Compensation::Turquin),
-        shaded(&|s| s.samples = samples + 8),
+        shaded(&|s| s.samples += 8),
         shaded(&|s| s.sequence = &SEQUENCES[1]),
-        shaded(&|s| s.point_set = point_set + 1),
+        shaded(&|s| s.point_set += 1),
         shaded(&|s| s.pixel_points = PixelPoints::Owen),
-        other(&|r| r.reference_samples = 2 * reference_samples),
+        other(&|r| r.reference_samples *= 2),
         other(&|r| r.reference_error = Some(0.5)),
-        shaded(&|s| s.lod_bias = lod_bias + 1.0),
+        shaded(&|s| s.lod_bias += 1.0),
         other(&|r| r.lights = vec![light]),
-        other(&|r| r.background = !background),
-        other(&|r| r.seed = seed + 1),
+        other(&|r| r.background = !r.background),
+        other(&|r| r.seed += 1),
         other(&|r| r.given.prefiltered = Some(given_map.clone())),
         other(&|r| r.given.dfg = Some(given_table.clone())),
-        set(&|s| s.prefilter_size = [2 * width, 2 * height]),
-        set(&|s| s.prefilter_level_count = prefilter_level_count + 1),
-        set(&|s| s.prefilter_sample_count = 2 * prefilter_sample_count),
+        set(&|s| s.prefilter_size = s.prefilter_size.map(|side| 2 * side)),
+        set(&|s| s.prefilter_level_count += 1),
+        set(&|s| s.prefilter_sample_count *= 2),
         set(&|s| s.prefilter = PrefilterBy::Harmonic),
-        set(&|s| s.prefilter_lod_bias = prefilter_lod_bias + 1.0),
-        set(&|s| s.dfg_size = 2 * dfg_size),
-        set(&|s| s.dfg_sample_count = 2 * dfg_sample_count),
+        set(&|s| s.prefilter_lod_bias += 1.0),
+        set(&|s| s.dfg_size *= 2),
+        set(&|s| s.dfg_sample_count *= 2),
         set(&|s| s.dfg_axes = DfgAxes::Centres),
-        set(&|s| s.irradiance_size = [2 * map_width, 2 * map_height]),
-        set(&|s| s.irradiance_sample_count = [2 * azimuths, 2 * polars]),
-        set(&|s| s.storage = if storage == StorageFormat::F16 { StorageFormat::F32 } else { StorageFormat::F16 }),
+        set(&|s| s.irradiance_size = s.irradiance_size.map(|side| 2 * side)),
+        set(&|s| s.irradiance_sample_count = s.irradiance_sample_count.map(|count| 2 * count)),
+        set(&|s| s.storage = if s.storage == StorageFormat::F16 { StorageFormat::F32 } else { StorageFormat::F16 }),
     ];
     // Two levels are the ends, which all mappings share.
     let by_mapping =

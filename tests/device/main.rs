@@ -4,8 +4,6 @@
 //! validation layer (core and synchronisation) and any message fails the test; `SPLITSUM_VALIDATION=0` turns the layer off.
 mod antialias;
 mod brdf;
-#[path = "../shared/chi_square.rs"]
-mod chi_square;
 mod compare;
 mod determinism;
 mod furnace;

@@ -5,7 +5,7 @@
 use crate::compare::{Tolerance, Worst};
 use crate::gbuffer::draw;
 use crate::harness::{poison_image, read_level, render_by_seeds, request, scene, with_gpu, with_pipeline};
-use crate::layouts::{filtered_environment, read_map};
+use crate::layouts::{check_texels, filtered_environment, read_map};
 use crate::methods::{EXACT, Sight, radiance, sights_in};
 use crate::tables::{coefficients, dfg_table, environment_image};
 use glam::{DVec2, DVec3, DVec4};
@@ -49,6 +49,8 @@ const F32_SUM: f64 = 1e-5;
 /// A random estimator draws a frame of so many pixels a side, of which so many are integrated.
 const MEAN_SIZE: u32 = 12;
 const MEAN_COUNT: usize = 5;
+/// One of so many texels is compared.
+const STEP: usize = 5;
 /// Some pixel's n_dot_v is below this.
 const GRAZING: f64 = 0.04;
 
@@ -397,27 +399,6 @@ fn every_diffuse_method_matches_its_f64_twin() {
     });
 }
 
-/// Holds the texels of a map to a twin of the value in a direction.
-fn check_texels(gpu: &Gpu, name: &str, map: &FilteredMap, level: usize, value: impl Fn(DVec3) -> DVec3 + Sync) {
-    const STEP: usize = 5;
-    let faces = &map.levels[level];
-    let mean = faces.iter().flat_map(|face| &face.data).map(|rgb| rgb.element_sum()).sum::<f64>()
-        / (3 * faces.len() * faces[0].data.len()) as f64;
-    let Tolerance { relative, floor } = lookup_tolerance(gpu);
-    let mut worst = Worst::new(format!("{name} level {level}"), Tolerance { relative, floor: floor * mean });
-    for (face, texels) in (0..).zip(faces) {
-        let size = DVec2::new(texels.width.into(), texels.height.into());
-        let places: Vec<u32> = (0..texels.data.len() as u32).step_by(STEP).collect();
-        let at = |i: &u32| DVec2::new((i % texels.width).into(), (i / texels.width).into());
-        let direction = |i: &u32| (map.layout.direction)(face, (at(i) + 0.5) / size);
-        let expected: Vec<DVec3> = places.par_iter().map(|i| value(direction(i))).collect();
-        for (i, expected) in places.iter().zip(expected) {
-            worst.add_rgb(texels.data[*i as usize], expected, || format!("face {face} texel {}", at(i)));
-        }
-    }
-    worst.check();
-}
-
 /// Far from convergence every texel is the sum over its own lookups, poles and all; 2,048 points take two dispatches.
 #[test]
 fn prefiltered_texels_meet_their_estimator() {
@@ -449,11 +430,12 @@ fn prefiltered_texels_meet_their_estimator() {
             let name = format!("{} {} {recipe:?} by {count}", environment.name, layout.name);
             let texels = |[width, height]: [u32; 2]| f64::from(width * height);
             let mirror = 0.5 * (texels(filtered.size()) / texels(map.size())).log2();
-            check_texels(gpu, &name, &map, 0, |r| filtered.value(r, mirror.max(0.0)));
+            let tolerance = lookup_tolerance(gpu);
+            check_texels(&name, &map, 0, STEP, tolerance, |r| filtered.value(r, mirror.max(0.0)));
             for level in 1..levels {
                 let alpha = recipe.mapping.alpha_from_mip(level.into(), levels);
                 let value = |r| estimate(&filtered, kernel, alpha, r, &points, lod_bias.into());
-                check_texels(gpu, &name, &map, level as usize, value);
+                check_texels(&name, &map, level as usize, STEP, tolerance, value);
             }
         }
     });
@@ -478,7 +460,7 @@ fn irradiance_maps_of_few_points_meet_their_twin() {
             irradiance::pass::run(gpu, layout, &on_device, [phi_count, theta_count], &map).unwrap();
             let step = [TAU / f64::from(phi_count), 0.25 * TAU / f64::from(theta_count)];
             let name = format!("irradiance {} {}", layout.name, environment.name);
-            check_texels(gpu, &name, &read_map(gpu, layout, &map), 0, |n| {
+            check_texels(&name, &read_map(gpu, layout, &map), 0, STEP, lookup_tolerance(gpu), |n| {
                 let frame = LocalFrame::from_normal(n);
                 let cells = (0..phi_count).flat_map(|i| (0..theta_count).map(move |j| [i, j]));
                 let terms = cells.map(|[i, j]| {

@@ -32,8 +32,9 @@ BB5:
 \ts_endpgm
 ";
 
-fn made() -> ShaderCounts {
-    ShaderCounts {
+#[test]
+fn instructions_are_counted_by_class_inside_and_outside_the_loop() {
+    let counts = ShaderCounts {
         outside: Counts {
             alu: 3.0,
             quarter: 1.0,
@@ -44,12 +45,8 @@ fn made() -> ShaderCounts {
         },
         inside: Counts { alu: 2.0, quarter: 2.0, scalar: 5.0, bilinear: 1.0, trilinear: 1.0, ..Counts::default() },
         other_loops: 0,
-    }
-}
-
-#[test]
-fn instructions_are_counted_by_class_inside_and_outside_the_loop() {
-    assert_eq!(count(MADE), Ok(made()));
+    };
+    assert_eq!(count(MADE), Ok(counts));
 }
 
 #[test]

@@ -2,7 +2,7 @@
 
 use splitsum::brdf::{Beckmann, Brdf, Ggx};
 use splitsum::environment::Environment;
-use splitsum::gpu::{HOST_FILES, code_hash, shader_code, shader_names};
+use splitsum::gpu::{code_hash, shader_code, shader_names};
 use splitsum::pipeline::{CACHE_BYTES, DiskCache, Recent, RenderRequest, shaders_of_kept};
 use splitsum::pixels::RgbImage;
 use splitsum::scene::{CameraKind, Scene};
@@ -149,24 +149,6 @@ fn a_reference_outlives_a_change_of_every_shader_but_its_own() {
         }
     }
     assert!(shaders_of_kept(&request(&Ggx, "sampled", "none")).is_none());
-}
-
-#[test]
-fn cache_keys_contain_the_host_code_that_makes_the_entries() {
-    for file in [
-        "environment/distribution.rs",
-        "shade/reference_pass.rs",
-        "shade/pass.rs",
-        "pipeline/kept_reference.rs",
-        "lib.rs",
-        // The prefiltered map is made on the host.
-        "brdf/ggx.rs",
-        "math/harmonics/mod.rs",
-    ] {
-        assert!(HOST_FILES.contains(&file), "{file}");
-    }
-    let is_twin = |file: &&&str| file.starts_with("shade/method/") || file.starts_with("study/");
-    assert_eq!(HOST_FILES.iter().filter(is_twin).collect::<Vec<_>>(), Vec::<&&str>::new());
 }
 
 #[test]

@@ -1,6 +1,7 @@
 //! The ladder's integrals against sums over a latitude-longitude grid, written from the formulas alone: no frame, BRDF or lookup of the
 //! program is used, and kernels are functions of cosines, without half vectors.
 
+use crate::chi_square::Random;
 use glam::DVec3;
 use rayon::prelude::*;
 use splitsum::brdf::Brdf;
@@ -24,10 +25,7 @@ const ROUGH: Tolerance = Tolerance { relative: 1e-4, ..TOLERANCE };
 
 /// The k-th of some numbers in [0, 1) without order.
 fn random(k: u64) -> f64 {
-    let mut x = k.wrapping_add(1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
-    x = (x ^ x >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-    x = (x ^ x >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);
-    (x ^ x >> 31) as f64 / u64::MAX as f64
+    Random(k.wrapping_mul(0x9e37_79b9_7f4a_7c15)).next()
 }
 
 /// Rough light with a lamp that is 40 times as bright, and light at both poles.

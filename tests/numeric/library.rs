@@ -6,8 +6,6 @@ use std::process::Command;
 
 /// Crates of a build without features, this one among them.
 const CRATES_MAX: usize = 60;
-/// Lines of an example.
-const LINES_MAX: usize = 25;
 
 fn crates(arguments: &[&str]) -> BTreeSet<String> {
     let tree = ["tree", "--offline", "--locked", "--edges", "normal,build", "--prefix", "none", "--no-dedupe"];
@@ -26,15 +24,4 @@ fn the_cpu_part_needs_few_crates_and_no_device() {
     assert!(device.iter().all(|name| !has(&found, name)), "{found:#?}");
     let whole = crates(&[]);
     assert!(device.iter().all(|name| has(&whole, name)), "{whole:#?}");
-}
-
-#[test]
-fn examples_are_short() {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples");
-    let files: Vec<_> = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect();
-    assert!(files.len() >= 5, "{files:?}");
-    for file in files {
-        let lines = std::fs::read_to_string(&file).unwrap().lines().count();
-        assert!(lines <= LINES_MAX, "{}: {lines} lines", file.display());
-    }
 }

@@ -1,7 +1,6 @@
 //! numeric tests
 mod bakes;
 mod brdf;
-#[path = "../shared/chi_square.rs"]
 mod chi_square;
 mod color;
 mod cost;

@@ -111,22 +111,16 @@ fn equal_images_have_the_best_scores() {
         };
         assert_eq!(value, best, "{name}");
     }
-    assert_eq!(f64::INFINITY.to_string(), "inf");
 }
 
 #[test]
-fn signs_and_bounds() {
+fn bounds_at_black() {
     let [test, reference] = noisy_pair(16, 16);
-    let brighter = reference.map(|pixel| pixel.map(|value| value * 1.25));
-    assert_relative(score(&brighter, &reference, &whole(&test), "bias_rel"), 0.25, F32_STORAGE, "gained energy");
-    assert_relative(score(&reference, &brighter, &whole(&test), "bias_rel"), -0.2, F32_STORAGE, "lost energy");
     let black = RgbImage::filled(16, 16, [0.0; 3]);
     assert_eq!(score(&black, &black, &whole(&test), "bias_rel"), 0.0);
     assert_eq!(score(&test, &black, &whole(&test), "bias_rel"), f64::INFINITY);
     let smape = score(&black, &reference.map(|pixel| pixel.map(|value| value + 1e6)), &whole(&test), "smape");
     assert!(smape < 1.0 && smape > 0.999_999, "{smape}");
-    let pair = |a, b| score(a, b, &whole(&test), "smape");
-    assert_eq!(pair(&test, &reference), pair(&reference, &test));
 }
 
 #[test]

@@ -19,16 +19,6 @@ fn put(folder: &TempDir, name: &str, bytes: &[u8]) -> PathBuf {
     path
 }
 
-/// Pseudo-random 64-bit words (xorshift).
-pub fn words(mut state: u64) -> impl FnMut() -> u64 {
-    move || {
-        state ^= state << 13;
-        state ^= state >> 7;
-        state ^= state << 17;
-        state
-    }
-}
-
 #[test]
 fn shrinking_keeps_the_area_weighted_mean() {
     // 5 columns to 2: the third one is shared by halves.

@@ -2,6 +2,7 @@
 
 use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
+use glam::Vec3;
 use serde_json::{Value, json};
 use splitsum::scene::{Scene, SceneFiles};
 use std::io::{Error, ErrorKind};
@@ -66,6 +67,15 @@ pub fn mesh(attributes: &[(&str, usize, &[f32])], indices: &[u16]) -> Value {
         "bufferViews": (0..).zip(&buffers).map(|(i, b)| json!({ "buffer": i, "byteLength": b.len() })).collect::<Vec<_>>(),
         "buffers": buffers.iter().map(|b| json!({ "uri": data(b), "byteLength": b.len() })).collect::<Vec<_>>(),
     })
+}
+
+/// A bent sheet of two triangles with unequal normals, so that a wrong transform of either shows.
+pub fn sheet() -> Value {
+    let positions = [-1., -1., 0., 1., -1., 0.3, 1., 1., -0.2, -1., 1., 0.1];
+    let normals = [[-0.3, -0.1, 1.0], [0.4, -0.2, 1.0], [0.1, 0.5, 1.0], [-0.2, 0.3, 1.0]];
+    let normals = normals.map(|n| Vec3::from_array(n).normalize().to_array()).concat();
+    let uvs = [0., 0., 1., 0., 1., 1., 0., 1.];
+    mesh(&[("POSITION", 3, &positions), ("NORMAL", 3, &normals), ("TEXCOORD_0", 2, &uvs)], &[0, 1, 2, 0, 2, 3])
 }
 
 /// Gives the material of `model` maps: (place, image), each its own texture.

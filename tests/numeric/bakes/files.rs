@@ -1,8 +1,21 @@
 //! Files of every container, made here.
 
+use glam::{DVec2, DVec3};
 use ktx2::{Header, Index, LevelIndex, SupercompressionScheme};
 use ruzstd::encoding::{CompressionLevel, compress_to_vec};
 use splitsum::bakes::container::Texel;
+use splitsum::environment::layout::MapLayout;
+use splitsum::pixels::RgbImage;
+
+/// The faces of a level by the value in the direction of each texel.
+pub fn faces(layout: &MapLayout, [width, height]: [u32; 2], value: impl Fn(DVec3) -> DVec3) -> Vec<RgbImage> {
+    let size = DVec2::new(width.into(), height.into());
+    let texel = |face: u32, x: u32, y: u32| {
+        let uv = (DVec2::new(x.into(), y.into()) + 0.5) / size;
+        value((layout.direction)(face, uv)).as_vec3().to_array()
+    };
+    (0..layout.face_count).map(|face| RgbImage::from_fn(width, height, |x, y| texel(face, x, y))).collect()
+}
 
 /// A level's faces, each as its bytes.
 pub type Level = Vec<Vec<u8>>;

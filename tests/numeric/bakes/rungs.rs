@@ -1,5 +1,6 @@
 //! What given tables do to an image, by lights and tables whose error is known in closed form.
 
+use super::files::faces;
 use glam::{DVec2, DVec3};
 use splitsum::bakes::check::Truth;
 use splitsum::bakes::check::image::{ALPHAS, COUNT, ImageScore, score};
@@ -23,13 +24,7 @@ fn scored(light: &Environment, bake: &Bake, convention: &Convention) -> Vec<Imag
 
 /// Levels of the widths [`ALPHAS`], by direction.
 fn map(axes: Axes, value: impl Fn(usize, DVec3) -> DVec3) -> Map {
-    let level = |k: usize| {
-        let texel = |face: u32, x: u32, y: u32| {
-            let uv = (DVec2::new(x.into(), y.into()) + 0.5) / f64::from(SIDE);
-            value(k, axes.to_world((LAYOUTS[0].direction)(face, uv))).as_vec3().to_array()
-        };
-        (0..6).map(|face| RgbImage::from_fn(SIDE, SIDE, |x, y| texel(face, x, y))).collect()
-    };
+    let level = |k: usize| faces(&LAYOUTS[0], [SIDE; 2], |d| value(k, axes.to_world(d)));
     Map { layout: &LAYOUTS[0], levels: (0..ALPHAS.len()).map(level).collect() }
 }
 

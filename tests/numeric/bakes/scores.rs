@@ -1,5 +1,6 @@
 //! What the judge of bakes finds: errors, axes, widths and gains, conventions of tables and of SH, on bakes that are made here.
 
+use super::files::faces;
 use glam::{DVec2, DVec3};
 use splitsum::bakes::check::{Truth, guess, level, sh as sh_score, table};
 use splitsum::bakes::convention::{Axes, PRESETS, Preset, TABLE_AXES, TABLE_CHANNELS};
@@ -45,13 +46,8 @@ fn exact_map(truth: &Truth, layout: usize, axes: Axes, change: impl Fn(f64) -> (
     let layout = &LAYOUTS[layout];
     let level = |alpha: &f64| {
         let (alpha, gain) = change(*alpha);
-        let map = truth.prefiltered(alpha);
-        let [width, height] = if layout.name == "equirect" { [48, 24] } else { [24, 24] };
-        let texel = |face: u32, x: u32, y: u32| {
-            let uv = (DVec2::new(x.into(), y.into()) + 0.5) / DVec2::new(width.into(), height.into());
-            (gain * map.value(axes.to_world((layout.direction)(face, uv)))).as_vec3().to_array()
-        };
-        (0..layout.face_count).map(|face| RgbImage::from_fn(width, height, |x, y| texel(face, x, y))).collect()
+        let (map, width) = (truth.prefiltered(alpha), if layout.name == "equirect" { 48 } else { 24 });
+        faces(layout, [width, 24], |d| gain * map.value(axes.to_world(d)))
     };
     Map { layout, levels: ALPHAS.iter().map(level).collect() }
 }
@@ -145,11 +141,7 @@ fn a_light_is_known_by_a_mirror_and_by_levels_of_other_widths() {
         let fits = guess::axes(&truth, map, &convention).unwrap();
         assert!(fits[0].axes == Axes::SAME && fits[0].correlation > guess::SAME_LIGHT, "{}", guess::in_words(&fits));
     };
-    let texel = |face, x: u32, y: u32| {
-        let uv = (DVec2::new(x.into(), y.into()) + 0.5) / 64.0;
-        light.radiance((LAYOUTS[0].direction)(face, uv)).as_vec3().to_array()
-    };
-    let mirror = (0..6).map(|face| RgbImage::from_fn(64, 64, |x, y| texel(face, x, y))).collect();
+    let mirror = faces(&LAYOUTS[0], [64; 2], |d| light.radiance(d));
     known(&[0.0], &Map { layout: &LAYOUTS[0], levels: vec![mirror] });
     known(&[0.3, 0.5, 1.0], &exact_map(&truth, 0, Axes::SAME, |alpha| (alpha, 1.0)));
 }
@@ -175,13 +167,7 @@ fn lookups_between_texels_are_judged() {
     let mut convention = PRESETS[0].convention();
     (convention.alphas, convention.scale) = (Some(ALPHAS.to_vec()), 0.5);
     let exact = |alpha, direction: DVec3| truth.prefiltered(alpha).value(direction);
-    let level = |alpha: &f64| {
-        let texel = |face| {
-            let direction = (LAYOUTS[0].direction)(face, DVec2::splat(0.5));
-            RgbImage::filled(1, 1, (exact(*alpha, direction) / 0.5).as_vec3().to_array())
-        };
-        (0..6).map(texel).collect()
-    };
+    let level = |alpha: &f64| faces(&LAYOUTS[0], [1; 2], |d| exact(*alpha, d) / 0.5);
     let map = Map { layout: &LAYOUTS[0], levels: ALPHAS.iter().map(level).collect() };
     let unit = |axis: usize, sign: f64| DVec3::from_array(std::array::from_fn(|i| if i == axis { sign } else { 0.0 }));
     for score in level::score(&truth, &map, &convention).unwrap() {

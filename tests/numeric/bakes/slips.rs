@@ -1,7 +1,8 @@
 //! Slips put into an exact bake are named by the judge.
 
+use super::files::faces;
 use super::scores::marked_light;
-use glam::{DVec2, DVec3};
+use glam::DVec3;
 use splitsum::bakes::check::{Judged, Judging, Truth};
 use splitsum::bakes::{Bake, Map, Told};
 use splitsum::brdf::Ggx;
@@ -16,18 +17,12 @@ const ALPHAS: [f64; 3] = [0.1, 0.2, 0.6];
 
 /// The exact cube of these widths, along turned directions.
 fn cube(truth: &Truth, alphas: &[f64], turn: impl Fn(DVec3) -> DVec3) -> Map {
-    let layout = &LAYOUTS[0];
     let level = |alpha: &f64| {
         let map = (*alpha > 0.0).then(|| truth.prefiltered(*alpha));
-        let texel = |face: u32, x: u32, y: u32| {
-            let uv = (DVec2::new(x.into(), y.into()) + 0.5) / f64::from(SIDE);
-            let direction = turn((layout.direction)(face, uv));
-            let value = map.as_ref().map_or_else(|| truth.environment.radiance(direction), |map| map.value(direction));
-            value.as_vec3().to_array()
-        };
-        (0..6).map(|face| RgbImage::from_fn(SIDE, SIDE, |x, y| texel(face, x, y))).collect()
+        let value = |d| map.as_ref().map_or_else(|| truth.environment.radiance(d), |map| map.value(d));
+        faces(&LAYOUTS[0], [SIDE; 2], |d| value(turn(d)))
     };
-    Map { layout, levels: alphas.iter().map(level).collect() }
+    Map { layout: &LAYOUTS[0], levels: alphas.iter().map(level).collect() }
 }
 
 fn judged(light: &Environment, map: Map, alphas: Option<&[f64]>) -> Judged {

@@ -1,13 +1,13 @@
 //! Experiment files: every fault is reported at once with its place, and right files are taken.
 
+use super::planned;
 use crate::snapshot::{assert_snapshot, without_lists};
 use splitsum::experiment::Plan;
-use splitsum::experiment::axis::AXES;
-use std::path::Path;
+use splitsum::experiment::axis::{ALPHA, AXES};
 
 /// The faults of `text` as the file `e.toml`, one a line.
 fn faults(text: &str, set: &[&str]) -> Vec<String> {
-    match Plan::from_text(Path::new("e.toml"), text, &set.iter().map(|text| (*text).to_owned()).collect::<Vec<_>>()) {
+    match planned(text, set) {
         Ok(_) => Vec::new(),
         Err(error) => error.to_string().lines().map(without_lists).collect(),
     }
@@ -220,8 +220,19 @@ pub fn values(plan: &Plan, axis: &str) -> Vec<String> {
 }
 
 fn plan(text: &str, set: &[&str]) -> Plan {
-    let set: Vec<String> = set.iter().map(|text| (*text).to_owned()).collect();
-    Plan::from_text(Path::new("e.toml"), text, &set).unwrap_or_else(|error| panic!("{error}"))
+    planned(text, set).unwrap_or_else(|error| panic!("{error}"))
+}
+
+#[test]
+fn asks_have_a_metric_and_rows_and_change_no_cell() {
+    let text = "name = \"x\"\n[axes]\nmethod = [\"split-sum\"]\n";
+    let asks = "asks = [\"error\", { question = \"effect\", by = \"perceptual_roughness\" }]\nmetric = \"flip\"\n";
+    let (plain, asking) = (plan(text, &[]), plan(&format!("{asks}{text}"), &[]));
+    assert_eq!((plain.config.asks.len(), plain.config.metric), (0, splitsum::metrics::HEADLINE));
+    let asked: Vec<_> = asking.config.asks.iter().map(|ask| (&*ask.question, ask.by.as_ref().map(|by| by.0))).collect();
+    assert_eq!((asked, asking.config.metric), (vec![("error", None), ("effect", Some(ALPHA))], "flip"));
+    // What is asked of the rows is not part of them.
+    assert_eq!(asking.hash, plain.hash);
 }
 
 #[test]

@@ -1,17 +1,13 @@
-//! Axes have names, and facts that all of the program goes by; a second name stands for values of the first.
+//! Names of axes: a second one is another way to write values of the first.
 
+use super::planned;
 use splitsum::experiment::Plan;
-use splitsum::experiment::axis::{ALPHA, AXES, Named, Part};
+use splitsum::experiment::axis::ALPHA;
 use splitsum::experiment::inputs::short_names;
 use splitsum::experiment::value::ALPHA_MIN;
-use splitsum::precompute::{PrecomputeSettings, PrefilterBy};
-use std::collections::BTreeSet;
-use std::path::Path;
 
 fn plan(axes: &str, set: &[&str]) -> Plan {
-    let set: Vec<String> = set.iter().map(|text| text.to_string()).collect();
-    let text = format!("name = \"x\"\n[axes]\n{axes}\n");
-    Plan::from_text(Path::new("e.toml"), &text, &set).unwrap_or_else(|error| panic!("{error}"))
+    planned(&format!("name = \"x\"\n[axes]\n{axes}\n"), set).unwrap_or_else(|error| panic!("{error}"))
 }
 
 fn ids(plan: &Plan) -> Vec<&str> {
@@ -48,25 +44,6 @@ fn cells_are_labelled_by_the_name_that_the_experiment_uses() {
     assert_eq!(labels("alpha = [0.09, 0.25]", &[]), ["alpha=0.09", "alpha=0.25"]);
     // Not every f0 has an index of refraction that was written.
     assert_eq!(labels("ior = [1.5, 2]", &[]), ["f0=0.04", "f0=0.1111"]);
-}
-
-#[test]
-fn every_fact_of_the_list_is_one_that_the_program_knows() {
-    let names: Vec<&str> = Named::all().map(Named::name).collect();
-    assert_eq!(names.iter().collect::<BTreeSet<_>>().len(), names.len());
-    let plurals: BTreeSet<&str> = AXES.iter().map(|axis| axis.plural).collect();
-    assert_eq!(plurals.len(), AXES.len());
-    for axis in AXES {
-        assert!(!axis.about.is_empty() && !axis.plural.is_empty(), "{}", axis.name);
-        for table in axis.feeds {
-            let sampled = PrecomputeSettings { prefilter: PrefilterBy::Sampled, ..PrecomputeSettings::default() };
-            let has_samples = sampled.samples_of(table).is_some();
-            assert!(has_samples || ["mips", "sh9"].contains(table), "{}: {table}", axis.name);
-        }
-        // A setting of a table reaches one, and its cost.
-        assert!(axis.part != Part::Table || axis.tables_cost && !axis.feeds.is_empty(), "{}", axis.name);
-        assert!(axis.frames_cost || !axis.is_compared, "{}", axis.name);
-    }
 }
 
 /// A method in a file counts by its text: a renamed file keeps its cells, a changed one loses them and no reference.

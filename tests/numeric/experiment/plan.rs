@@ -1,6 +1,7 @@
 //! Counts, ids and groups of plans.
 
 use super::config::values;
+use super::planned;
 use splitsum::bakes::container::{Encoding, FORMATS, TEXELS};
 use splitsum::environment::LoadOptions;
 use splitsum::experiment::axis::{AXES, Axis, Part, SCENE};
@@ -13,7 +14,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 fn plan(text: &str) -> Plan {
-    Plan::from_text(Path::new("e.toml"), text, &[]).unwrap_or_else(|error| panic!("{error}"))
+    planned(text, &[]).unwrap_or_else(|error| panic!("{error}"))
 }
 
 const SWEEP: &str = r#"
@@ -74,8 +75,7 @@ fn an_exclusion_is_idle_by_the_file_alone() {
          [[exclude]]\nmethod = \"split-sum\"\nexposure = 1\nsamples = 40\nwhy = \"hidden\"\n"
     );
     let idle = |set: &str| {
-        let plan = Plan::from_text(Path::new("x.toml"), &text, &[set.to_owned()]).unwrap();
-        let told = plan.warnings();
+        let told = planned(&text, &[set]).unwrap().warnings();
         ["used", "hidden"].map(|why| told.iter().any(|line| line.contains(&format!("{why:?} matches no"))))
     };
     assert_eq!(idle("method=sampled"), [false, true]);
@@ -89,9 +89,9 @@ fn sample_counts_of_maps_by_harmonics_are_reported_as_idle() {
             "name = \"x\"\n[axes]\nmethod = [\"split-sum\", \"sampled\"]\nalpha = [0.5]\nprefilter = {by}\nprefilter_sample_count = [16, 64]\n"
         )
     };
-    let told = |by: &str| Plan::from_text(Path::new("x.toml"), &text(by), &[]).unwrap().warnings();
+    let told = |by: &str| plan(&text(by)).warnings();
     let [warning] = &told("[\"harmonic\"]")[..] else { panic!("{:?}", told("[\"harmonic\"]")) };
-    assert!(warning.starts_with("x.toml:6:27: prefilter_sample_count: its 2 values give one cell"), "{warning}");
+    assert!(warning.starts_with("e.toml:6:27: prefilter_sample_count: its 2 values give one cell"), "{warning}");
     assert!(told("[\"sampled\"]").is_empty() && told("[\"harmonic\", \"sampled\"]").is_empty());
 }
 
@@ -100,10 +100,10 @@ fn metals_that_an_albedo_of_0_makes_black_are_reported() {
     let told = |scene: &str, axes: &str| {
         let text =
             format!("name = \"x\"\n[axes]\nscene = [\"{scene}\"]\nalpha = [0.2, 0.5]\nalbedo = [0, 0.5]\n{axes}");
-        Plan::from_text(Path::new("x.toml"), &text, &[]).unwrap().warnings()
+        plan(&text).warnings()
     };
     let [warning] = &told("spheres", "")[..] else { panic!("{:?}", told("spheres", "")) };
-    assert!(warning.starts_with("x.toml:5:11: albedo: 0 makes the metals of spheres black"), "{warning}");
+    assert!(warning.starts_with("e.toml:5:11: albedo: 0 makes the metals of spheres black"), "{warning}");
     assert!(told("spheres", "metallic = [0]\n").is_empty() && told("sphere", "").is_empty());
 }
 
@@ -314,8 +314,7 @@ fn a_reference_under_test_does_not_stop_by_itself() {
             "name = \"x\"\nreference = {{ samples = 4096{error} }}\n[axes]\nmethod = [\"reference\", \"sampled\"]\nsamples = [64, 128]\ndiffuse = [\"reference\"]\n"
         )
     };
-    let plan = |error: &str| Plan::from_text(Path::new("e.toml"), &text(error), &[]).unwrap();
-    let (stopping, fixed) = (plan(", relative_error = 0.05"), plan(""));
+    let (stopping, fixed) = (plan(&text(", relative_error = 0.05")), plan(&text("")));
     for (cell, same) in stopping.cells.iter().zip(&fixed.cells) {
         let is_under_test = cell.point.get("method").text() == "reference";
         let request = stopping.request(&cell.point);

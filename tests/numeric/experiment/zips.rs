@@ -1,15 +1,13 @@
 //! `--set` of axes that vary together: rows are kept whole.
 
-use splitsum::experiment::Plan;
-use std::path::Path;
+use super::planned;
 
 const ZIPPED: &str = "name = \"x\"\n[axes]\nbrdf = [\"ggx\", \"phong\"]\nalpha = [0.1, 0.5, 1]\nsamples = [4, 16, 64]\n\
                       [[zip]]\naxes = [\"alpha\", \"samples\"]\n";
 
 /// Rows of model, alpha and samples, or the faults.
 fn rows(overrides: &[&str]) -> Result<Vec<String>, String> {
-    let overrides: Vec<String> = overrides.iter().map(|text| text.to_string()).collect();
-    let plan = Plan::from_text(Path::new("e.toml"), ZIPPED, &overrides).map_err(|error| error.to_string())?;
+    let plan = planned(ZIPPED, overrides).map_err(|error| error.to_string())?;
     let row = |cell: &splitsum::experiment::Cell| {
         ["brdf", "alpha", "samples"].map(|axis| cell.point.get(axis).to_string()).join(" ")
     };

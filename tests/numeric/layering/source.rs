@@ -1,59 +1,17 @@
-//! Source files read as the compiler reads them: code, comments, and the paths that code names.
+//! Source files: code, comments, and the paths that code names.
 
 use std::collections::BTreeSet;
 use std::path::Path;
 
-/// A source text taken apart: code without comments and literals, and the comments without their markers, one space a line break.
-#[derive(Default)]
-pub struct Text {
-    pub code: String,
-    pub comments: String,
+/// Code without comments. Paths in literals stay: they make rules stricter.
+pub fn code(source: &str) -> String {
+    source.lines().map(|line| line.split("//").next().unwrap_or_default()).collect::<Vec<_>>().join("\n")
 }
 
-impl Text {
-    pub fn of(source: &str) -> Self {
-        let chars: Vec<char> = source.chars().collect();
-        let at = |i: usize| chars.get(i).copied().unwrap_or('\0');
-        let find = |from: usize, end: &str| {
-            let end: Vec<char> = end.chars().collect();
-            (from..chars.len()).find(|&i| chars[i..].starts_with(&end)).map_or(chars.len(), |i| i + end.len())
-        };
-        let mut text = Self::default();
-        let mut i = 0;
-        while i < chars.len() {
-            i = match (at(i), at(i + 1)) {
-                ('/', '/') => {
-                    let end = find(i, "\n");
-                    let line: String = chars[i..end].iter().collect();
-                    text.comments += line.trim_start_matches(['/', '!']).trim();
-                    text.comments.push(' ');
-                    text.code.push('\n');
-                    end
-                }
-                ('/', '*') => find(i, "*/"),
-                ('r', '"' | '#') if !at(i.wrapping_sub(1)).is_alphanumeric() && at(i.wrapping_sub(1)) != '_' => {
-                    let hashes = chars[i + 1..].iter().take_while(|c| **c == '#').count();
-                    let quote = i + 1 + hashes;
-                    // A raw identifier (r#type) has no quote.
-                    if at(quote) == '"' { find(quote + 1, &format!("\"{}", "#".repeat(hashes))) } else { quote }
-                }
-                ('"', _) => {
-                    let mut end = i + 1;
-                    while end < chars.len() && at(end) != '"' {
-                        end += if at(end) == '\\' { 2 } else { 1 };
-                    }
-                    end + 1
-                }
-                ('\'', '\\') => find(i + 3, "'"),
-                ('\'', _) if at(i + 2) == '\'' => i + 3,
-                (c, _) => {
-                    text.code.push(c);
-                    i + 1
-                }
-            };
-        }
-        text
-    }
+/// Comments without their markers, one space a line break.
+pub fn comments(source: &str) -> String {
+    let comments = source.lines().filter_map(|line| line.split_once("//"));
+    comments.map(|(_, comment)| comment.trim_start_matches(['/', '!']).trim()).collect::<Vec<_>>().join(" ")
 }
 
 /// Identifiers of a text, with where each begins.

@@ -1,6 +1,6 @@
 //! Half floats against the crate `half`, which shares no code with them.
 
-use super::words;
+use crate::chi_square::Random;
 use half::f16;
 use splitsum::pixels::half::{from_bits, to_bits};
 
@@ -20,8 +20,8 @@ fn numbers_round_to_the_nearest_half() {
     // Halfway between neighbours and one step beside it, and any f32.
     let halfway = (0..0x7c00).map(|bits| 0.5 * (from_bits(bits) + f16::from_bits(bits + 1).to_f32().min(65536.0)));
     let beside = halfway.flat_map(|x| [x.next_down(), x, x.next_up()]);
-    let mut random = words(7);
-    let any = (0..1_000_000).map(|_| f32::from_bits(random() as u32));
+    let mut random = Random(7);
+    let any = (0..1_000_000).map(|_| f32::from_bits(random.word() as u32));
     for value in beside.chain(any).chain([f32::INFINITY, f32::MIN_POSITIVE, 0.0]).flat_map(|x| [x, -x]) {
         let expected = f16::from_f32(value);
         let found = to_bits(value);

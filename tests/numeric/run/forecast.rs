@@ -1,13 +1,14 @@
 //! The predicted time of a run, with a made clock.
 
-use super::runs::{Bench, fakes, log, options, plan};
+use super::runs::{Bench, Each, fakes, log, options, plan};
+use super::timing_ratios::record;
 use super::whole::EXPERIMENT;
 use splitsum::experiment::{Cell, Plan};
-use splitsum::run::estimate::{Ahead, Forecast, Host, Speeds, SpeedsFile, Steps, Work, file_bytes};
+use splitsum::run::estimate::{Forecast, Host, Speeds, SpeedsFile, Steps, Work, file_bytes};
 use splitsum::run::statistics::Random;
 use splitsum::run::store::Spent;
-use splitsum::run::timing::{self, PassSamples, TimingJob, TimingRecord};
-use splitsum::run::{MakeRenderer, Progress, Renderer, RunOptions, run};
+use splitsum::run::timing::{self, TimingJob, TimingRecord};
+use splitsum::run::{MakeRenderer, Renderer, RunOptions, run};
 use std::sync::atomic::AtomicBool;
 
 /// Cheap and dear cells in the order of a file that goes from the cheap to the dear; the dearest takes a thousand times as long as the cheapest.
@@ -84,19 +85,12 @@ fn simulated(plan: &Plan, truth: Truth, speeds: Speeds, is_cpu_device: bool) -> 
 fn timed(job: &TimingJob, ms: f64) -> TimingRecord {
     TimingRecord {
         cell: job.cell.id.clone(),
-        phase: job.phase.to_owned(),
         block: job.block.clone(),
         environment_size: job.environment_size,
         size: job.size,
         axes: job.axes.clone(),
-        warmup: 2,
-        rounds: Vec::new(),
-        passes: Vec::<PassSamples>::new(),
         wall_ms: vec![ms; 3],
-        device: String::new(),
-        device_type: "cpu".to_owned(),
-        driver: String::new(),
-        host: Default::default(),
+        ..record(job.phase, &[], &[])
     }
 }
 
@@ -156,31 +150,15 @@ fn shared_work_counts_once_and_kept_references_not_at_all() {
     assert!((0.5..2.0).contains(&(stated / bytes as f64)), "{stated} bytes for {bytes}");
 }
 
-/// What is ahead at each step.
-#[derive(Default)]
-struct Shares(Vec<Ahead>);
-
-impl Progress for Shares {
-    fn start(&mut self, _: usize, _: usize, ahead: Ahead) {
-        self.0.push(ahead);
-    }
-
-    fn step(&mut self, _: &str, _: Option<&str>, ahead: Ahead) {
-        self.0.push(ahead);
-    }
-
-    fn note(&mut self, _: &str) {}
-}
-
 #[test]
 fn a_run_predicts_its_time_and_keeps_its_speeds() {
     let bench = Bench::new(&format!("{EXPERIMENT}[timing]\nwarmup = 1\nrounds = 3\n"));
     let cache = tempfile::tempdir().unwrap();
     let (stop, file) = (AtomicBool::new(false), cache.path().join("speeds.json"));
     let options = RunOptions { speeds: Some(file.clone()), ..options(bench.dir.path(), &stop) };
-    let mut shares = Shares::default();
-    run(&bench.plan, &mut fakes(&log()) as &mut MakeRenderer, &options, &mut shares).unwrap();
-    let shares = shares.0;
+    let mut shares = Vec::new();
+    let mut progress = Each(|_: &str, ahead| shares.push(ahead));
+    run(&bench.plan, &mut fakes(&log()) as &mut MakeRenderer, &options, &mut progress).unwrap();
     assert_eq!(shares.len(), 1 + 32 + 12);
     assert!(shares[0].share == 0.0 && shares[0].seconds > 0.0);
     // Tables and pages are still to come.

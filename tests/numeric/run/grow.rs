@@ -1,15 +1,13 @@
 //! Larger plans that go on in the folder of a smaller run.
 
 use super::runs::{
-    Bench, assert_like_whole, contents, fakes, finished, invoke, log, options, plan, read, snapshot, written,
+    Bench, Each, assert_like_whole, contents, fakes, finished, invoke, log, options, plan, read, snapshot, written,
 };
 use super::whole::EXPERIMENT;
 use splitsum::report::publish::publish;
-use splitsum::run::estimate::Ahead;
 use splitsum::run::store::Store;
-use splitsum::run::{MakeRenderer, Progress, RunError, run, timing};
+use splitsum::run::{MakeRenderer, RunError, run, timing};
 use std::collections::BTreeMap;
-use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
 #[test]
@@ -140,26 +138,6 @@ fn a_block_with_a_new_member_is_timed_again_and_others_stay() {
     assert!(old.iter().all(|(id, record)| of(id) == *record));
 }
 
-/// Looks, when the first record of a block is written, for old ones of the same block.
-struct FirstRecord<'a> {
-    dir: &'a Path,
-    block: &'a [String],
-    seen: Vec<String>,
-}
-
-impl Progress for FirstRecord<'_> {
-    fn start(&mut self, _: usize, _: usize, _: Ahead) {}
-
-    fn step(&mut self, label: &str, _: Option<&str>, _: Ahead) {
-        if label.starts_with("timing") && self.seen.is_empty() {
-            let path = |id: &String| self.dir.join(format!("timings/{id}.json"));
-            self.seen = self.block.iter().filter(|id| path(id).exists()).cloned().collect();
-        }
-    }
-
-    fn note(&mut self, _: &str) {}
-}
-
 /// Records of a block are of the same rounds, wherever a run is killed: all old ones are removed before the first new one is written.
 #[test]
 fn a_block_never_mixes_rounds() {
@@ -171,8 +149,14 @@ fn a_block_never_mixes_rounds() {
     assert_eq!(block.len(), 4);
     std::fs::remove_file(dir.join(format!("timings/{}.json", block[1]))).unwrap();
     let stop = AtomicBool::new(false);
-    let mut progress = FirstRecord { dir, block: &block, seen: Vec::new() };
+    // The records that are there when the first new one is written.
+    let mut seen = None;
+    let mut progress = Each(|label: &str, _| {
+        if label.starts_with("timing") && seen.is_none() {
+            seen = Some(block.iter().filter(|id| Store::at(dir).has_timing(id)).collect::<Vec<_>>());
+        }
+    });
     run(plan, &mut fakes(&log()) as &mut MakeRenderer, &options(dir, &stop), &mut progress).unwrap();
-    assert_eq!(progress.seen, block[..1]);
+    assert_eq!(seen, Some(vec![&block[0]]));
     assert!(block.iter().all(|id| Store::at(dir).has_timing(id)));
 }

@@ -48,6 +48,21 @@ impl Progress for Steps<'_> {
     }
 }
 
+/// Follows a run: the label of each step, empty at the start, and what is ahead.
+pub struct Each<F>(pub F);
+
+impl<F: FnMut(&str, Ahead)> Progress for Each<F> {
+    fn start(&mut self, _: usize, _: usize, ahead: Ahead) {
+        (self.0)("", ahead);
+    }
+
+    fn step(&mut self, label: &str, _: Option<&str>, ahead: Ahead) {
+        (self.0)(label, ahead);
+    }
+
+    fn note(&mut self, _: &str) {}
+}
+
 /// Method and sample count of each render.
 type Renders = Vec<(String, u32)>;
 

@@ -30,15 +30,6 @@ fn timings_are_taken_once_a_configuration_and_kept() {
         assert_eq!(row[table.column("wall_check").unwrap()], check);
         assert_eq!(row[table.column("device_type").unwrap()], "cpu");
     }
-
-    // Frames of 1 + n + i ms against 2 + i, for i from 0 to 4: the median of the ratios is that of 2.
-    let times = Table::read(&dir.path().join("answers/times.csv")).unwrap();
-    let (samples, ratio) = (times.numbers("samples").unwrap(), times.numbers("ratio").unwrap());
-    let pairs: Vec<(f64, f64)> = samples.into_iter().zip(ratio).filter_map(|(n, ratio)| Some((n?, ratio?))).collect();
-    assert_eq!(pairs.len(), 2 * 3);
-    for (n, ratio) in pairs {
-        assert!((ratio - (3.0 + n) / 4.0).abs() < 1e-12, "{n}: {ratio}");
-    }
 }
 
 #[test]

@@ -142,13 +142,3 @@ fn an_override_reaches_every_material_and_the_hash() {
     let hashes: HashSet<String> = SCENES.iter().map(|entry| builtin(entry.name).hash).collect();
     assert_eq!(hashes.len(), SCENES.len());
 }
-
-#[test]
-fn an_unknown_scene_names_the_nearest() {
-    let message = |spec: &str| Scene::load(spec, Path::new("")).expect_err("no such scene").to_string();
-    assert!(message("sphrees").ends_with("did you mean \"spheres\"?"), "{}", message("sphrees"));
-    assert!(!message("cathedral").contains("did you mean"), "{}", message("cathedral"));
-    let refused = |spec, base| Scene::load(spec, Path::new(base)).unwrap_err().to_string();
-    assert!(refused("missing.obj", "/nowhere").contains("cannot read the scene"));
-    assert!(refused("Cargo.toml", env!("CARGO_MANIFEST_DIR")).contains("expected a scene file: .obj, .glb or .gltf"));
-}

@@ -1,6 +1,6 @@
 //! glTF files, made by the tests in memory.
 
-use crate::gltf_files::{load, mesh, png, textured};
+use crate::gltf_files::{load, mesh, png, sheet, textured};
 use crate::snapshot::assert_snapshot;
 use glam::{DQuat, DVec3};
 use serde_json::{Value, json};
@@ -54,17 +54,9 @@ pub fn seen(scene: &Scene, size: [u32; 2], toward_viewer: DVec3) -> Gbuffer<f64>
     gbuffer(scene, &camera, size)
 }
 
-/// A bent sheet of unequal normals, so that a wrong transform of either shows.
-fn sheet() -> ([f32; 12], [f32; 12]) {
-    let normal = |x: f64, y: f64| DVec3::new(x, y, 1.0).normalize().as_vec3().to_array();
-    let normals = [normal(-0.3, -0.1), normal(0.4, -0.2), normal(0.1, 0.5), normal(-0.2, 0.3)].concat();
-    ([-1., -1., 0., 1., -1., 0.3, 1., 1., -0.2, -1., 1., 0.1], normals.try_into().expect("four normals"))
-}
-
 #[test]
 fn a_node_that_is_turned_is_the_model_turned() {
-    let (positions, normals) = sheet();
-    let plain = mesh(&[("POSITION", 3, &positions), ("NORMAL", 3, &normals)], &[0, 1, 2, 0, 2, 3]);
+    let plain = sheet();
     let turn = DQuat::from_euler(glam::EulerRot::XYZ, 0.3, -0.8, 1.1);
     let [x, y, z, w] = turn.to_array();
     for scale in [DVec3::new(2.0, 0.5, 1.5), DVec3::new(-2.0, 0.5, 1.5)] {
@@ -129,8 +121,8 @@ fn every_form_of_a_mesh_gives_the_same_triangles() {
     assert_eq!(triangle_corners(&loaded(&named).meshes[0]), expected);
 
     // Positions and normals side by side, and the last corner moved by a sparse element.
-    let (positions, normals) = sheet();
-    let rows: Vec<f32> = (0..4).flat_map(|i| [&positions[3 * i..][..3], &normals[3 * i..][..3]].concat()).collect();
+    let bent = loaded(&sheet()).meshes.remove(0);
+    let rows: Vec<f32> = (0..4).flat_map(|i| [bent.positions[i], bent.normals[i]].concat()).collect();
     let mut model = mesh(&[("POSITION", 3, &rows[..12]), ("NORMAL", 3, &rows[12..])], &[0, 1, 2, 0, 2, 3]);
     let both: Vec<u8> = rows.iter().flat_map(|x| x.to_le_bytes()).chain([3, 0, 0, 0]).collect();
     use base64::Engine;
@@ -147,9 +139,9 @@ fn every_form_of_a_mesh_gives_the_same_triangles() {
         "values": { "bufferView": 4 },
     });
     let scene = loaded(&model);
-    assert_eq!(scene.meshes[0].positions[..3].concat(), positions[..9]);
+    assert_eq!(scene.meshes[0].positions[..3], bent.positions[..3]);
     assert_eq!(scene.meshes[0].positions[3], [9.0; 3]);
-    assert!((vector(scene.meshes[0].normals[1]) - vector(normals[3..6].try_into().unwrap())).length() < F32);
+    assert!((vector(scene.meshes[0].normals[1]) - vector(bent.normals[1])).length() < F32);
 }
 
 /// `KHR_mesh_quantization`: integers stand for themselves, or for fractions of the largest one from -1 on.
@@ -270,10 +262,7 @@ fn a_normal_map_turns_the_normal_into_its_frame() {
 /// A map that says (0.5, 0.5, 1) everywhere is no map; 8 bits have no such number, so its texels are set.
 #[test]
 fn a_flat_normal_map_changes_nothing() {
-    let (positions, normals) = sheet();
-    let uvs = [0., 0., 1., 0., 1., 1., 0., 1.];
-    let plain =
-        mesh(&[("POSITION", 3, &positions), ("NORMAL", 3, &normals), ("TEXCOORD_0", 2, &uvs)], &[0, 1, 2, 0, 2, 3]);
+    let plain = sheet();
     let material = json!({ "doubleSided": true, "normalTexture": { "index": 0 } });
     let mut mapped = loaded(&textured(plain.clone(), material, &[png(2, 2, |_, _| [128, 128, 255])]));
     let decoded = mapped.textures[0].levels[0].data[0];

@@ -112,6 +112,8 @@ fn ratios_on_both_sides_of_one_are_listed_along_their_axis() {
     let found = finding(&run, "effect");
     let part = "at alpha 0.25 (0.50) and 0.5 (0.25), and more at 0.05 (4.0) and 0.1 (2.0).";
     assert!(found.sentence.contains(part), "{}", found.sentence);
+    // Over all alphas they have no mean.
+    assert_eq!(column(found.digest.as_ref().unwrap(), "all"), ["4.0", "2.0", "0.50", "0.25", ""]);
 
     let by_light = |sky: f64, studio: f64| {
         let of = |point: &Point| if point.get("environment").text() == "builtin:sky" { sky } else { studio };
@@ -165,26 +167,6 @@ fn models_that_oppose_each_other_are_not_pooled() {
     let (rows, [ggx, phong]) = (digest(&found), ["64 (95 % 64 to 256)", "4 (95 % 4 to 16)"]);
     assert_eq!(rows[0], ["relmse", "ggx", "split-sum", "sampled", ggx, ggx]);
     assert_eq!(rows[1], ["relmse", "phong", "split-sum", "sampled", phong, phong]);
-}
-
-#[test]
-fn an_effect_on_both_sides_of_one_has_no_mean() {
-    let axes = "environment = [\"builtin:sky\", \"builtin:studio\"]\nmethod = [\"sampled\"]\nsamples = [4]\nlod_bias = [0, 1, 2]\nalpha = [0.1, 0.5]\n";
-    let run = finished(axes, |point| {
-        let is_better = point.get("alpha").number() == 0.1;
-        let both = if is_better { 0.5 } else { 2.0 };
-        Some(Made::error(match point.get("lod_bias").number() as u32 {
-            0 => 1.0,
-            1 => both,
-            _ => 4.0,
-        }))
-    });
-    let found = finding(&run, "effect");
-    let columns = &found.digest.as_ref().unwrap().columns;
-    let all = columns.iter().position(|name| name == "all").unwrap();
-    let rows = digest(&found);
-    assert_eq!([&rows[0][all], &rows[1][all]], ["", "4.0"]);
-    assert_eq!(rows[0][3..5], ["0.50", "2.0"]);
 }
 
 #[test]

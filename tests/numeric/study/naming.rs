@@ -96,17 +96,6 @@ fn columns_of_answers_do_not_come_and_go() {
 
 #[test]
 fn every_method_has_words_of_its_own() {
-    let methods = splitsum::shade::METHODS;
-    let titles: BTreeSet<&str> = methods.iter().map(|method| method.title).collect();
-    assert_eq!(titles.len(), methods.len());
-    for (code, words) in [
-        ("split-sum", "Split sum (textbook)"),
-        ("sampled 16 over split-sum: 3", "Sampling, 16 samples over Split sum (textbook): 3"),
-        ("sampled 1: none", "Sampling, 1 sample: none"),
-        ("sky · file:a/mine.glsl", "sky · mine (file)"),
-        ("cube · sampled · linear", "cube · sampled · linear"),
-        ("sampled over split-sum", "Sampling over Split sum (textbook)"),
-    ] {
-        assert_eq!(splitsum::shade::words_in(code), words);
-    }
+    let titles: BTreeSet<&str> = splitsum::shade::METHODS.iter().map(|method| method.title).collect();
+    assert_eq!(titles.len(), splitsum::shade::METHODS.len());
 }

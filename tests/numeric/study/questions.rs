@@ -6,6 +6,7 @@ use crate::run::runs::{finished, plan};
 use crate::scratch::scratch;
 use splitsum::experiment::axis::{Named, Point};
 use splitsum::experiment::value::Value;
+use splitsum::figure::Figure;
 use splitsum::figure::svg::{WIDTHS, svg};
 use splitsum::study::finished::Finished;
 use splitsum::study::frame::{Frame, Shape};
@@ -159,6 +160,11 @@ fn asked(run: &Finished) -> Vec<(&'static Question, Finding)> {
         Some((*asked, finding?))
     };
     serves.filter_map(answer).collect()
+}
+
+/// The figures of all answers.
+pub fn figures() -> Vec<Figure> {
+    runs().iter().flat_map(asked).filter_map(|(_, finding)| finding.figure).collect()
 }
 
 fn each(check: impl Fn(&Finished, &'static Question, &Finding)) {

@@ -1,5 +1,6 @@
 //! Figures that are hard to draw, and a reader of SVGs.
 
+use crate::study::questions;
 use roxmltree::{Document, Node, NodeId};
 use splitsum::figure::{Figure, Mark, Panel, Ramp, Scale, ScaleKind, Series, Shape};
 
@@ -42,9 +43,10 @@ const SCENES: [&str; 6] = [
     "royal_esplanade_4k_without_a_place_to_break",
 ];
 
-/// Long names, many rows, many panels, tiles, bars, intervals, titles.
+/// Long names, many rows, tiles, bars, intervals; and those of answers.
 pub fn hard() -> Vec<Figure> {
-    vec![rows(), panels(), tiles(false), tiles(true), effects(), titles(), long(), shared()]
+    let made = [rows(), tiles(false), tiles(true), long(), shared()];
+    made.into_iter().chain(questions::figures()).collect()
 }
 
 /// A dot chart with 30 rows and three series.
@@ -63,30 +65,6 @@ fn rows() -> Figure {
 fn dots_of_nothing(title: &str) -> Figure {
     let note = "relMSE: mean of (image − reference)² / (reference² + 0.01), without a unit; 0 is equal. Whiskers: 95 %";
     Figure { title: title.to_owned(), note: note.to_owned(), panels: Vec::new(), series: Vec::new(), ramp: None }
-}
-
-/// Eight panels of lines with intervals and floors.
-fn panels() -> Figure {
-    let y = Scale::log("relMSE (ε = 0.01), geometric mean over point sets", [1e-5, 0.6]).unwrap();
-    let panel = |p: usize| {
-        let mut marks = vec![Mark::new(Shape::HorizontalRule(3e-4), 2).tip("floor")];
-        for s in 0..2 {
-            let curve = [1.0, 4.0, 16.0, 64.0, 256.0].map(|n: f64| [n, 0.4 * noise(p * 5 + s) / n]);
-            for [x, e] in curve {
-                marks.push(Mark::new(Shape::Whisker([x, e / 1.5], [x, e * 1.5]), s));
-                marks.push(Mark::new(Shape::Dot([x, e]), s).tip(format!("{x}: {e}")));
-            }
-            marks.push(Mark::new(Shape::Line(curve.to_vec()), s));
-        }
-        let title = format!("{}, alpha 0.0{p}", SCENES[p % SCENES.len()]);
-        Panel { title, x: Scale::log("samples a pixel", [1.0, 256.0]).unwrap(), y: y.clone(), marks }
-    };
-    let series = series(&["importance sampling of the lobe", "cosine", "noise floor"]);
-    Figure {
-        panels: (0..8).map(panel).collect(),
-        series,
-        ..dots_of_nothing("Error over the sample count of eight scenes")
-    }
 }
 
 /// Four heat maps; signed ones have a middle.
@@ -110,27 +88,6 @@ fn tiles(is_signed: bool) -> Figure {
     Figure { panels: (0..4).map(panel).collect(), ramp: Some(ramp), ..dots_of_nothing("Tiles") }
 }
 
-/// Ratios with intervals, some of which leave the axis, and horizontal bars.
-fn effects() -> Figure {
-    let names: Vec<String> =
-        (0..9).map(|i| format!("prefilter_size {}x{i} → 512x256 in {}", 64 << i, SCENES[i % 6])).collect();
-    let mut marks = vec![Mark::neutral(Shape::VerticalRule(1.0))];
-    for i in 0..18 {
-        let (ratio, y) = ((noise(i) * 4.0 - 2.0).exp2(), (i / 2) as f64);
-        marks.push(Mark::new(
-            Shape::Whisker([ratio / 2.0, y], [ratio * if i == 3 { f64::INFINITY } else { 2.0 }, y]),
-            i % 2,
-        ));
-        marks.push(Mark::new(Shape::Dot([if i == 5 { 0.0 } else { ratio }, y]), i % 2).tip(format!("×{ratio}")));
-    }
-    let x = Scale { label: "error after / error before".to_owned(), kind: ScaleKind::Log { lo: 0.1, hi: 8.0 } };
-    let first = Panel { title: String::new(), x: x.clone(), y: Scale::steps("", names.clone()), marks };
-    let bars =
-        (0..9).map(|y| Mark::new(Shape::HorizontalBar { y: y as f64, base: 1.0, to: 0.2 + noise(y) }, 0).tip("bar"));
-    let second = Panel { title: "bars".to_owned(), x, y: Scale::steps("", names), marks: bars.collect() };
-    Figure { panels: vec![first, second], series: series(&["split-sum", "dominant"]), ..dots_of_nothing("Effects") }
-}
-
 /// Three methods with the same numbers.
 pub fn shared() -> Figure {
     let points = [[0.1, 1.0], [0.5, 4.0], [0.9, 32.0]];
@@ -143,18 +100,6 @@ pub fn shared() -> Figure {
     let inks = [("sampling", Some(2)), ("textbook", Some(0)), ("ggx", None)];
     let series = inks.map(|(name, ink)| Series { name: name.to_owned(), is_dashed: false, ink }).to_vec();
     Figure { panels: vec![panel.clone(), panel], series, ..dots_of_nothing("Shared") }
-}
-
-/// Dots at many places, and axes with titles of their own.
-fn titles() -> Figure {
-    let panel = |p: usize| {
-        let place = |i: usize| [0.1 * noise(i).exp(), 100.0 * noise(i * 3 + p)];
-        let marks = (0..24).map(|i| Mark::new(Shape::Dot(place(i)), i % 2).tip("d"));
-        let x = Scale::log(&format!("time of a frame (ms), device {p}"), (0..24).map(|i| place(i)[0])).unwrap();
-        let y = Scale::linear(&format!("error {p}, a long title of its own beside a panel"), [0.0, 100.0]).unwrap();
-        Panel { title: format!("device {p}"), x, y, marks: marks.collect() }
-    };
-    Figure { panels: (0..3).map(panel).collect(), series: series(&["a", "b"]), ..dots_of_nothing("Titles") }
 }
 
 /// Everything has the longest name.

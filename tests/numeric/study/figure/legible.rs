@@ -1,6 +1,7 @@
 //! What is drawn can be read: words beside each other and within the picture, colours that stand out.
 
 use super::figures::{Drawn, hard};
+use crate::table;
 use roxmltree::Node;
 use splitsum::figure::ink::{INKS, SERIES};
 use splitsum::figure::svg::{WIDTHS, svg};
@@ -87,11 +88,7 @@ fn words_that_are_cut_short_are_whole_in_their_title() {
 }
 
 fn luminance(color: &str) -> f64 {
-    let channel = |i: usize| {
-        let encoded = f64::from(u8::from_str_radix(&color[i..i + 2], 16).unwrap()) / 255.0;
-        if encoded <= 0.040_45 { encoded / 12.92 } else { ((encoded + 0.055) / 1.055).powf(2.4) }
-    };
-    0.2126 * channel(1) + 0.7152 * channel(3) + 0.0722 * channel(5)
+    table::luminance([1, 3, 5].map(|i| u8::from_str_radix(&color[i..i + 2], 16).unwrap()))
 }
 
 fn contrast(a: &str, b: &str) -> f64 {

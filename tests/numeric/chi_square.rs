@@ -1,4 +1,4 @@
-//! Pearson's chi-square test, and points random enough for it: for the samplers of the host and of the device.
+//! Pearson's chi-square test, and points random enough for it.
 
 use glam::{DVec2, DVec3};
 use libm::erfc;
@@ -16,12 +16,15 @@ pub fn chi_square_tail(statistic: f64, degrees_of_freedom: f64) -> f64 {
 pub struct Random(pub u64);
 
 impl Random {
-    pub fn next(&mut self) -> f64 {
+    pub fn word(&mut self) -> u64 {
         self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
         let mut z = self.0;
         z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
         z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        (z ^ (z >> 31)) as f64 / 2f64.powi(64)
+        z ^ (z >> 31)
+    }
+    pub fn next(&mut self) -> f64 {
+        self.word() as f64 / 2f64.powi(64)
     }
     pub fn xi(&mut self) -> DVec2 {
         DVec2::new(self.next(), self.next())
@@ -78,27 +81,31 @@ impl HalfVectorBins {
     }
 }
 
-/// Probability of so bad a fit of half vectors to the density, by Pearson's test.
-pub fn fit_of_half_vectors(alpha: f64, pdf_h: impl Fn(DVec3) -> f64, samples: &[DVec3]) -> f64 {
+/// Probability of so bad a fit of counts to their means, by Pearson's test.
+pub fn fit(counts: &[f64], means: &[f64]) -> f64 {
     /// Below it the statistic is not chi-square distributed; rarer bins are pooled.
     const RARE: f64 = 10.0;
-    let bins = HalfVectorBins::new(alpha);
-    let expected = bins.probabilities(pdf_h);
-    let mut observed = vec![0.0; expected.len()];
-    samples.iter().for_each(|h| observed[bins.index(*h)] += 1.0);
     let (mut statistic, mut degrees, mut pooled) = (0.0, -1.0, (0.0, 0.0));
-    for (probability, count) in expected.iter().zip(&observed) {
-        let mean = probability * samples.len() as f64;
-        if mean < RARE {
-            pooled = (pooled.0 + mean, pooled.1 + count);
+    for (count, mean) in counts.iter().zip(means) {
+        if *mean < RARE {
+            pooled = (pooled.0 + count, pooled.1 + mean);
         } else {
             statistic += (count - mean) * (count - mean) / mean;
             degrees += 1.0;
         }
     }
-    if pooled.0 > 0.0 {
-        statistic += (pooled.1 - pooled.0) * (pooled.1 - pooled.0) / pooled.0.max(1.0);
+    if pooled.0 + pooled.1 > 0.0 {
+        statistic += (pooled.0 - pooled.1) * (pooled.0 - pooled.1) / pooled.1.max(1.0);
         degrees += 1.0;
     }
     chi_square_tail(statistic, degrees)
+}
+
+/// The same of half vectors and their density.
+pub fn fit_of_half_vectors(alpha: f64, pdf_h: impl Fn(DVec3) -> f64, samples: &[DVec3]) -> f64 {
+    let bins = HalfVectorBins::new(alpha);
+    let means: Vec<f64> = bins.probabilities(pdf_h).iter().map(|p| p * samples.len() as f64).collect();
+    let mut counts = vec![0.0; means.len()];
+    samples.iter().for_each(|h| counts[bins.index(*h)] += 1.0);
+    fit(&counts, &means)
 }
