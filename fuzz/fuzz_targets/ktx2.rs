@@ -3,4 +3,4 @@
 #[path = "../../tests/numeric/robustness/targets.rs"]
 mod targets;
 
-libfuzzer_sys::fuzz_target!(|bytes: &[u8]| targets::ktx2(bytes));
+libfuzzer_sys::fuzz_target!(|bytes: &[u8]| targets::run("ktx2", bytes));

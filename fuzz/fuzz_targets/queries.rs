@@ -3,4 +3,4 @@
 #[path = "../../tests/numeric/robustness/targets.rs"]
 mod targets;
 
-libfuzzer_sys::fuzz_target!(|bytes: &[u8]| targets::queries(bytes));
+libfuzzer_sys::fuzz_target!(|bytes: &[u8]| targets::run("queries", bytes));

@@ -1,9 +1,9 @@
 //! Mutation of files: what `cargo fuzz` does, without its feedback, on any toolchain.
 
+use crate::chi_square::Random;
+
 /// Makes mutated files from a fixed seed.
-pub struct Mutator {
-    state: u64,
-}
+pub struct Mutator(Random);
 
 /// Values at the edges of integers, as bytes of a file may hold them.
 const EDGES: [i64; 10] = [0, 1, -1, 127, 128, 255, i16::MAX as i64, i32::MAX as i64, i32::MIN as i64, i64::MAX];
@@ -14,16 +14,12 @@ const WORDS: [&str; 14] =
 
 impl Mutator {
     pub fn new(seed: u64) -> Self {
-        Self { state: seed }
+        Self(Random(seed))
     }
 
-    /// A pseudo-random number below `end` (splitmix64).
+    /// A pseudo-random number below `end`.
     fn below(&mut self, end: usize) -> usize {
-        self.state = self.state.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.state;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) % end.max(1) as u64) as usize
+        (self.0.word() % end.max(1) as u64) as usize
     }
 
     /// One of `seeds` with one to eight changes.

@@ -25,31 +25,28 @@ pub struct Target {
     pub run: fn(&[u8]),
 }
 
-/// Every kind of input.
+/// Every kind of input. Models and experiments are several files in one, as [`files`].
 pub const TARGETS: &[Target] = &[
-    Target { name: "hdr", run: hdr },
-    Target { name: "exr", run: openexr },
-    Target { name: "obj", run: obj },
+    Target { name: "hdr", run: |bytes| environment("x.hdr", bytes) },
+    Target { name: "exr", run: |bytes| environment("x.exr", bytes) },
+    Target { name: "obj", run: |bytes| scene("x.obj", Memory(files(bytes))) },
     Target { name: "gltf", run: gltf },
     Target { name: "experiment", run: experiment },
     Target { name: "queries", run: queries },
     Target { name: "report", run: report },
-    Target { name: "ktx2", run: ktx2 },
-    Target { name: "ktx", run: ktx },
-    Target { name: "dds", run: dds },
-    Target { name: "png", run: png },
+    Target { name: "ktx2", run: |bytes| texture("x.ktx2", bytes) },
+    Target { name: "ktx", run: |bytes| texture("x.ktx", bytes) },
+    Target { name: "dds", run: |bytes| texture("x.dds", bytes) },
+    Target { name: "png", run: |bytes| texture("x.png", bytes) },
     Target { name: "sh", run: coefficients },
     Target { name: "bake", run: bake },
 ];
 
-/// A Radiance picture.
-pub fn hdr(bytes: &[u8]) {
-    environment("x.hdr", bytes);
-}
-
-/// An OpenEXR file.
-pub fn openexr(bytes: &[u8]) {
-    environment("x.exr", bytes);
+/// Runs the target of this name, for `fuzz/fuzz_targets`.
+#[allow(dead_code, reason = "the tests run each of the list")]
+pub fn run(name: &str, bytes: &[u8]) {
+    let target = TARGETS.iter().find(|target| target.name == name).expect("a target of the list");
+    (target.run)(bytes);
 }
 
 fn environment(name: &str, bytes: &[u8]) {
@@ -71,28 +68,8 @@ fn environment(name: &str, bytes: &[u8]) {
     }
 }
 
-/// A KTX 2 texture.
-pub fn ktx2(bytes: &[u8]) {
-    texture("x.ktx2", bytes);
-}
-
-/// A KTX 1 texture.
-pub fn ktx(bytes: &[u8]) {
-    texture("x.ktx", bytes);
-}
-
-/// A DDS texture.
-pub fn dds(bytes: &[u8]) {
-    texture("x.dds", bytes);
-}
-
-/// A PNG picture of a table.
-pub fn png(bytes: &[u8]) {
-    texture("x.png", bytes);
-}
-
 /// Nine coefficients, as cmgen's text and as our JSON.
-pub fn coefficients(bytes: &[u8]) {
+fn coefficients(bytes: &[u8]) {
     let Ok(text) = std::str::from_utf8(bytes) else { return };
     for name in ["x.txt", "x.json"] {
         match sh::parse(Path::new(name), text) {
@@ -103,7 +80,7 @@ pub fn coefficients(bytes: &[u8]) {
 }
 
 /// A folder of a bake, as [`files`]: faces by their names, or what a `bake.json` names.
-pub fn bake(bytes: &[u8]) {
+fn bake(bytes: &[u8]) {
     let dir = tempfile::tempdir().expect("a folder for temporary files");
     write_files(dir.path(), bytes);
     match source::read(&[dir.path().display().to_string()], source::Reading { layout: None, brdf: "ggx" }) {
@@ -152,7 +129,7 @@ impl SceneFiles for Memory {
 }
 
 /// Several files in one: each begins after a line `@@NAME`. What stands before the first such line is left out.
-pub fn files(bytes: &[u8]) -> BTreeMap<PathBuf, Vec<u8>> {
+fn files(bytes: &[u8]) -> BTreeMap<PathBuf, Vec<u8>> {
     let mut files: BTreeMap<PathBuf, Vec<u8>> = BTreeMap::new();
     let mut current = None;
     for line in bytes.split_inclusive(|byte| *byte == b'\n') {
@@ -188,13 +165,8 @@ pub fn write_files(dir: &Path, bytes: &[u8]) {
     }
 }
 
-/// An OBJ file `x.obj` with the libraries and maps that it names, as [`files`].
-pub fn obj(bytes: &[u8]) {
-    scene("x.obj", Memory(files(bytes)));
-}
-
 /// A binary glTF file, or else a text `x.gltf` with the buffers and images that it names, as [`files`].
-pub fn gltf(bytes: &[u8]) {
+fn gltf(bytes: &[u8]) {
     let (name, memory) = match bytes.starts_with(b"glTF") {
         true => ("x.glb", BTreeMap::from([(PathBuf::from("x.glb"), bytes.to_vec())])),
         false => ("x.gltf", files(bytes)),
@@ -232,7 +204,7 @@ fn scene(name: &str, memory: Memory) {
 }
 
 /// An experiment `x.toml`, with the lines of `set` as `--set`, as [`files`].
-pub fn experiment(bytes: &[u8]) {
+fn experiment(bytes: &[u8]) {
     /// Above this many combinations the expansion is only slow.
     const COMBINATIONS_MAX: u64 = 3000;
     let files = files(bytes);
@@ -265,7 +237,7 @@ pub fn experiment(bytes: &[u8]) {
 }
 
 /// A table of queries.
-pub fn queries(bytes: &[u8]) {
+fn queries(bytes: &[u8]) {
     let options = LoadOptions { builtin_size: [8, 4], ..LoadOptions::default() };
     for &kind in Kind::all() {
         match Queries::from_bytes(Path::new("nowhere/x.csv"), bytes, kind, &options) {
@@ -277,7 +249,7 @@ pub fn queries(bytes: &[u8]) {
 
 /// The files of a run's folder, as [`files`]; the images are there already. Files are written to a folder of their own, because a
 /// report reads, lists and writes folders.
-pub fn report(bytes: &[u8]) {
+fn report(bytes: &[u8]) {
     let dir = tempfile::tempdir().expect("a folder for temporary files");
     let run = dir.path().join("run");
     std::fs::create_dir_all(run.join("images")).expect("a folder of our own");
