@@ -114,6 +114,9 @@ pub struct Limits {
     /// Exit 1 if the axes or the environment seem wrong.
     #[arg(long)]
     pub fail_on_warning: bool,
+    /// Exit 1 if the verdict is `wrong`.
+    #[arg(long)]
+    pub fail_on_wrong: bool,
 }
 
 fn threshold(text: &str) -> Result<f64, String> {
@@ -141,7 +144,8 @@ impl Limits {
         });
         let doubts =
             judged.axes.iter().filter_map(|(what, fits)| Some(format!("{what}: {}", judged.doubt(what, fits)?)));
-        scores.chain(doubts.filter(|_| self.fail_on_warning)).collect()
+        let wrong = judged.wrong().filter(|_| self.fail_on_wrong);
+        scores.chain(doubts.filter(|_| self.fail_on_warning)).chain(wrong).collect()
     }
 }
 
@@ -186,6 +190,7 @@ pub fn as_json(environment: &str, preset: &str, limits: &Limits, judged: &Judged
             "fail_between_above": limits.fail_between_above,
             "fail_table_above": limits.fail_table_above,
             "fail_on_warning": limits.fail_on_warning,
+            "fail_on_wrong": limits.fail_on_wrong,
         },
         "failures": failures,
         "passes": failures.is_empty(),

@@ -31,7 +31,7 @@ use std::path::{Path, PathBuf};
     Unsure of a convention? --guess tries them all.\n\n\
     Examples:\n  splitsum check-bake studio_ibl.ktx studio_sh.txt --environment studio.hdr --preset cmgen\n  \
     splitsum check-bake specular.ktx2 lut_ggx.png --environment studio.hdr --preset khronos --guess\n  \
-    splitsum check-bake baked --environment studio.hdr --json --fail-above 0.01"
+    splitsum check-bake baked --environment studio.hdr --json --fail-on-wrong"
 )]
 pub struct Arguments {
     /// Check the files and folders of one bake.

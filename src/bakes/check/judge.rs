@@ -188,19 +188,26 @@ impl Judged {
         parts
     }
 
-    /// Sums up in one line what is wrong, the cause of the most levels first.
-    pub fn verdict(&self) -> String {
+    /// Says in one line what is wrong, the cause of the most levels first; `None` if nothing is.
+    pub fn wrong(&self) -> Option<String> {
         let doubt = self.axes.iter().find_map(|(what, fits)| self.doubt(what, fits));
         if let Some(cause) = doubt.or_else(|| self.chain.clone()) {
-            return format!("wrong: {cause}");
+            return Some(format!("wrong: {cause}"));
         }
-        let wrong: Vec<_> = self.parts().into_iter().filter(|(_, verdict)| !verdict.starts_with(GOOD_WORDS)).collect();
-        match &wrong[..] {
-            [] => "good: every part is within 3 % rms of its integral".to_owned(),
-            _ => {
-                let said: Vec<String> = wrong.iter().map(|(name, verdict)| format!("{name}: {verdict}")).collect();
-                format!("wrong: {}", said.join("; "))
-            }
-        }
+        let wrong = self.parts().into_iter().filter(|(_, verdict)| !verdict.starts_with(GOOD_WORDS));
+        let said: Vec<String> = wrong.map(|(name, verdict)| format!("{name}: {verdict}")).collect();
+        (!said.is_empty()).then(|| format!("wrong: {}", said.join("; ")))
+    }
+
+    /// Sums up the whole bake in one line.
+    pub fn verdict(&self) -> String {
+        let coarse = self.levels.iter().filter(|level| level.is_coarse()).filter_map(|level| level.between);
+        self.wrong().unwrap_or_else(|| match coarse.max_by(f64::total_cmp) {
+            None => "good: every part is within 3 % rms of its integral".to_owned(),
+            Some(relmse) => format!(
+                "good, but coarse: linear lookups between texels err by up to {:.1} % rms",
+                100.0 * relmse.sqrt()
+            ),
+        })
     }
 }

@@ -62,7 +62,7 @@ pub fn score(truth: &Truth, map: &Map, convention: &Convention) -> Result<Vec<Le
             None => verdict(errors, fit, alpha, |alpha| level_of(convention, &alphas, alpha)),
         };
         if let Some(relmse) = between.filter(|relmse| !is_wrong && *relmse > GOOD) {
-            verdict = format!("too few texels: {:.1} % rms between them", 100.0 * relmse.sqrt());
+            verdict = format!("{GOOD_WORDS} at its texels, {:.1} % rms between them", 100.0 * relmse.sqrt());
         }
         LevelScore { size: [faces[0].width, faces[0].height], alpha, errors, between, worst, fit, slip, verdict }
     };
@@ -171,11 +171,16 @@ fn verdict(errors: Errors, fit: Option<Fit>, alpha: f64, level_of: impl Fn(f64) 
 const SHIFT: f64 = 0.05;
 
 pub(super) const DOUBT: &str = "its axes or its light do not fit";
-/// Verdict of a part within [`GOOD`].
+/// Start of the verdict of a part within [`GOOD`].
 pub(super) const GOOD_WORDS: &str = "good";
 const UNEXPLAINED: &str = "wrong, and no known slip explains it";
 
 impl LevelScore {
+    /// Whether linear lookups between its good texels are not good: it has few texels for its width.
+    pub fn is_coarse(&self) -> bool {
+        self.errors.relmse <= GOOD && self.between.is_some_and(|relmse| relmse > GOOD)
+    }
+
     /// Removes width and gain from the verdict because the axes or the light do not fit.
     pub fn doubt(&mut self) {
         if self.errors.relmse > GOOD && self.slip.is_none() {
