@@ -15,7 +15,7 @@ pub const SIDE: usize = 17;
 const LEVEL_FIRST: f64 = 0.35;
 
 /// Penalty of squared differences to the mean of the neighbours' parameters.
-const SMOOTH: f64 = 0.1;
+const SMOOTH: f64 = 0.5;
 /// The same where a node first starts from one neighbour.
 const FIRST_SMOOTH: f64 = 3e-5;
 /// How often every node is fitted again, pulled towards its neighbours.
