@@ -101,17 +101,6 @@ pub struct Light {
     pub peak: f64,
 }
 
-/// The compiled code of a method, on one family of GPUs.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Cost {
-    pub method: String,
-    /// Empty if the code does not depend on it.
-    pub brdf: String,
-    pub layout: String,
-    /// Vector instructions of a pixel outside the loop over samples, and of a sample.
-    pub instructions: [f64; 2],
-}
-
 #[derive(Clone, Debug)]
 pub struct Finished {
     pub dir: PathBuf,
@@ -125,8 +114,6 @@ pub struct Finished {
     pub cells: Vec<FinishedCell>,
     pub lights: Vec<Light>,
     pub timings: Vec<TimingRecord>,
-    /// From `costs.csv`, if `splitsum cost --out` wrote one into the folder.
-    pub costs: Vec<Cost>,
     pub failures: Vec<FailureRecord>,
     /// Whether the run is in progress: only finished cells are here.
     pub is_under_way: bool,

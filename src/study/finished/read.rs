@@ -1,6 +1,6 @@
 //! Reads a finished run from its folder, published or not.
 
-use super::{Bin, CellImages, Cost, Finished, FinishedCell, Light, MetricValues, StepRow, point_of};
+use super::{Bin, CellImages, Finished, FinishedCell, Light, MetricValues, StepRow, point_of};
 use crate::experiment::config::Config;
 use crate::experiment::fault::Faults;
 use crate::experiment::inputs::load_methods;
@@ -82,7 +82,6 @@ impl Finished {
             weight: Weight::Uniform,
             cells,
             lights: table("environments.csv")?.map_or_else(|| Ok(Vec::new()), lights)?,
-            costs: table("costs.csv")?.map_or_else(|| Ok(Vec::new()), costs)?,
             timings: of_store(dir, TIMINGS_FOLDER, Store::timing)?,
             failures: of_store(dir, FAILED_FOLDER, Store::failure)?,
             provenance,
@@ -212,25 +211,6 @@ fn lights(mut table: TableRows) -> Result<Vec<Light>, FinishedError> {
         Ok(())
     })?;
     Ok(lights)
-}
-
-/// The counts of the last family, the newest one, without further options.
-fn costs(mut table: TableRows) -> Result<Vec<Cost>, FinishedError> {
-    const INSTRUCTIONS: [[&str; 2]; 2] =
-        [["outside_alu", "outside_quarter_rate"], ["inside_alu", "inside_quarter_rate"]];
-    INSTRUCTIONS.iter().flatten().chain(&["family", "method"]).try_for_each(|name| table.needs(name))?;
-    let (mut costs, mut last) = (Vec::new(), String::new());
-    table.each(|row| {
-        let text = |name: &str| row.text(name).unwrap_or_default().to_owned();
-        if last != text("family") {
-            (last, costs) = (text("family"), Vec::new());
-        }
-        let instructions = INSTRUCTIONS.map(|names| names.iter().filter_map(|name| row.number(name)).sum());
-        let cost = Cost { method: text("method"), brdf: text("brdf"), layout: text("layout"), instructions };
-        costs.extend(text("options").is_empty().then_some(cost));
-        Ok(())
-    })?;
-    Ok(costs)
 }
 
 fn damaged(table: &TableRows, what: String) -> FinishedError {

@@ -11,7 +11,7 @@
 //! 95 %. Counts that some case did not reach are unknown: of curves up to 64 and up to 512 samples the largest tried
 //! count is 64. The scores are the metric of the run and, if it has pictures, FLIP.
 
-use super::front::{Ratios, SURFACE};
+use super::by_lookups::{self, SURFACE};
 use super::prelude::*;
 use super::{FIXED, SAMPLED};
 use crate::metrics::Space;
@@ -158,9 +158,7 @@ fn answer(frame: &Frame) -> Option<Finding> {
         let numbers = cells![count(own.crossing.value), lo, hi, own.crossing.n, own.tried.last().copied()];
         table.row([axis_cells(&columns, &columns.iter().map(value).collect::<Key>()), head, numbers].concat());
     }
-    let shown = of_pictures.as_ref().unwrap_or(frame);
-    let images = shown.images();
-    let figure = Ratios::new(shown, &images).and_then(|ratios| ratios.figure(shown, Middle::Median));
+    let figure = by_lookups::figure(of_pictures.as_ref().unwrap_or(frame));
     Some(Finding { sentence: sentence(frame, &axes, &all)?, digest: Some(digest(frame, &axes, &all)), table, figure })
 }
 

@@ -1,8 +1,8 @@
 //! Questions that a run can answer, one file each. The file's stem, with hyphens, is the key in `asks`, the name of CSV and SVG, and the anchor
 //! of the page.
 
+mod by_lookups;
 mod chart;
-mod front;
 mod numbers;
 mod prelude;
 mod weights;
@@ -48,7 +48,6 @@ questions! {
     convergence,
     error,
     effect,
-    which_split_sum,
     tables,
     ladder,
     n_dot_v,

@@ -2,7 +2,7 @@
 
 use super::words::{count, listed, number, range, range_words, scope_sentence};
 use crate::environment::BUILTIN_PREFIX;
-use crate::experiment::axis::{AXES, ENVIRONMENT, METHOD, Part, SAMPLES};
+use crate::experiment::axis::{AXES, ENVIRONMENT, Part, SAMPLES};
 use crate::experiment::value::Value;
 use crate::figure::{Mark, Shape as Form};
 use crate::study::frame::estimate::{CLUSTERS_MIN, Estimate, Middle, estimate};
@@ -95,15 +95,6 @@ impl<'r, 'f> Numbers<'r, 'f> {
 
     pub fn items(&self) -> &[(&'r Row<'f>, f64)] {
         &self.items
-    }
-
-    pub fn first_method(&self) -> String {
-        self.rows().next().map_or_else(String::new, |row| row.text(METHOD))
-    }
-
-    /// The largest number of a row that counts.
-    pub fn most(&self) -> f64 {
-        self.evidence().items.iter().map(|(_, number)| *number).fold(f64::NAN, f64::max)
     }
 
     pub fn rows(&self) -> impl Iterator<Item = &'r Row<'f>> {

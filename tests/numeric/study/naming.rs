@@ -31,7 +31,7 @@ fn told(head: &str, axes: &str) -> (Finished, Finding) {
 #[test]
 fn an_experiment_in_perceptual_roughness_is_answered_in_it() {
     let axes = "perceptual_roughness = [0.25, 0.5, 1]\nf0 = [1]\n";
-    for question in ["error", "effect", "which-split-sum"] {
+    for question in ["error", "effect"] {
         let (_, found) = told(&format!("asks = [\"{question}\"]\n"), axes);
         let digest_table = found.digest.as_ref().unwrap();
         assert!(digest_table.columns.contains(&"perceptual_roughness".to_owned()), "{:?}", digest_table.columns);
@@ -66,8 +66,6 @@ fn the_rows_of_an_answer_are_values_of_the_axis_it_names() {
     assert_eq!([&rows[0][0], &rows[1][0]], ["0.04", "1"]);
     assert!(rows[0][1].starts_with("0.088 (") && rows[1][1].starts_with("0.35 ("), "{rows:?}");
     assert!(found.sentence.contains("By f0 it ranges from"), "{}", found.sentence);
-    let (_, found) = told(&by("which-split-sum"), axes);
-    assert_eq!(found.digest.unwrap().columns[0], "f0");
     // Every question with such rows takes the axis.
     for question in QUESTIONS.iter().filter(|question| question.has_rows) {
         let run = finished(&format!("{METHODS}{axes}"), made);

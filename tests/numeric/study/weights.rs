@@ -199,36 +199,6 @@ fn runs_without_bins_or_floors_keep_what_they_have() {
     assert_eq!(ratios(&run), [("picture".to_owned(), 1.0)]);
 }
 
-/// Counts of compiled code are an axis beside lookups.
-#[test]
-fn errors_are_drawn_against_counted_instructions() {
-    let bench = Bench::finished(
-        "name = \"costs\"\nsize = [16, 16]\nreference = { samples = 64 }\n[axes]\nbrdf = [\"ggx\"]\ndiffuse = [\"none\"]\n\
-         method = [\"split-sum\", \"split-sum-one\", \"sampled\"]\nsamples = [4, 16]\nlayout = [\"cube\"]\n",
-    );
-    let head = "family,method,brdf,layout,options,outside_alu,outside_quarter_rate,inside_alu,inside_quarter_rate";
-    // The newest family comes last; other code has options.
-    let rows = "vega10,sampled,,cube,,1,1,1,1\nnavi21,split-sum,,cube,,85,10,0,0\nnavi21,split-sum-one,,cube,,128,15,0,0\n\
-                navi21,sampled,ggx,cube,masking=correlated,9,9,9,9\nnavi21,sampled,ggx,cube,,86,7,84,14\n";
-    std::fs::write(bench.path("costs.csv"), format!("{head}\n{rows}")).unwrap();
-    let of = |run: &Finished| super::paper::finding(run, "which-split-sum");
-    let mut run = Finished::read(bench.dir.path()).unwrap();
-    let found = of(&run);
-    let at = |name: &str, samples: &str| {
-        numbers(&only(&found.table, &[("method", name), ("samples", samples)]), "instructions")[0]
-    };
-    assert_eq!(
-        [at("split-sum", ""), at("sampled", "4"), at("sampled", "16")],
-        [95.0, 93.0 + 4.0 * 98.0, 93.0 + 16.0 * 98.0]
-    );
-    let label =
-        |found: &splitsum::study::questions::Finding| format!("{:?}", found.figure.as_ref().unwrap().panels[0].x);
-    assert!(label(&found).contains("vector instructions per pixel"));
-    run.costs.pop();
-    let found = of(&run);
-    assert!(label(&found).contains("lookups per pixel"), "a method without counts");
-}
-
 #[test]
 fn unknown_weights_are_refused() {
     let of =
