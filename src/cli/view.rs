@@ -52,8 +52,7 @@ fn after_help() -> String {
     format!(
         "Defaults here: --method {method}, --right {REFERENCE}, --scene {scene}, --environment {environment}, a metal of roughness 0.25 (unless \
         the model has its own materials), the size of the window. The window uses the program's own tables.\n\n\
-        Pictures (toolbar, and the list under Advanced): {}. \"image\", \"error\" and \"signed error\" show a half for each method; errors are \
-        against the reference. \"difference\" is left minus right. Other pictures show the left half's g-buffer and tables.\n\n\
+        Pictures (toolbar): {}, a half for each method; errors are against the reference.\n\n\
         Mouse: drag the line to compare the halves, drag elsewhere to turn the camera, shift+drag to turn the light, wheel to zoom. Keys: \
         space shows the other half; d the left half alone; e error; s signed error; p linear values under the pointer; t times of frames and \
         passes; [ ] exposure; + - 0 and arrows the camera; shift+arrows the light; 1 to 9 the left method; f the whole screen; ctrl+S \

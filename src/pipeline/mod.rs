@@ -144,13 +144,6 @@ impl Pipeline {
         self.gpu.interrupt_by(flag);
     }
 
-    /// Renders the g-buffer of `request`.
-    pub fn gbuffer(&mut self, request: &RenderRequest) -> Result<Gbuffer<f32>, PipelineError> {
-        self.check(request)?;
-        let (_, target) = self.with_memory(|pipeline| pipeline.resources.view(&pipeline.gpu, request))?;
-        Ok(target.gbuffer.read(&self.gpu)?)
-    }
-
     /// Returns the messages of the validation layer so far; empty without validation.
     pub fn validation_messages(&self) -> Vec<String> {
         self.gpu.validation_messages()

@@ -1,20 +1,17 @@
 //! The panel: eight controls that matter most, and the rest of the axes under "Advanced".
 
 use super::browse::Browse;
-use super::picture::Picture;
 use super::state::{Side, State};
 use super::theme;
-use super::worker::Shown;
 use crate::environment::{BUILTIN_PREFIX, BUILTINS};
 use crate::experiment::axis::{
     ALBEDO, ALPHA, AXES, ENVIRONMENT, EXPOSURE, F0, METALLIC, METHOD, Named, Part, Point, SAMPLES, SCENE, SIZE,
 };
-use crate::experiment::lights::{light_text, parse_light};
 use crate::experiment::value::{Kind, Range, Value};
-use crate::scene::{CameraKind, Light, SCENES};
+use crate::scene::{CameraKind, SCENES};
 use crate::shade::Method;
 use crate::spelling::{Listed, capitalised, in_words};
-use egui::{Align2, ComboBox, DragValue, Rect, Response, Slider, SliderClamping, TextEdit, Ui, vec2};
+use egui::{Align2, ComboBox, DragValue, Rect, Response, Slider, SliderClamping, Ui, vec2};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
@@ -37,8 +34,6 @@ pub struct Controls {
     /// Whether the probe and the times are shown.
     pub overlays: [bool; 2],
     browse: Option<Browse>,
-    /// Unfinished text of a light.
-    typed: Option<(usize, String)>,
 }
 
 impl Controls {
@@ -47,7 +42,7 @@ impl Controls {
     }
 
     /// Shows every control. Returns a file that the user chose.
-    pub fn ui(&mut self, ui: &mut Ui, state: &mut State, shown: &Shown) -> Option<PathBuf> {
+    pub fn ui(&mut self, ui: &mut Ui, state: &mut State) -> Option<PathBuf> {
         ui.add_space(10.0);
         self.input(ui, ENVIRONMENT, state);
         self.input(ui, SCENE, state);
@@ -65,8 +60,7 @@ impl Controls {
         }
         self.axis(ui, EXPOSURE, state);
         ui.add_space(4.0);
-        let advanced =
-            egui::CollapsingHeader::new("Advanced").show_unindented(ui, |ui| self.advanced(ui, state, shown));
+        let advanced = egui::CollapsingHeader::new("Advanced").show_unindented(ui, |ui| self.advanced(ui, state));
         self.place("advanced", &advanced.header_response);
         let mut browse = self.browse.take()?;
         let chosen = browse.ui(ui, &mut self.places);
@@ -76,18 +70,7 @@ impl Controls {
         chosen.flatten()
     }
 
-    fn advanced(&mut self, ui: &mut Ui, state: &mut State, shown: &Shown) {
-        self.row(ui, "Picture", "What the window shows: image, errors, g-buffer or tables", |controls, ui| {
-            let items = Picture::names().into_iter().map(|name| (name.to_owned(), capitalised(name)));
-            let chosen = controls.menu(ui, "picture", MENU_WIDTH, state.picture.name(), items.collect());
-            state.picture = chosen.map_or(state.picture, |name| *Picture::listed(&name));
-        });
-        if state.picture == Picture::Prefiltered {
-            self.row(ui, "Level", "Level of the prefiltered map", |controls, ui| {
-                let last = shown.level_count.max(1) - 1;
-                controls.place("level", &ui.add(Slider::new(&mut state.level, 0..=last)));
-            });
-        }
+    fn advanced(&mut self, ui: &mut Ui, state: &mut State) {
         self.row(ui, "Camera", "Drag to turn, wheel to zoom, 0 to reset", |controls, ui| {
             for (kind, word) in CameraKind::all().zip(["Parallel", "Perspective"]) {
                 controls.place(kind.name(), &ui.radio_value(&mut state.view.camera, *kind, word));
@@ -119,9 +102,6 @@ impl Controls {
             let is_here = |axis: &usize| AXES[*axis].part.heading() == heading && !eight.contains(axis);
             (0..AXES.len()).filter(is_here).filter(|axis| is_choice(*axis)).for_each(|axis| self.axis(ui, axis, state));
         }
-        ui.add_space(8.0);
-        ui.heading("Analytic lights");
-        self.lights(ui, &mut state.view.lights);
     }
 
     fn row(&mut self, ui: &mut Ui, label: &str, about: &str, add: impl FnOnce(&mut Self, &mut Ui)) {
@@ -283,35 +263,6 @@ impl Controls {
         if let Some(Ok(parsed)) = found.map(|text| named.parse_text(&text)) {
             *value = parsed;
         }
-    }
-
-    /// Lists the lights as `--light` writes them.
-    fn lights(&mut self, ui: &mut Ui, lights: &mut Vec<Light>) {
-        for index in 0..lights.len() {
-            ui.horizontal(|ui| {
-                let typed = self.typed.take_if(|(typed, _)| *typed == index).map(|(_, text)| text);
-                let mut text = typed.unwrap_or_else(|| light_text(&lights[index]));
-                let field = ui.add(TextEdit::singleline(&mut text).desired_width(MENU_WIDTH + 60.0));
-                self.place(format!("light {index}"), &field);
-                if let Ok(light) = parse_light(&text) {
-                    lights[index] = light;
-                }
-                if ui.small_button("×").on_hover_text("Remove the light").clicked() {
-                    lights.remove(index);
-                } else if field.has_focus() {
-                    self.typed = Some((index, text));
-                }
-            });
-        }
-        ui.horizontal(|ui| {
-            for (kind, first) in [("directional", "directional:1,2,2:1,1,1"), ("point", "point:1.5,2,2.5:1,1,1")] {
-                let button = ui.button(format!("Add {kind}")).on_hover_text("Kind, direction or position, colour");
-                self.place(format!("add {kind}"), &button);
-                if button.clicked() {
-                    lights.push(parse_light(first).expect("a valid light"));
-                }
-            }
-        });
     }
 }
 

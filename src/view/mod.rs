@@ -15,6 +15,6 @@ mod theme;
 mod window;
 mod worker;
 
-pub use picture::{GROUND, Picture};
+pub use picture::Picture;
 pub use state::{HOME, State, has_materials};
 pub use window::{Windowed, open};

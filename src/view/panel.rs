@@ -9,7 +9,6 @@ use super::theme;
 use super::worker::{Shown, Standing};
 use crate::experiment::axis::SIZE;
 use crate::experiment::value::Value;
-use crate::spelling::capitalised;
 use egui::text::LayoutJob;
 use egui::{Align2, CursorIcon, FontId, Frame as Ground, Rect, Sense, Ui, UiBuilder, vec2};
 use std::time::{Duration, Instant};
@@ -91,7 +90,7 @@ impl Panel {
         let ground = Ground::side_top_panel(ui.style()).inner_margin(egui::Margin::symmetric(12, 0));
         egui::Panel::right("controls").resizable(false).exact_size(PANEL_WIDTH).frame(ground).show_inside(ui, |ui| {
             let area = egui::ScrollArea::vertical().auto_shrink(false);
-            if let Some(path) = area.show(ui, |ui| self.controls.ui(ui, state, shown)).inner {
+            if let Some(path) = area.show(ui, |ui| self.controls.ui(ui, state)).inner {
                 self.open(&path, state);
             }
         });
@@ -110,16 +109,15 @@ impl Panel {
             let factor = (width * height / PIXELS_MAX).sqrt().ceil().max(1.0);
             state.point[SIZE] = Value::Pair([width, height].map(|side| ((side / factor) as u32).max(1)));
         }
-        let Some(finest) = shown.size() else {
+        if shown.size().is_none() {
             let job =
                 LayoutJob::simple_singleline("Rendering the first picture".into(), theme::medium(15.0), theme::MUTED);
             veiled(ui, area, Align2::CENTER_CENTER, job);
             self.toolbar(ui, area, state);
             return;
-        };
+        }
         // A coarse picture fills the place of the whole one.
-        let sides = if state.picture.is_table() { finest } else { state.size() };
-        let [width, height] = sides.map(|side| side as f32 / scale);
+        let [width, height] = state.size().map(|side| side as f32 / scale);
         // Enlarges by whole factors.
         let fit = (area.width() / width).min(area.height() / height);
         let size = vec2(width, height) * if fit >= 1.0 { fit.floor() } else { fit };
@@ -133,23 +131,16 @@ impl Panel {
         self.controls.place("image", &response);
         self.look(ui, state, &response, rect);
         let inner = rect.shrink(MARGIN);
-        if state.picture.has_sides() {
-            if wipe == state.wipe && !self.is_flipped {
-                self.wipe(ui, state, rect);
+        if wipe == state.wipe && !self.is_flipped {
+            self.wipe(ui, state, rect);
+        }
+        let halves = [(Side::Left, Align2::LEFT_BOTTOM, wipe > 0.0), (Side::Right, Align2::RIGHT_BOTTOM, wipe < 1.0)];
+        for ((side, align, is_seen), is_stale) in halves.into_iter().zip(is_stale) {
+            let size = vec2(0.5 * inner.width() - MARGIN, inner.height());
+            let place = align.anchor_size(align.pos_in_rect(&inner), size);
+            if let Some(shot) = shown.side(side).filter(|_| is_seen) {
+                caption(ui, place, align, shot, is_stale);
             }
-            let halves =
-                [(Side::Left, Align2::LEFT_BOTTOM, wipe > 0.0), (Side::Right, Align2::RIGHT_BOTTOM, wipe < 1.0)];
-            for ((side, align, is_seen), is_stale) in halves.into_iter().zip(is_stale) {
-                let size = vec2(0.5 * inner.width() - MARGIN, inner.height());
-                let place = align.anchor_size(align.pos_in_rect(&inner), size);
-                if let Some(shot) = shown.side(side).filter(|_| is_seen) {
-                    caption(ui, place, align, shot, is_stale);
-                }
-            }
-        } else if state.picture.scale().is_none() {
-            let about = if is_stale[0] { "updating".to_owned() } else { capitalised(state.picture.about()) };
-            let job = LayoutJob::simple(about, FontId::proportional(13.5), theme::INK, f32::INFINITY);
-            veiled(ui, inner, Align2::LEFT_BOTTOM, job);
         }
         if let Some(colors) = state.picture.scale().filter(|_| !is_stale[0] || !is_stale[1]) {
             legend(ui, rect, &colors);
@@ -234,8 +225,7 @@ impl Panel {
             state.view.orbit = nearer(state.view.orbit, (f64::from(wheel) * -0.002).exp());
         }
         let [width, height] = state.size();
-        let pointer = response.hover_pos().filter(|_| !state.picture.is_table());
-        self.probed = pointer.map(|place| {
+        self.probed = response.hover_pos().map(|place| {
             let share = (place - rect.min) / rect.size();
             [(share.x, width), (share.y, height)].map(|(x, side)| ((x * side as f32).max(0.0) as u32).min(side - 1))
         });

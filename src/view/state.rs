@@ -32,8 +32,6 @@ pub struct State {
     pub wipe: f32,
     /// Whether the picture has the size of its place in the window.
     pub fill: bool,
-    /// Shown level of the prefiltered map.
-    pub level: u32,
 }
 
 /// The first view: some room around the model.
@@ -60,7 +58,7 @@ impl State {
     /// Shows `point` on the left and the reference on the right.
     pub fn new(point: Point, view: View) -> Self {
         let right = Value::Text(REFERENCE.to_owned().into());
-        Self { point, right, view, picture: Picture::Image, wipe: 0.5, fill: false, level: 0 }
+        Self { point, right, view, picture: Picture::Image, wipe: 0.5, fill: false }
     }
 
     /// Makes paths absolute, so that saved files find them.
@@ -91,7 +89,6 @@ impl State {
     pub fn shown_wipe(&self) -> f32 {
         let is_reference = [Side::Left, Side::Right].map(|side| self.method(side).text() == REFERENCE);
         match (self.picture.scale().is_some(), is_reference) {
-            _ if !self.picture.has_sides() => 1.0,
             (true, [false, true]) => 1.0,
             (true, [true, false]) => 0.0,
             _ => self.wipe,
@@ -103,7 +100,7 @@ impl State {
     }
 
     pub fn look(&self) -> Look {
-        Look { picture: self.picture, curve: self.point.settings().curve, level: self.level }
+        Look { picture: self.picture, curve: self.point.settings().curve }
     }
 
     pub fn scaled(&self, scale: u32) -> Self {

@@ -1,11 +1,11 @@
 //! The renderer's thread. It takes the newest state, shows it coarsely if the whole takes long, then whole, then
 //! refines the reference until the state changes.
 
-use super::picture::{Look, Picture, of_frame, of_gbuffer, of_tables};
+use super::picture::{Picture, of_frame};
 use super::state::{Image, Inputs, Side, State};
 use crate::environment::{Environment, LoadOptions};
 use crate::metrics::{Comparison, HEADLINE, Metric};
-use crate::pipeline::{DeviceInfo, Frame, Options, Pipeline, PipelineError, Recent, RenderRequest};
+use crate::pipeline::{DeviceInfo, Frame, Options, Pipeline, PipelineError, Recent};
 use crate::pixels::Rgb8Image;
 use crate::scene::{Camera, CameraKind, MaterialOverride, Scene};
 use crate::spelling::Listed;
@@ -23,8 +23,6 @@ const PATIENCE: Duration = Duration::from_secs(5);
 const COARSEST: u32 = 8;
 /// Whole frames in memory.
 const KEPT: usize = 8;
-/// Texels of the largest level in a picture of tables.
-const TABLE_TEXELS: u32 = 1 << 15;
 
 #[derive(Clone, Debug)]
 pub struct Shot {
@@ -59,8 +57,6 @@ pub struct Shown {
     /// Left and right.
     pub halves: [Option<Shot>; 2],
     pub truth: Option<Shot>,
-    /// Levels of the prefiltered map, if it was read.
-    pub level_count: u32,
     pub standing: Standing,
     pub device: Option<DeviceInfo>,
     pub messages: Vec<String>,
@@ -316,17 +312,17 @@ impl<'a> Renderer<'a> {
         let state = &whole.scaled(scale);
         let (mut made, generation) = (false, self.shown.generation);
         let is_first = self.shown.side(Side::Left).is_none_or(|shot| shot.generation != generation || shot.scale > 1);
-        let truth = match state.picture {
-            Picture::Difference => Some(self.frame(&state.image(Side::Right, count), inputs)?),
-            picture if picture.scale().is_some() => Some(self.frame(&state.truth(count), inputs)?),
-            _ => None,
+        let truth = match state.picture.scale() {
+            Some(_) => Some(self.frame(&state.truth(count), inputs)?),
+            None => None,
         };
         for side in [Side::Left, Side::Right] {
             let image = state.image(side, count);
             let frame = self.frame(&image, inputs)?;
             made |= !frame.timings.precompute.is_empty();
-            let request = image.request(inputs);
-            let picture = Arc::new(self.picture(state.look(), &request, &frame, truth.as_deref())?);
+            let epsilon = image.request(inputs).epsilon();
+            let picture = of_frame(&mut self.pipeline, state.look(), &frame, truth.as_deref(), epsilon)?;
+            let picture = Arc::new(picture);
             self.shown.halves[side as usize] =
                 Some(Shot { image, frame, picture, kind: state.picture, generation, scale, score: None });
             if scale == 1 && is_first {
@@ -354,30 +350,6 @@ impl<'a> Renderer<'a> {
         self.shown.truth =
             Some(Shot { image, frame: truth, picture, kind: Picture::Image, generation, scale: 1, score: None });
         Ok(())
-    }
-
-    /// Paints a half.
-    fn picture(
-        &mut self,
-        look: Look,
-        request: &RenderRequest,
-        frame: &Frame,
-        truth: Option<&Frame>,
-    ) -> Result<Rgb8Image, PipelineError> {
-        match look.picture {
-            Picture::Prefiltered | Picture::Dfg => {
-                let tables = self.pipeline.light_tables(request, TABLE_TEXELS, &[])?;
-                self.shown.level_count = tables.prefiltered.len() as u32;
-                Ok(of_tables(look, &tables))
-            }
-            picture if picture.has_sides() || picture == Picture::Difference => {
-                of_frame(&mut self.pipeline, look, frame, truth, request.epsilon())
-            }
-            part => {
-                let gbuffer = self.pipeline.gbuffer(request)?;
-                Ok(of_gbuffer(part, &gbuffer, &request.camera, request.scene.bounds()))
-            }
-        }
     }
 
     /// Renders an image unless its frame is in memory.

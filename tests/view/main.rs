@@ -10,8 +10,6 @@ use splitsum::pixels::{Rgb8Image, exr};
 use splitsum::precompute::PrefilterBy;
 use splitsum::shade::{DIFFUSE, METHODS};
 use splitsum::spelling::Listed;
-use splitsum::table::colormap::SIGNED_ERROR;
-use splitsum::view::GROUND;
 use std::collections::BTreeSet;
 use std::path::Path;
 use std::process::Command;
@@ -121,8 +119,6 @@ fn the_window_shows_and_saves_what_render_makes() {
     let again = screen.window(&words.iter().map(String::as_str).collect::<Vec<_>>());
     again.wait_done();
     assert_eq!(again.state(), after);
-    again.click("advanced", [0.2, 0.5]);
-    assert!(again.has("light 0"), "lights of a state are seen");
     again.close();
 }
 
@@ -168,24 +164,6 @@ fn keys_do_what_the_report_does() {
         assert!(if to > 1.0 { moved > 0.05 } else { moved < 0.05 }, "{moved}");
         assert_eq!(state["orbit"], serde_json::json!([0.0, 0.0, 1.125]), "the line is above the camera");
     }
-    // The difference of the halves, below toolbar and legend: none where both are one method, and of the other sign where they
-    // change places.
-    win.choose("picture", "choice difference");
-    let second = METHODS.iter().find(|method| method.uses_prefiltered()).unwrap();
-    let [first, second] = [METHODS[0].name, second.name].map(|name| format!("choice {name}"));
-    let difference = |left: &str, right: &str| {
-        win.choose("left", left);
-        win.choose("right", right);
-        win.wait_done();
-        let seen = win.picture();
-        seen.data[(seen.width * seen.height / 4) as usize..].to_vec()
-    };
-    let none = BTreeSet::from_iter(difference(&first, &first));
-    assert_eq!(none, BTreeSet::from([GROUND, SIGNED_ERROR.color(0.0)]));
-    let (one, other) = (difference(&first, &second), difference(&second, &first));
-    let red = |[red, _, blue]: &[u8; 3]| i32::from(*red) - i32::from(*blue);
-    let clear: Vec<_> = one.iter().zip(&other).filter(|(a, b)| red(a).abs().min(red(b).abs()) > 20).collect();
-    assert!(clear.len() > 1000 && clear.iter().all(|(a, b)| red(a).signum() == -red(b).signum()), "{}", clear.len());
     win.close();
 }
 
