@@ -158,12 +158,7 @@ fn assemble(
                 })
                 .collect();
             let polygon: Vec<DVec3> = face.iter().map(|&index| position(&mesh.positions, index)).collect();
-            let split = triangulate::triangulate(&polygon).ok_or_else(|| {
-                let most = triangulate::MAX_CONCAVE_CORNERS;
-                file_error(format!(
-                    "a concave face of {arity} corners, expected at most {most} corners; triangulate the mesh"
-                ))
-            })?;
+            let split = triangulate::triangulate(&polygon);
             crossing_count += usize::from(!split.is_simple);
             for triangle in split.triangles {
                 if is_degenerate(triangle.map(|k| polygon[k])) {

@@ -164,7 +164,7 @@ fn a_statement_of_a_million_lines_is_read_at_once() {
 /// Seven digits bend the outline of a fine circle inwards at every other corner.
 #[test]
 fn a_circle_of_rounded_corners_is_filled() {
-    let count = 50_000;
+    let count = 20_000;
     let mut text = String::new();
     for i in 0..count {
         let (y, x) = (std::f64::consts::TAU * f64::from(i) / f64::from(count)).sin_cos();
@@ -174,12 +174,6 @@ fn a_circle_of_rounded_corners_is_filled() {
     let scene = loaded(&format!("{text}f {}\n", corners.join(" ")));
     let area: DVec3 = scene.meshes.iter().flat_map(areas).sum();
     assert!((area - DVec3::Z * std::f64::consts::PI).length() < 1e-5, "{area}");
-    // A comb of as many corners is not seen from its first.
-    let comb = |i: i32| (f64::from(i / 2), if i % 4 < 2 { 1.0 } else { 2.0 });
-    let teeth: String = (0..count).map(|i| (comb(i).0, comb(i).1)).map(|(x, y)| format!("v {x} {y} 0\n")).collect();
-    let message =
-        load_text(&format!("{teeth}v {count} 0 0\nv 0 0 0\nf {} {} {}\n", corners.join(" "), count + 1, count + 2));
-    assert!(message.unwrap_err().contains("a concave face"));
 }
 
 /// Twice the texels of the largest map that is read, in 100 bytes: refused by its header.
@@ -284,7 +278,7 @@ fn polygons_of_any_shape_keep_their_area() {
         (DVec3::Y, DVec3::Z),
         (DVec3::new(1.0, 1.0, 0.0).normalize(), DVec3::new(1.0, -1.0, 2.0).normalize()),
     ];
-    for n in [4, 5, 8, 31, 500] {
+    for n in [4, 5, 8, 31, 500, 5000] {
         for (a, b) in planes {
             let (text, area) = star(n, DVec3::new(1.0, 2.0, -1.0), a, b);
             let scene = loaded(&text);
@@ -315,10 +309,11 @@ fn polygons_with_odd_corners_keep_their_area() {
         let total: f64 = areas(&scene.meshes[0]).iter().map(|area| area.length()).sum();
         assert!((total - expected).abs() < F32_ROUNDING, "{text:?}: {total}, expected {expected}");
     }
-    let bow_tie = loaded("v 0 0 0\nv 1 1 0\nv 1 0 0\nv 0 2 0\nf 1 2 3 4\n");
-    assert!(bow_tie.warnings.iter().any(|warning| warning.contains("cross themselves")), "{:?}", bow_tie.warnings);
-    let (text, _) = star(5000, DVec3::ZERO, DVec3::X, DVec3::Y);
-    assert!(load_text(&text).expect_err("too many corners").contains("at most 4096 corners"));
+    // Two unequal triangles, and two equal ones, whose vector area is 0.
+    for height in [1, 2] {
+        let tie = loaded(&format!("v 0 0 0\nv 1 1 0\nv 1 0 0\nv 0 {height} 0\nf 1 2 3 4\n"));
+        assert!(tie.warnings.iter().any(|warning| warning.contains("cross themselves")), "{:?}", tie.warnings);
+    }
 }
 
 /// A unit sphere of quads and triangles without normals, cut into two materials.
