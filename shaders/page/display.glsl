@@ -32,7 +32,7 @@ vec3 palette_color(float place, int row) {
                x - float(lower));
 }
 
-// The formulas of err_p95 ... and relmse. Alpha is 0 if the error is above the range of the colours or not a number.
+// The root of the term of relmse. Alpha is 0 if the error is above the range of the colours or not a number.
 vec4 error_color(vec3 t, vec3 r, bool is_signed) {
     vec3 share = r / light_mean;
     vec3 relative = (t - r) / light_mean / sqrt(share * share + EPSILON_SHARE);

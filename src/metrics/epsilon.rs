@@ -43,9 +43,4 @@ impl Epsilon {
     pub fn weight(self, r: DVec3) -> DVec3 {
         DVec3::from_array(r.to_array().map(|r| self.relative(1.0, r)))
     }
-
-    /// ε added to `|r|`.
-    pub fn beside_magnitude(self) -> f64 {
-        Self::SHARE * self.mean
-    }
 }

@@ -13,15 +13,12 @@ mod comparison;
 mod epsilon;
 mod filter;
 mod flip;
-mod mae;
 mod mean;
 mod noise;
 mod psnr;
 mod relmse;
 mod rmse;
-mod smape;
 mod ssim;
-mod tail;
 mod tone_mapped;
 mod weight;
 
@@ -132,14 +129,8 @@ impl Metric {
 pub static METRICS: &[&Metric] = &[
     &rmse::RMSE,
     &relmse::RELMSE,
-    &relmse::TRIMMED,
     &tone_mapped::TONE_MAPPED,
-    &mae::MAE,
-    &smape::SMAPE,
     &bias::BIAS,
-    &tail::P95,
-    &tail::P99,
-    &tail::MAXIMUM,
     &psnr::PSNR,
     &ssim::SSIM,
     &flip::FLIP,

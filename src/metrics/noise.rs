@@ -9,18 +9,11 @@
 //! \[Kolmogorov50\]).
 
 use super::comparison::{check_size, check_values, masked_pixels};
-use super::mean::rgb_mean;
 use super::{Epsilon, METRICS, Metric, MetricsError};
 use crate::glsl::constants::SCRAMBLE_COUNT;
 use crate::pixels::{GrayImage, RgbImage};
 
 const _: () = assert!(SCRAMBLE_COUNT == 4, "the distribution of the error is that of three degrees of freedom");
-
-/// Largest error in standard errors: √3.
-pub(super) const LARGEST_ERROR: f64 = 1.732_050_807_568_877_2;
-
-/// Mean absolute error in standard errors.
-pub(super) const MEAN_ABS_ERROR: f64 = 0.5 * LARGEST_ERROR;
 
 pub struct ReferenceNoise {
     samples: Vec<[[f64; 3]; 2]>,
@@ -62,12 +55,6 @@ impl ReferenceNoise {
     pub(super) fn mean(&self, term: impl Fn(f64, f64) -> f64) -> f64 {
         let pixel = |[r, se]: &[[f64; 3]; 2]| (0..3).map(|c| term(r[c], se[c])).sum::<f64>();
         self.samples.iter().map(pixel).sum::<f64>() / (3 * self.samples.len()) as f64
-    }
-
-    /// RGB mean of `se² / (r² + ε)` of each masked pixel.
-    pub(super) fn relative_squares(&self) -> Vec<f64> {
-        let pixel = |[r, se]: &[[f64; 3]; 2]| rgb_mean(|c| self.epsilon.relative(se[c] * se[c], r[c]));
-        self.samples.iter().map(pixel).collect()
     }
 }
 
@@ -117,9 +104,4 @@ pub fn verdict(metric: &Metric, value: f64, floor: f64) -> Verdict {
     } else {
         Verdict::Resolved
     }
-}
-
-/// Probability of an error above `x` ≥ 0 standard errors.
-pub(super) fn error_tail(x: f64) -> f64 {
-    (1.0 - x / LARGEST_ERROR).max(0.0)
 }

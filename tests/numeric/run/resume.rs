@@ -121,7 +121,7 @@ fn a_damaged_record_of_a_cell_is_made_again() {
     let split_sum = bench.plan.cells.iter().find(of_method).unwrap();
     let path = bench.path(&format!("cells/{}.json", split_sum.id));
     let text = String::from_utf8(read(&path)).unwrap();
-    let place = text.find("\"mae\": \"").unwrap() + 8;
+    let place = text.find("\"rmse\": \"").unwrap() + 9;
     let edited = format!("{}9{}", &text[..place], &text[place + 1..]);
     let other = String::from_utf8(bench.read(&format!("cells/{}.json", bench.plan.cells[0].id))).unwrap();
     for content in [None, Some(""), Some("{\"cell\": \"12"), Some(&edited), Some(&other)] {
