@@ -94,10 +94,9 @@ pub const TIMINGS: &[Column] = &[
         "drift_percent_per_min",
         "Trend over the rounds, percent of the median per minute; empty for short measurements.",
     ),
-    column("flags", "Warnings: `few-samples`, `drift`, `outliers`, `throttled`."),
-    column("clock_before_mhz", "Clock of the device before the rounds, MHz, or `unknown`."),
-    column("clock_after_mhz", "Clock of the device after the rounds, MHz."),
-    column("slowdown", "Reasons for a low clock, with NVIDIA's names."),
+    column("flags", "Warnings: `few-samples`, `drift`, `outliers`."),
+    column("clock_before_mhz", "Mean clock of the processors before the rounds, MHz, or `unknown`."),
+    column("clock_after_mhz", "The same after the rounds, MHz."),
     column("load_before", "Load average of the host before the rounds."),
 ];
 

@@ -171,9 +171,9 @@ pub fn timings(records: &[TimingRecord]) -> Rows {
             row.extend(s.interval.map(finite));
             row.extend([finite(record.drift_percent_per_min(pass)), text_field(&record.flags(pass))]);
             let known = |number: Option<f64>| number.map_or_else(|| UNKNOWN.into(), Field::Number);
-            row.extend(record.host.each_ref().map(|host| known(host.clock_mhz(&record.device_type))));
+            row.extend(record.host.each_ref().map(|host| known(host.cpu_mhz)));
             let load = record.host[0].load_average.as_ref().and_then(|load| load.first().copied());
-            row.extend([text_field(&record.slowdown()), known(load)]);
+            row.push(known(load));
             rows.push(row);
         }
     }

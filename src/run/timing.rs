@@ -3,7 +3,7 @@
 //! Passes of a frame are timed once for each configuration that can change their cost, apart from passes that run once per environment or
 //! model.
 
-use super::host::{HostState, UNKNOWN};
+use super::host::HostState;
 use super::statistics::{drift, median, median_interval, quantile};
 use crate::experiment::axis::{AXES, Axis, ENVIRONMENT, METHOD, SAMPLES, SCENE, SIZE};
 use crate::experiment::plan::{Cell, Plan};
@@ -233,19 +233,7 @@ impl TimingRecord {
         100.0 * drift(&points) / median(&pass.ms)
     }
 
-    /// Reasons for a low clock before or after the rounds, separated by spaces; `unknown` if unreported.
-    pub fn slowdown(&self) -> String {
-        let [before, after] = self.host.each_ref().map(HostState::slowdown);
-        if before == after || after.is_empty() {
-            before
-        } else if before.is_empty() {
-            after
-        } else {
-            format!("{before} {after}")
-        }
-    }
-
-    /// Warnings, separated by spaces: `few-samples`, `drift`, `outliers`, `throttled`.
+    /// Warnings, separated by spaces: `few-samples`, `drift`, `outliers`.
     pub fn flags(&self, pass: &PassSamples) -> String {
         let (n, (middle, mad)) = (pass.ms.len(), centre(&pass.ms));
         let moved = self.trend(pass) / 100.0 * self.minutes();
@@ -254,7 +242,6 @@ impl TimingRecord {
             ("few-samples", n < FEW_SAMPLES),
             ("drift", n >= FEW_SAMPLES && moved.abs() > DRIFT_NAMED),
             ("outliers", pass.ms.iter().any(is_outlier)),
-            ("throttled", self.host.iter().any(|host| !["", UNKNOWN].contains(&host.slowdown().as_str()))),
         ];
         flags.iter().filter(|(_, is_set)| *is_set).map(|(name, _)| *name).collect::<Vec<_>>().join(" ")
     }

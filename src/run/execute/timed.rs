@@ -87,7 +87,7 @@ impl<'p> Run<'p> {
         for configuration in &mut timed {
             configuration.warm_up(timing.warmup, renderer)?;
         }
-        let before = HostState::observe(&renderer.device());
+        let before = HostState::observe();
         let (started, mut random) = (Instant::now(), Random::new(u64::from(self.plan.config.seed)));
         for _ in 0..timing.rounds {
             for (order, index) in random.order(timed.len()).into_iter().enumerate() {
@@ -100,7 +100,7 @@ impl<'p> Run<'p> {
                 configuration.places.push(Place { order, start_s });
             }
         }
-        let host = [before, HostState::observe(&renderer.device())];
+        let host = [before, HostState::observe()];
         timed.iter_mut().for_each(|configuration| configuration.host = host.clone());
         Ok(timed)
     }

@@ -198,8 +198,4 @@ fn the_provenance_names_inputs_sessions_and_what_they_shared() {
     assert_eq!((&first["device"]["name"], first["program_hash"].as_str().unwrap().len()), (&"fake".into(), 64));
     assert_eq!(second["shared_work"]["reference"], serde_json::json!({ "made": 3, "read": 0 }));
     assert!(second["device_s"] == 0.0 && second["wall_s"].as_f64().unwrap() > 0.0);
-    // The fake is no GPU: nobody tells why its clock is low.
-    let timings = bench.table("timings.csv");
-    let slowdown = timings.column("slowdown").unwrap();
-    assert!(timings.rows.iter().all(|row| row[slowdown] == "unknown"));
 }
