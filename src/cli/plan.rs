@@ -11,7 +11,7 @@ use splitsum::experiment::fault::Lines;
 use splitsum::experiment::{Cell, Plan};
 use splitsum::pipeline::{chosen_device, is_kept};
 use splitsum::run::RunError;
-use splitsum::run::estimate::{Forecast, Host, SpeedsFile, file_bytes};
+use splitsum::run::estimate::{Forecast, Host, SpeedsFile};
 use splitsum::run::store::{Store, StoreError};
 use splitsum::run::timing::{self, TimingJob};
 use std::collections::BTreeMap;
@@ -69,10 +69,9 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let blocks = jobs.chunk_by(|a, b| a.block == b.block);
     let left: Vec<_> =
         blocks.filter(|block| !block.iter().all(|job| store.has_timing(&job.id))).flatten().cloned().collect();
-    let bytes = file_bytes(&plan, &open);
     let (forecast, source) = forecast(&plan, &open, &left, arguments)?;
     let timings = [jobs.len(), jobs.len() - left.len()];
-    let shown = Shown { plan: &plan, states: &states, timings, forecast: &forecast, source, bytes };
+    let shown = Shown { plan: &plan, states: &states, timings, forecast: &forecast, source };
     match arguments.json {
         true => shown.write_json()?,
         false => print(&shown.as_text(&dir))?,
@@ -119,8 +118,6 @@ struct Shown<'a> {
     forecast: &'a Forecast<'a>,
     /// Device of the earlier runs.
     source: Option<String>,
-    /// Size of the files, bytes.
-    bytes: f64,
 }
 
 impl Shown<'_> {
@@ -159,9 +156,8 @@ impl Shown<'_> {
             None => "assuming a software driver on 2 cores".to_owned(),
         };
         let mut lines = vec![format!(
-            "about {} and {} of disk, {source}",
+            "about {}, {source}",
             indicatif::HumanDuration(std::time::Duration::from_secs_f64(self.seconds())),
-            indicatif::HumanBytes(self.bytes as u64),
         )];
         let line = |(name, count, seconds)| format!("  {name:18} {count:>9.0} {seconds:>10.1} s");
         lines.extend(self.forecast.parts().into_iter().map(line));
@@ -206,7 +202,7 @@ impl Shown<'_> {
             "collapsed": plan.collapsed,
             "timings": self.timings[0],
             "timings_done": self.timings[1],
-            "estimate": { "seconds": self.seconds(), "bytes": self.bytes, "device": self.source, "parts": parts },
+            "estimate": { "seconds": self.seconds(), "device": self.source, "parts": parts },
         })
     }
 }

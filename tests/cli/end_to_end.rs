@@ -106,7 +106,7 @@ fn a_plan_says_where_its_estimate_comes_from() {
     assert!(first["device"].is_null() && first["parts"]["references"]["count"] == 4.0, "{first:#}");
     ok(dir.path(), &["run", "tiny.toml", "--cache", "cache"]);
     let (done, other) = (estimate(&[]), estimate(&["--out", "other"]));
-    assert!(done["seconds"] == 0.0 && done["bytes"] == 0.0, "{done:#}");
+    assert!(done["seconds"] == 0.0, "{done:#}");
     // Its references are in the cache for another run.
     assert!(other["parts"].get("references").is_none(), "{other:#}");
     assert!(other["device"].as_str().is_some_and(|name| name.contains('(')), "{other:#}");
@@ -116,7 +116,7 @@ fn a_plan_says_where_its_estimate_comes_from() {
 
     let mut blind = command(dir.path(), &["plan", "tiny.toml", "--out", "none", "--no-cache"]);
     let output = blind.env("VK_DRIVER_FILES", "/nonexistent").env("VK_ICD_FILENAMES", "/nonexistent").output().unwrap();
-    assert!(output.status.success() && stdout(&output).contains("of disk, assuming a software driver"), "{output:?}");
+    assert!(output.status.success() && stdout(&output).contains(", assuming a software driver"), "{output:?}");
 }
 
 /// A run that is at work writes its own answers at its end: who asks meanwhile is told, and leaves no file.

@@ -1,6 +1,6 @@
 //! Predicts the time that a run still takes.
 //!
-//! The stated work that is left is scaled, kind by kind, by what earlier runs took and by how this run compares with them. A correction
+//! The stated work that is left is scaled, kind by kind, by what earlier runs and this run took. A correction
 //! follows: seconds on the clock over predicted seconds of the finished part. It has full weight after a tenth of the work.
 
 use super::speeds::Speeds;
@@ -57,10 +57,9 @@ pub struct Forecast<'p> {
     steps: HashMap<String, Work>,
     left: Work,
     done: Work,
-    earlier: Speeds,
-    /// Speeds of this run: absolute, and relative to `earlier`.
+    /// Speeds of earlier runs and of this one, and of this one alone.
+    all: Speeds,
     own: Speeds,
-    beside_earlier: Speeds,
     host: Host,
 }
 
@@ -74,18 +73,17 @@ impl<'p> Forecast<'p> {
         earlier: Speeds,
         host: Host,
     ) -> Self {
-        let mut all = Steps::new(plan, jobs, kept);
-        let cells = cells.iter().map(|cell| (cell.id.clone(), all.cell(cell))).collect::<Vec<_>>();
+        let mut of = Steps::new(plan, jobs, kept);
+        let cells = cells.iter().map(|cell| (cell.id.clone(), of.cell(cell))).collect::<Vec<_>>();
         let mut steps: HashMap<_, _> =
-            cells.into_iter().chain(jobs.iter().map(|job| (job.id.clone(), all.timing(job)))).collect();
+            cells.into_iter().chain(jobs.iter().map(|job| (job.id.clone(), of.timing(job)))).collect();
         let mut left = Work::default();
         for step in steps.values_mut() {
             left.append(step);
             // Tables and pages are written after the last step.
             step.0.remove(END);
         }
-        let (own, beside_earlier) = (Speeds::default(), Speeds::default());
-        Self { plan, steps, left, done: Work::default(), earlier, own, beside_earlier, host }
+        Self { plan, steps, left, done: Work::default(), all: earlier, own: Speeds::default(), host }
     }
 
     /// Notes a cell that was tried, and the time that it took.
@@ -108,7 +106,7 @@ impl<'p> Forecast<'p> {
         for (kind, [_, stated]) in &work.0 {
             if let Some(taken) = taken(kind, *stated) {
                 self.own.add(kind, taken, *stated);
-                self.beside_earlier.add(kind, taken, stated * self.earlier.ratio(kind));
+                self.all.add(kind, taken, *stated);
             }
         }
     }
@@ -116,7 +114,7 @@ impl<'p> Forecast<'p> {
     /// Predicts the seconds of work of a kind from its stated seconds; threads share scores.
     fn predicted(&self, kind: &str, stated: f64) -> f64 {
         let threads = if kind.starts_with(SCORE) { self.host.threads as f64 } else { 1.0 };
-        stated.max(0.0) * self.earlier.ratio(kind) * self.beside_earlier.ratio(kind) / threads
+        stated.max(0.0) * self.all.ratio(kind) / threads
     }
 
     /// Predicts the rest after `elapsed` seconds of work.

@@ -1,6 +1,6 @@
 //! Measured over stated seconds by kind of work, kept in the cache folder for later runs.
 
-use super::work::{alike, kinds};
+use super::work::TIMED;
 use crate::files::{RECORD_BYTES_MAX, read_regular};
 use crate::pipeline::DeviceInfo;
 use crate::pixels::write_atomically;
@@ -14,7 +14,7 @@ pub const SPEEDS_FILE: &str = "speeds.json";
 /// Weight of earlier runs beside a new one.
 const OLD_SHARE: f64 = 0.5;
 
-/// Measured and stated seconds, by kind and by the general kinds that hold it.
+/// Measured and stated seconds by kind.
 #[derive(Clone, Debug, Default, Deserialize, PartialEq, Serialize)]
 pub struct Speeds(BTreeMap<String, [f64; 2]>);
 
@@ -23,15 +23,19 @@ impl Speeds {
         if !(taken.is_finite() && stated > 0.0) {
             return;
         }
-        for kind in kinds(kind) {
-            let sum = self.0.entry(kind.to_owned()).or_default();
-            *sum = [sum[0] + taken, sum[1] + stated];
-        }
+        let sum = self.0.entry(kind.to_owned()).or_default();
+        *sum = [sum[0] + taken, sum[1] + stated];
     }
 
-    /// Measured over stated seconds of the most special known kind; 1 if nothing is known.
+    fn append(&mut self, other: &Self) {
+        other.0.iter().for_each(|(kind, [taken, stated])| self.add(kind, *taken, *stated));
+    }
+
+    /// Measured over stated seconds of a kind, else of the same work untimed, else of all work; 1 if nothing is known.
     pub fn ratio(&self, kind: &str) -> f64 {
-        alike(kind).find_map(|kind| self.0.get(kind)).map_or(1.0, |[taken, stated]| taken / stated)
+        let own = self.0.get(kind).or_else(|| self.0.get(kind.strip_prefix(TIMED)?)).copied();
+        let all = || self.0.values().copied().reduce(|a, b| [a[0] + b[0], a[1] + b[1]]);
+        own.or_else(all).map_or(1.0, |[taken, stated]| taken / stated)
     }
 }
 
@@ -62,10 +66,7 @@ impl SpeedsFile {
         file.latest = name(device);
         let speeds = file.devices.entry(file.latest.clone()).or_default();
         speeds.0.values_mut().for_each(|sum| *sum = sum.map(|seconds| OLD_SHARE * seconds));
-        for (kind, [taken, stated]) in &run.0 {
-            let sum = speeds.0.entry(kind.clone()).or_default();
-            *sum = [sum[0] + taken, sum[1] + stated];
-        }
+        speeds.append(run);
         let _ = write_atomically(path, |writer| Ok(serde_json::to_writer_pretty(writer, &file)?));
     }
 }

@@ -1,25 +1,22 @@
 //! The stated work of a plan by kind, in seconds of a software driver (lavapipe, LLVM 15) on two quiet cores. The published runs took 0.65
 //! to 1.25 times as long.
-//!
-//! A kind is words from general to special, such as `image sampled none ggx`.
 
 use crate::experiment::axis::{AXES, DFG, IRRADIANCE, MIPS, PREFILTER, Point, SH9};
 use crate::experiment::config::Warmup;
 use crate::experiment::plan::{Cell, Plan};
 use crate::experiment::value::Value;
-use crate::run::images;
 use crate::run::timing::{FRAME, TimingJob, WARMUP_TIME_MAX};
 use std::collections::{BTreeMap, BTreeSet, HashSet};
 
-/// First word of the kinds of timed frames and tables.
+/// First word of the kinds of timed frames and tables, before the kind of the same work untimed.
 pub const TIMED: &str = "timed ";
 /// What follows the last step.
 pub const END: &str = "host end";
 /// Scores, which are computed beside the device.
 pub const SCORE: &str = "host score";
 
-/// Kind, ns per pixel, ns per sample.
-const STATED_NS: [(&str, f64, f64); 14] = [
+/// Kind, ns per pixel, ns per sample. The first word alone stands for all others of that word.
+const STATED_NS: [(&str, f64, f64); 15] = [
     ("reference", 1500.0, 20.0),
     ("reference none", 1500.0, 28.0),
     ("image", 120.0, 15.0),
@@ -27,7 +24,8 @@ const STATED_NS: [(&str, f64, f64); 14] = [
     ("image none", 250.0, 15.0),
     ("image reference", 120.0, 42.0),
     ("ladder", 0.0, 400.0),
-    ("table", 0.0, 10.0),
+    ("table mips", 0.0, 10.0),
+    ("table sh9", 0.0, 10.0),
     ("table prefilter", 0.0, 2.5),
     ("table dfg", 0.0, 9.0),
     ("table irradiance", 0.0, 11.0),
@@ -41,28 +39,6 @@ const STATED_NS: [(&str, f64, f64); 14] = [
 /// Assumed frames of a warm-up that lasts until the times settle.
 const STABLE_WARMUP_FRAMES: u32 = 64;
 
-/// Bytes per pixel of a linear image (f32 RGBA), of its standard error, of a picture (PNG), in a contact sheet and in the report.
-const LINEAR: f64 = 16.0;
-const STANDARD_ERROR: f64 = 12.0;
-const PICTURE: f64 = 1.3;
-const SHEET: f64 = 1.5;
-const REPORT: f64 = 5.0;
-/// Bytes of the record and the table rows of a cell.
-const RECORD: f64 = 18_000.0;
-/// Largest report, bytes.
-const REPORT_MAX: f64 = 40e6;
-
-/// A kind and the general kinds that hold it: `image sampled`, `image`, and the empty kind of all work.
-pub fn kinds(kind: &str) -> impl Iterator<Item = &str> {
-    let general = std::iter::successors(Some(kind), |kind| kind.rsplit_once(' ').map(|(general, _)| general));
-    general.chain(std::iter::once(""))
-}
-
-/// As [`kinds`], with the same untimed work after each timed kind.
-pub fn alike(kind: &str) -> impl Iterator<Item = &str> {
-    kinds(kind).flat_map(|kind| [Some(kind), kind.strip_prefix(TIMED)]).flatten()
-}
-
 /// Pixels and samples (of all pixels together) of one item of work.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct Amount {
@@ -70,9 +46,12 @@ struct Amount {
     samples: f64,
 }
 
-fn stated_s(kind: &str, amount: Amount) -> f64 {
-    let line = alike(kind).find_map(|kind| STATED_NS.iter().find(|(known, ..)| *known == kind));
-    line.map_or(0.0, |(_, pixel, sample)| 1e-9 * (pixel * amount.pixels + sample * amount.samples))
+/// The listed kind of `what` with this method or table, and its seconds.
+fn stated(what: &str, of: &str, amount: Amount) -> (&'static str, f64) {
+    let special = format!("{what} {of}");
+    let known = |kind: &str| STATED_NS.iter().find(|(known, ..)| *known == kind);
+    let (kind, pixel, sample) = known(&special).or_else(|| known(what)).expect("a listed kind");
+    (kind, 1e-9 * (pixel * amount.pixels + sample * amount.samples))
 }
 
 /// Count and stated seconds by kind.
@@ -85,8 +64,9 @@ impl Work {
         (*count, *sum) = (*count + times, *sum + seconds);
     }
 
-    fn item(&mut self, kind: &str, amount: Amount) {
-        self.add(kind, 1.0, stated_s(kind, amount));
+    fn item(&mut self, what: &str, of: &str, amount: Amount) {
+        let (kind, seconds) = stated(what, of, amount);
+        self.add(kind, 1.0, seconds);
     }
 
     pub fn append(&mut self, other: &Self) {
@@ -127,23 +107,23 @@ impl<'p> Steps<'p> {
         let pixels = Amount { samples: 0.0, ..own };
         let mut work = Work::default();
         if self.seen.insert(cell.reference.clone()) {
-            work.item(&kind_of("reference", &reference), amount(plan, &reference));
+            work.item("reference", method(&reference), amount(plan, &reference));
         }
         let is_first = self.seen.insert(cell.radiance.clone());
         if is_first {
-            (0..=plan.repeats_of(point).unwrap_or(0)).for_each(|_| work.item(&kind_of("image", point), own));
+            (0..=plan.repeats_of(point).unwrap_or(0)).for_each(|_| work.item("image", method(point), own));
             if let Some(samples) = plan.ladder_of(point) {
-                work.item("ladder", Amount { samples: own.pixels * f64::from(samples), ..own });
+                work.item("ladder", "", Amount { samples: own.pixels * f64::from(samples), ..own });
             }
         }
-        for Table { key, kind, amount } in tables(plan, point).into_iter().chain(tables(plan, &reference)) {
+        for Table { key, table, amount } in tables(plan, point).into_iter().chain(tables(plan, &reference)) {
             if self.seen.insert(key) {
-                work.item(&kind, amount);
+                work.item("table", table, amount);
             }
         }
-        work.item("display", pixels);
-        work.item(&format!("{SCORE} {}", if is_first { "first" } else { "again" }), pixels);
-        work.item(END, pixels);
+        work.item("display", "", pixels);
+        work.item(SCORE, "", pixels);
+        work.item(END, "", pixels);
         work
     }
 
@@ -167,15 +147,10 @@ impl<'p> Steps<'p> {
 pub fn timed(plan: &Plan, job: &TimingJob) -> Vec<(String, f64)> {
     let point = &job.cell.point;
     let items = match job.phase {
-        FRAME => vec![(kind_of("image", point), amount(plan, point))],
-        _ => tables(plan, point).into_iter().map(|table| (table.kind, table.amount)).collect(),
+        FRAME => vec![stated("image", method(point), amount(plan, point))],
+        _ => tables(plan, point).iter().map(|own| stated("table", own.table, own.amount)).collect(),
     };
-    let timed = |(kind, amount): (String, Amount)| {
-        let kind = format!("{TIMED}{kind}");
-        let seconds = stated_s(&kind, amount);
-        (kind, seconds)
-    };
-    items.into_iter().map(timed).collect()
+    items.into_iter().map(|(kind, seconds)| (format!("{TIMED}{kind}"), seconds)).collect()
 }
 
 /// Pixels of a point's image, and the most samples of its terms.
@@ -187,15 +162,14 @@ fn amount(plan: &Plan, point: &Point) -> Amount {
     Amount { pixels: width * height, samples: width * height * (f64::from(specular) + f64::from(diffuse)) }
 }
 
-fn kind_of(what: &str, point: &Point) -> String {
-    let shading = point.settings().shading;
-    format!("{what} {} {} {}", shading.method.name, shading.diffuse.name, shading.brdf.name())
+fn method(point: &Point) -> &'static str {
+    point.settings().shading.method.name
 }
 
 struct Table {
     /// Differs between tables.
     key: String,
-    kind: String,
+    table: &'static str,
     /// Samples, or texels if it draws none.
     amount: Amount,
 }
@@ -213,7 +187,7 @@ fn tables(plan: &Plan, point: &Point) -> Vec<Table> {
         (MIPS, true),
         (SH9, shading.diffuse.sh9.is_some()),
     ];
-    let table = |(table, _): (&str, bool)| {
+    let table = |(table, _): (&'static str, bool)| {
         let axes = AXES.iter().zip(&point.0).filter(|(axis, _)| axis.feeds.contains(&table));
         // An unset axis has its default: a reference shares the mips of the images.
         let key = axes.fold(table.to_owned(), |key, (axis, value)| match value {
@@ -221,28 +195,7 @@ fn tables(plan: &Plan, point: &Point) -> Vec<Table> {
             value => format!("{key} {}={value}", axis.name),
         });
         let samples = shading.precompute.samples_of(table).unwrap_or(texels);
-        Table { key, kind: format!("table {table} {}", shading.brdf.name()), amount: Amount { pixels: 0.0, samples } }
+        Table { key, table, amount: Amount { pixels: 0.0, samples } }
     };
     reads.into_iter().filter(|(_, is_read)| *is_read).map(table).collect()
-}
-
-/// Bytes of the files that these cells add to a run.
-pub fn file_bytes(plan: &Plan, cells: &[&Cell]) -> f64 {
-    let mut seen = HashSet::new();
-    let (mut bytes, mut report) = (0.0, 0.0);
-    for cell in cells {
-        let pixels = amount(plan, &cell.point).pixels;
-        let [_, reference] = images::linear_files(plan, cell);
-        bytes += RECORD + SHEET * pixels;
-        for name in images::files(plan, cell) {
-            let (is_linear, is_reference) = (name.ends_with(".exr"), name == reference);
-            if !seen.insert(name) {
-                continue;
-            }
-            bytes += pixels * if is_linear { LINEAR } else { PICTURE };
-            bytes += if is_reference { STANDARD_ERROR * pixels } else { 0.0 };
-            report += if is_linear { REPORT * pixels } else { 0.0 };
-        }
-    }
-    bytes + report.min(REPORT_MAX)
 }
