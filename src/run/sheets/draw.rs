@@ -5,7 +5,6 @@ use crate::table::colormap::ColorScale;
 use crate::table::markdown::significant;
 use crate::table::text::{self, Anchor, Style};
 use rayon::prelude::*;
-use std::ops::Range;
 
 #[derive(Clone, Debug, PartialEq)]
 pub enum Tile {
@@ -68,68 +67,38 @@ const LABEL: Style = Style { size: 14.0, color: INK, is_bold: false };
 const NOTE: Style = Style { size: 13.0, color: FAINT_INK, is_bold: false };
 const CAPTION: Style = Style { size: 14.0, color: INK, is_bold: false };
 
-/// The blocks of a page, from top to bottom; all have the page's width.
-struct Blocks {
+/// The labels of the columns, the rows each with the gap before it, and the legends; all have the page's width.
+struct Grid {
+    width: u32,
     header: Rgb8Image,
-    /// Each with the gap before it.
     rows: Vec<(u32, Rgb8Image)>,
     legends: Vec<Rgb8Image>,
-    caption: Rgb8Image,
-}
-
-impl Blocks {
-    /// The blocks of a page with some of the rows.
-    fn page<'b>(&'b self, title: &'b Rgb8Image, rows: Range<usize>) -> Vec<(u32, &'b Rgb8Image)> {
-        let first = rows.start;
-        let gap_before = |row: usize| if row == first { 0 } else { self.rows[row].0 };
-        let rows = rows.map(|row| (gap_before(row), &self.rows[row].1));
-        let legends = self.legends.iter().enumerate();
-        let legends = legends.map(|(i, legend)| (if i == 0 { BLOCK_GAP } else { GROUP_GAP }, legend));
-        let head = [(MARGIN, title), (BLOCK_GAP, &self.header)].into_iter();
-        head.chain(rows).chain(legends).chain([(BLOCK_GAP, &self.caption)]).collect()
-    }
-}
-
-fn height(page: &[(u32, &Rgb8Image)]) -> u32 {
-    page.iter().map(|(gap, block)| gap + block.height).sum::<u32>() + MARGIN
 }
 
 impl ContactSheet {
-    /// Draws the pages. Each has the column labels, the legends and the caption, and is at most as tall as a published one if one row fits.
-    /// Rows of a group stay together if they fit a page.
-    pub fn pages(&self) -> Vec<Rgb8Image> {
-        let (width, blocks) = self.blocks();
+    /// Draws the page. Groups of rows that would make it taller than a published one are left out; the caption counts them.
+    pub fn page(&self) -> Rgb8Image {
+        let Grid { width, header, rows, legends } = self.grid();
         let height_max = width.max(PUBLISHED_SIZE[0]) * PUBLISHED_SIZE[1] / PUBLISHED_SIZE[0];
-        let title = paragraph(&self.title, TITLE, width);
-        let fits = |from: usize, to: usize| height(&blocks.page(&title, from..to)) <= height_max;
-        let count = self.rows.len();
-        let ends: Vec<usize> = (1..=count).filter(|end| *end == count || self.rows[*end].0.starts_group).collect();
-        let mut ranges: Vec<Range<usize>> = Vec::new();
-        while let from = ranges.last().map_or(0, |range| range.end)
-            && from < count
-        {
-            // As many groups as fit; else as many rows of one group.
-            let whole = ends.iter().copied().filter(|end| *end > from && fits(from, *end)).max();
-            let to = whole.or_else(|| (from + 1..=count).take_while(|end| fits(from, *end)).last());
-            ranges.push(from..to.unwrap_or(from + 1));
+        let height = |rows: &[(u32, Rgb8Image)]| rows.iter().map(|(gap, row)| gap + row.height).sum::<u32>();
+        let count = rows.len();
+        let ends = (1..=count).filter(|end| *end == count || self.rows[*end].0.starts_group);
+        let shown = ends.filter(|end| height(&rows[..*end]) <= height_max).last().unwrap_or(1);
+        let left_out = format!(" These are the first {shown} of {count} rows.");
+        let caption = format!("{}{}", self.caption, if shown < count { &left_out } else { "" });
+        let mut page = vec![(MARGIN, paragraph(&self.title, TITLE, width)), (BLOCK_GAP, header)];
+        page.extend(rows.into_iter().take(shown).enumerate().map(|(i, (gap, row))| (if i == 0 { 0 } else { gap }, row)));
+        page.extend(legends.into_iter().map(|legend| (BLOCK_GAP, legend)));
+        page.extend([(BLOCK_GAP, paragraph(&caption, CAPTION, width)), (MARGIN, empty(width, 0))]);
+        let mut data = Vec::with_capacity((width * height(&page)) as usize);
+        for (gap, block) in &page {
+            data.resize(data.len() + (gap * width) as usize, PAGE_COLOR);
+            data.extend_from_slice(&block.data);
         }
-        let page = |(page, rows): (usize, &Range<usize>)| {
-            let number = format!(" (page {} of {})", page + 1, ranges.len());
-            let title =
-                paragraph(&format!("{}{}", self.title, if ranges.len() > 1 { &number } else { "" }), TITLE, width);
-            let blocks = blocks.page(&title, rows.clone());
-            let mut data = Vec::with_capacity((width * height(&blocks)) as usize);
-            for (gap, block) in &blocks {
-                data.resize(data.len() + (gap * width) as usize, PAGE_COLOR);
-                data.extend_from_slice(&block.data);
-            }
-            data.resize((width * height(&blocks)) as usize, PAGE_COLOR);
-            Rgb8Image::new(width, height(&blocks), data)
-        };
-        ranges.iter().enumerate().map(page).collect()
+        Rgb8Image::new(width, height(&page), data)
     }
 
-    fn blocks(&self) -> (u32, Blocks) {
+    fn grid(&self) -> Grid {
         let [tile_width, tile_height] = self.tile;
         let wrap = |head: &Head, width: f32, lines: usize| text::wrap_hard(&head.label, LABEL, width, lines);
         // Each swept axis has a line.
@@ -169,7 +138,7 @@ impl ContactSheet {
         let bar_left = left.min(width - MARGIN - legend_width).max(MARGIN) + legend_label;
         let legends = self.legends.iter().map(|(label, scale)| legend(label, scale, bar_left, width)).collect();
         let rows = self.rows.par_iter().zip(&row_labels).map(row).collect();
-        (width, Blocks { header, rows, legends, caption: paragraph(&self.caption, CAPTION, width) })
+        Grid { width, header, rows, legends }
     }
 }
 

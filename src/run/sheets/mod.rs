@@ -25,41 +25,29 @@ use rayon::prelude::*;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-/// Smaller images are magnified to this width, pixels.
+/// Smaller images are magnified to this width, pixels, and larger ones never shrunk below it.
 const TILE_SIDE_MIN: u32 = 128;
-/// Images are never shrunk below this width, pixels: a sheet gets parts instead.
-const SHRUNK_WIDTH_MIN: u32 = 200;
-/// Width of all images of a page, pixels: two sheets fit side by side on a large monitor.
-const GRID_WIDTH_MAX: u32 = 2360;
+/// Width of all images of a sheet, pixels, unless they would be narrower than [`TILE_SIDE_MIN`]: two sheets fit side by
+/// side on a large monitor.
+const GRID_WIDTH: u32 = 2360;
 /// Between two columns, group gaps included, pixels.
 const COLUMN_GAP: u32 = 8;
 
-/// Writes one contact sheet for each environment, scene and model, in parts if the columns need them and in pages if the rows do. Removes
-/// sheets of earlier runs. There are no sheets of the scene `design`, and none with `sheets = false`.
+/// Writes one contact sheet for each environment, scene and model. Removes sheets of earlier runs. There are no sheets of the scene `design`, and none with `sheets = false`.
 pub fn write_sheets(store: &Store, plan: &Plan, results: &Results) -> Result<(), StoreError> {
     let [sheet_axes, column_axes] = [Sheet::Page, Sheet::Column].map(|place| swept(plan, place));
     let mut written: BTreeSet<PathBuf> = BTreeSet::new();
     let shown = if plan.config.has_sheets { shown(plan) } else { Vec::new() };
     for cells in grouped(&shown, &sheet_axes) {
         let columns = grouped(&cells, &column_axes);
-        let image = plan.size_of(cells[0]);
-        let parts = parts(&columns, columns_max(image));
-        let mut pages: Vec<Rgb8Image> = Vec::new();
-        for (part, columns) in parts.iter().enumerate() {
-            let of = if parts.len() > 1 { format!(", part {} of {}", part + 1, parts.len()) } else { String::new() };
-            let title = format!("{} {}", plan.config.name, words(plan, &sheet_axes, cells[0], " "));
-            let (tile, has_flip) = (tile_size(image, columns.len() + 1), sweeps_display(plan));
-            let part = Part { store, plan, results, columns, column_axes: &column_axes, tile, has_flip };
-            pages.extend(part.sheet(&cells, format!("{}{of}", title.trim_end())).pages());
-        }
+        let title = format!("{} {}", plan.config.name, words(plan, &sheet_axes, cells[0], " "));
+        let (tile, has_flip) = (tile_size(plan.size_of(cells[0]), columns.len() + 1), sweeps_display(plan));
+        let maker = Maker { store, plan, results, columns: &columns, column_axes: &column_axes, tile, has_flip };
         let name = words(plan, &sheet_axes, cells[0], "_").replace(['/', ':'], "-");
         let name = if name.is_empty() { plan.config.name.clone() } else { name };
-        let page_path = |page: usize| {
-            let number = if pages.len() > 1 { format!("_{:02}", page + 1) } else { String::new() };
-            store.table_path(&format!("{name}{number}.png"))
-        };
-        pages.par_iter().enumerate().try_for_each(|(page, image)| png::write_rgb8(&page_path(page), image))?;
-        written.extend((0..pages.len()).map(page_path));
+        let path = store.table_path(&format!("{name}.png"));
+        png::write_rgb8(&path, &maker.sheet(&cells, title.trim_end().to_owned()).page())?;
+        written.insert(path);
     }
     for path in sheet_files(store.dir()).into_iter().filter(|path| !written.contains(path)) {
         std::fs::remove_file(&path).map_err(|error| StoreError::Io { path, error })?;
@@ -67,7 +55,7 @@ pub fn write_sheets(store: &Store, plan: &Plan, results: &Results) -> Result<(),
     Ok(())
 }
 
-/// Contact sheets of the run in a folder, by name and page.
+/// Contact sheets of the run in a folder, by name.
 pub fn sheet_files(dir: &Path) -> Vec<PathBuf> {
     let folder = Store::at(dir).table_path("");
     names_in(&folder).iter().filter(|name| name.ends_with(".png")).map(|name| folder.join(name)).collect()
@@ -94,30 +82,11 @@ fn magnification([width, _]: [u32; 2]) -> u32 {
     TILE_SIDE_MIN.div_ceil(width).max(1)
 }
 
-/// Most columns of a page, the reference included.
-fn columns_max(image: [u32; 2]) -> usize {
-    let smallest = (image[0] * magnification(image)).min(SHRUNK_WIDTH_MIN);
-    (GRID_WIDTH_MAX / (smallest + COLUMN_GAP)).max(2) as usize
-}
-
-/// The size of images on a page with so many columns.
+/// The size of images in a sheet with so many columns.
 fn tile_size([width, height]: [u32; 2], columns: usize) -> [u32; 2] {
-    let room = (GRID_WIDTH_MAX / columns as u32).saturating_sub(COLUMN_GAP).max(1);
+    let room = (GRID_WIDTH / columns as u32).saturating_sub(COLUMN_GAP).max(TILE_SIDE_MIN);
     let scale = magnification([width, height]);
     if room < width { [room, (height * room / width).max(1)] } else { [width * scale, height * scale] }
-}
-
-/// Splits columns into parts that fit a page beside the reference. The columns of a method stay together if they fit.
-fn parts<'c>(columns: &[Vec<&'c Cell>], columns_max: usize) -> Vec<Vec<Vec<&'c Cell>>> {
-    let room = columns_max - 1;
-    let mut parts: Vec<Vec<Vec<&Cell>>> = Vec::new();
-    for family in columns.chunk_by(|a, b| a[0].point[METHOD] == b[0].point[METHOD]) {
-        match parts.last_mut() {
-            Some(part) if part.len() + family.len() <= room => part.extend_from_slice(family),
-            _ => parts.extend(family.chunks(room).map(<[_]>::to_vec)),
-        }
-    }
-    parts
 }
 
 /// The pictures in a row.
@@ -130,8 +99,8 @@ enum Kind {
     Step,
 }
 
-/// Some columns of a sheet.
-struct Part<'p> {
+/// Makes one sheet.
+struct Maker<'p> {
     store: &'p Store,
     plan: &'p Plan,
     results: &'p Results,
@@ -141,7 +110,7 @@ struct Part<'p> {
     has_flip: bool,
 }
 
-impl Part<'_> {
+impl Maker<'_> {
     fn sheet(&self, cells: &[&Cell], title: String) -> ContactSheet {
         let has_steps = self.plan.config.ladder.is_some();
         let mut columns = vec![Head { label: "reference".to_owned(), starts_group: false }];
@@ -264,7 +233,7 @@ impl Part<'_> {
         png::read_rgb8(&self.store.image_path(name))
     }
 
-    /// A picture at the page's size, magnified by whole numbers or shrunk.
+    /// A picture at the sheet's size, magnified by whole numbers or shrunk.
     fn image(&self, picture: Result<Rgb8Image, PixelsError>, note: String) -> Tile {
         let [width, height] = self.tile;
         match picture {
