@@ -96,10 +96,6 @@ impl Inputs {
         Self { environments, scenes, methods, maps, tables, clipped: Arc::default() }
     }
 
-    pub fn has_environment(&self, name: &str) -> bool {
-        self.environments.contains_key(name)
-    }
-
     pub fn environment(&self, name: &str) -> &Arc<Environment> {
         self.environments.get(name).unwrap_or_else(|| panic!("the plan loaded no environment {name}"))
     }

@@ -22,8 +22,3 @@ pub fn direction_from_polar(sin_theta: f64, cos_theta: f64, xi_azimuth: f64) -> 
     let (sin_phi, cos_phi) = (TAU * xi_azimuth).sin_cos();
     DVec3::new(sin_theta * cos_phi, sin_theta * sin_phi, cos_theta)
 }
-
-/// Samples a direction with density `n_dot_l / π`: `sin² θ = xi.x`.
-pub fn sample_cosine(xi: DVec2) -> DVec3 {
-    direction_from_polar(xi.x.sqrt(), (1.0 - xi.x).max(0.0).sqrt(), xi.y)
-}

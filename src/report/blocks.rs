@@ -2,20 +2,20 @@
 //!
 //! `<!-- csv RUN/FILE.csv COLUMN=CELL ... show=COLUMN,... -->` ... `<!-- /csv -->` holds the rows of a table with these cells, and the columns
 //! of `show`, by default all that are neither filtered nor empty. A single cell becomes a number within a sentence. Words with blanks are
-//! quoted. `<!-- sentence RUN QUESTION -->` ... `<!-- /sentence -->` holds the sentence of an answer.
+//! quoted.
 //!
 //! Blocks of unpublished runs stay unchanged.
 
 use super::publish::PublishError;
-use super::record::AnswerRecord;
 use crate::files::{TEXT_BYTES_MAX, read_text};
 use crate::pixels::write_atomically;
 use crate::table::csv;
-use crate::table::markdown::{Align, MarkdownTable, paragraph, significant};
+use crate::table::markdown::{Align, MarkdownTable, significant};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-const KINDS: [&str; 2] = ["csv", "sentence"];
+const START: &str = "<!-- csv ";
+const END: &str = "<!-- /csv -->";
 /// Significant digits in a sentence and in a table.
 const DIGITS: [usize; 2] = [2, 3];
 
@@ -33,7 +33,7 @@ pub fn fill_pages(results: &Path) -> Result<Vec<PathBuf>, PublishError> {
         if new != old {
             write_atomically(&page, |writer| writer.write_all(new.as_bytes()))?;
         }
-        if KINDS.iter().any(|kind| old.contains(&format!("<!-- /{kind} -->"))) {
+        if old.contains(END) {
             filled.push(page);
         }
     }
@@ -44,19 +44,14 @@ pub fn fill_pages(results: &Path) -> Result<Vec<PathBuf>, PublishError> {
 pub fn fill(page: &str, results: &Path) -> Result<String, String> {
     let mut filled = String::new();
     let mut rest = page;
-    while let Some((start, kind)) = KINDS.iter().filter_map(|k| Some((rest.find(&format!("<!-- {k} "))?, k))).min() {
+    while let Some(start) = rest.find(START) {
         let block = &rest[start..];
-        let end = format!("<!-- /{kind} -->");
-        let parts = block.split_once("-->").and_then(|(head, body)| Some((head, body.split_once(&end)?)));
+        let parts = block.split_once("-->").and_then(|(head, body)| Some((head, body.split_once(END)?)));
         let (head, (old, after)) =
-            parts.ok_or_else(|| format!("the block `{:.60}` has no end {end}", first_line(block)))?;
-        let words = words(&head["<!-- ".len()..]);
-        let content = match *kind {
-            "csv" => table(&words[1..], results),
-            _ => sentence(&words[1..], results),
-        };
+            parts.ok_or_else(|| format!("the block `{:.60}` has no end {END}", first_line(block)))?;
+        let content = table(&words(&head[START.len()..]), results);
         let content = content.map_err(|what| format!("the block `{head}-->`: {what}"))?;
-        filled += &format!("{}{head}-->{}{end}", &rest[..start], content.as_deref().unwrap_or(old));
+        filled += &format!("{}{head}-->{}{END}", &rest[..start], content.as_deref().unwrap_or(old));
         rest = after;
     }
     Ok(filled + rest)
@@ -76,23 +71,10 @@ fn words(head: &str) -> Vec<String> {
     head.split(splits).filter(|word| !word.is_empty()).map(|word| word.replace('"', "")).collect()
 }
 
-fn published(results: &Path, run: &str) -> Option<PathBuf> {
-    Some(results.join(run)).filter(|folder| folder.is_dir())
-}
-
-fn sentence(words: &[String], results: &Path) -> Result<Option<String>, String> {
-    let [run, question] = words else { return Err("expected RUN QUESTION".to_owned()) };
-    let Some(folder) = published(results, run) else { return Ok(None) };
-    let record = AnswerRecord::read(&folder).map_err(|error| error.to_string())?;
-    let answer = record.answers.iter().find(|answer| answer.question == *question);
-    let answer = answer.ok_or_else(|| format!("{run} does not answer {question}"))?;
-    Ok(Some(format!("\n{}\n", paragraph(&answer.sentence))))
-}
-
 fn table(words: &[String], results: &Path) -> Result<Option<String>, String> {
     let (file, conditions) = words.split_first().ok_or("expected RUN/FILE.csv")?;
     let run = file.split('/').next().unwrap_or_default();
-    if published(results, run).is_none() {
+    if !results.join(run).is_dir() {
         return Ok(None);
     }
     let table = csv::Table::read(&results.join(file)).map_err(|error| error.to_string())?;

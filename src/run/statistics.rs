@@ -1,4 +1,4 @@
-//! Statistics of samples: order statistics, bootstrap intervals, drift. Seeds are fixed, so results are repeatable.
+//! Statistics of samples: random numbers, order statistics, drift.
 
 /// The random numbers of splitmix64 \[Steele14\], a hashed Weyl sequence.
 #[derive(Clone, Debug)]
@@ -49,10 +49,6 @@ pub fn median(samples: &[f64]) -> f64 {
     quantile(&sorted, 0.5)
 }
 
-/// Resamples of the bootstrap: the ends of a 95 % interval then vary by about 1 % of its width.
-const RESAMPLE_COUNT: usize = 2000;
-const RESAMPLE_SEED: u64 = 1;
-
 /// Fewer samples have no 95 % interval of their median: even the interval from the smallest to the largest misses it with probability
 /// 2 0.5^n > 0.05, if all samples fall on one side.
 pub const INTERVAL_SAMPLES_MIN: usize = 6;
@@ -71,36 +67,12 @@ pub fn median_order(n: usize) -> Option<usize> {
     (0..n.div_ceil(2)).take_while(|k| order_coverage(n, *k) >= COVERAGE).last()
 }
 
-/// 95 % interval of the median: the percentile interval of the bootstrap \[Efron79\], but never narrower than the order statistics of
-/// [`median_order`], since the bootstrap of few samples is too narrow. NaN below [`INTERVAL_SAMPLES_MIN`].
+/// 95 % interval of the median: the order statistics of [`median_order`]. NaN below [`INTERVAL_SAMPLES_MIN`].
 pub fn median_interval(samples: &[f64]) -> [f64; 2] {
     let Some(outer) = median_order(samples.len()) else { return [f64::NAN; 2] };
-    let mut sorted: Vec<(usize, f64)> = samples.iter().copied().enumerate().collect();
-    sorted.sort_by(|a, b| a.1.total_cmp(&b.1));
-    let mut rank_of = vec![0; samples.len()];
-    sorted.iter().enumerate().for_each(|(rank, (index, _))| rank_of[*index] = rank);
-    let mut random = Random::new(RESAMPLE_SEED);
-    // Counting the draws of each rank saves sorting.
-    let mut drawn = vec![0; samples.len()];
-    let mut medians: Vec<f64> = (0..RESAMPLE_COUNT)
-        .map(|_| {
-            drawn.fill(0);
-            (0..samples.len()).for_each(|_| drawn[rank_of[random.below(samples.len())]] += 1);
-            let at = |place: usize| {
-                let mut seen = 0;
-                let rank = drawn.iter().position(|count| {
-                    seen += count;
-                    seen > place
-                });
-                sorted[rank.expect("as many are drawn as there are")].1
-            };
-            let (below, above) = (at((samples.len() - 1) / 2), at(samples.len() / 2));
-            below + 0.5 * (above - below)
-        })
-        .collect();
-    medians.sort_by(f64::total_cmp);
-    let order = [sorted[outer].1, sorted[samples.len() - 1 - outer].1];
-    [quantile(&medians, 0.025).min(order[0]), quantile(&medians, 0.975).max(order[1])]
+    let mut sorted = samples.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    [sorted[outer], sorted[samples.len() - 1 - outer]]
 }
 
 /// Median of the slopes of all pairs of points \[Sen68\]; NaN if no two x differ.

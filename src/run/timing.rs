@@ -179,7 +179,7 @@ pub fn summarize(samples: &[f64]) -> Summary {
     }
 }
 
-/// Median and median absolute deviation, without the slow interval.
+/// Median and median absolute deviation.
 fn centre(samples: &[f64]) -> (f64, f64) {
     let middle = median(samples);
     let deviations: Vec<f64> = samples.iter().map(|x| (x - middle).abs()).collect();

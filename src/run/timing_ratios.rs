@@ -13,7 +13,7 @@ pub struct Ratio<'r> {
     pub fixed: &'r TimingRecord,
     /// Median over rounds of time of `sampled` / time of `fixed`.
     pub ratio: f64,
-    /// 95 % interval of the ratio; rounds are resampled, not single samples. NaN below six rounds.
+    /// 95 % interval of the median. NaN below six rounds.
     pub interval: [f64; 2],
     pub rounds: usize,
 }

@@ -7,7 +7,7 @@ use splitsum::math::erf::erf_inverse;
 use splitsum::math::frame::Frame;
 use splitsum::math::incomplete_beta::{gamma_ratio_half, incomplete_beta_half};
 use splitsum::math::quadrature::{Bounded, GaussLegendre, Rectangle, Tolerance, integrate_rectangle};
-use splitsum::math::sampling::{direction_from_polar, hammersley, radical_inverse_2, sample_cosine};
+use splitsum::math::sampling::{direction_from_polar, hammersley, radical_inverse_2};
 use splitsum::math::spherical_harmonics::{COUNT, basis, irradiance};
 use std::f64::consts::{PI, TAU};
 
@@ -64,18 +64,6 @@ fn hammersley_points_are_stratified_in_both_coordinates() {
         }
         assert!(boxes.iter().all(|&n| n == 1), "{columns} columns");
     }
-}
-
-#[test]
-fn cosine_samples_have_the_moments_of_their_density() {
-    let count = 4096;
-    let mean = |f: &dyn Fn(DVec3) -> f64| {
-        (0..count).map(|i| f(sample_cosine(hammersley(i, count)))).sum::<f64>() / f64::from(count)
-    };
-    assert!((mean(&|l| l.z) - 2.0 / 3.0).abs() < 1e-4);
-    assert!((mean(&|l| l.z * l.z) - 0.5).abs() < 1e-4);
-    assert!((mean(&|l| l.x * l.x) - 0.25).abs() < 1e-3 && mean(&|l| l.x * l.y).abs() < 1e-3);
-    assert_eq!(sample_cosine(DVec2::ZERO), DVec3::Z);
 }
 
 #[test]
