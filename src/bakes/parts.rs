@@ -18,7 +18,6 @@ pub struct Bake {
     pub specular: Option<Map>,
     /// Irradiance, in one level.
     pub irradiance: Option<Map>,
-    /// The DFG table.
     pub dfg: Option<RgbImage>,
     pub sh: Option<Coefficients>,
     pub told: Told,

@@ -89,7 +89,6 @@ struct Failure {
 }
 
 impl Failure {
-    /// The work failed.
     fn failed(text: impl ToString) -> Self {
         Self { code: 1, text: text.to_string() }
     }

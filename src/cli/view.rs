@@ -54,11 +54,10 @@ fn after_help() -> String {
         the model has its own materials), the size of the window. The window uses the program's own tables.\n\n\
         Pictures (toolbar): {}, a half for each method; errors are against the reference.\n\n\
         Mouse: drag the line to compare the halves, drag elsewhere to turn the camera, shift+drag to turn the light, wheel to zoom. Keys: \
-        space shows the other half; d the left half alone; e error; s signed error; p linear values under the pointer; t times of frames and \
-        passes; [ ] exposure; + - 0 and arrows the camera; shift+arrows the light; 1 to 9 the left method; f the whole screen; ctrl+S \
-        saves.\n\n\
+        space shows the other half; d the left half alone; e error; s signed error; p linear values under the pointer; \
+        [ ] exposure; + - 0 and arrows the camera; shift+arrows the light; 1 to 9 the left method; f the whole screen; ctrl+S saves.\n\n\
         Open an environment (.hdr, .exr) or a model ({}) with the buttons Open, or drop it on the window. Saving makes a folder view-N \
-        with the picture, linear images, the `view` and `render` commands and an experiment.\n\n\
+        with the picture, linear images, and the `view` and `render` commands.\n\n\
         Exit codes: 2 no display or bad input; 75 the device, the window or the display was lost.\n\n\
         Examples:\n  splitsum view --environment studio.hdr --scene teapot.obj\n  sh view-1/view.sh",
         pictures.join(", "),

@@ -44,7 +44,6 @@ pub static FORMATS: &[Format] = &[
     },
 ];
 
-/// Options of [`Environment::load`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct LoadOptions {
     /// Sets NaN, infinite and negative channels to 0 with a warning; otherwise they are an error.

@@ -40,7 +40,6 @@ pub(super) struct Shared {
     pub(super) interrupt: Mutex<Option<Arc<AtomicBool>>>,
     pub(super) pipelines: Pipelines,
     pub(super) samplers: Mutex<HashMap<Sampler, vk::Sampler>>,
-    /// Free slots.
     pub(super) slots: Mutex<Vec<Arc<Slot>>>,
     allocator: Mutex<Option<Allocator>>,
     pub(super) debug: Option<ext::debug_utils::Device>,

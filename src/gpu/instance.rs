@@ -28,7 +28,6 @@ pub struct Options {
     pub is_interactive: bool,
 }
 
-/// Properties of a device.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DeviceInfo {
     pub name: String,
@@ -165,7 +164,6 @@ impl Instance {
         }
     }
 
-    /// Finds the device of `choice`.
     pub(super) fn choose(&self, choice: DeviceChoice) -> Result<(vk::PhysicalDevice, DeviceInfo), GpuError> {
         let mut all = self.physical_devices()?;
         let count = all.len();

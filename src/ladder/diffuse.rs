@@ -27,7 +27,6 @@ const SECOND: usize = 2;
 const THIRD: usize = 3;
 const TABLE: usize = 4;
 
-/// Approximations of the irradiance.
 pub enum Irradiance {
     /// Nine coefficients: exact, and as the device sums them.
     Sh9(Box<[[DVec3; COUNT]; 2]>),

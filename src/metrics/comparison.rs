@@ -4,7 +4,7 @@ use super::filter::Plane;
 use super::flip::{map as flip, view::View as FlipView};
 use super::mean::rgb_mean;
 use super::ssim::map as ssim;
-use super::{Epsilon, METRICS, Metric, linear_metrics};
+use super::{Epsilon, METRICS, Metric};
 use crate::pixels::{GrayImage, Pixels, Rgb8Image, RgbImage};
 use crate::tonemap::ToneCurve;
 use std::sync::{Arc, OnceLock};
@@ -107,11 +107,6 @@ impl<'a> Comparison<'a> {
     /// Evaluates every metric in the order of [`METRICS`].
     pub fn evaluate_all(&self) -> Vec<(&'static str, f64)> {
         self.evaluate(METRICS)
-    }
-
-    /// Evaluates the metrics that need no tone curve.
-    pub fn evaluate_linear(&self) -> Vec<(&'static str, f64)> {
-        self.evaluate(&linear_metrics())
     }
 
     /// Evaluates metrics over all masked pixels.

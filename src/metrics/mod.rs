@@ -126,15 +126,8 @@ impl Metric {
 }
 
 /// Every metric, in column order.
-pub static METRICS: &[&Metric] = &[
-    &rmse::RMSE,
-    &relmse::RELMSE,
-    &tone_mapped::TONE_MAPPED,
-    &bias::BIAS,
-    &psnr::PSNR,
-    &ssim::SSIM,
-    &flip::FLIP,
-];
+pub static METRICS: &[&Metric] =
+    &[&rmse::RMSE, &relmse::RELMSE, &tone_mapped::TONE_MAPPED, &bias::BIAS, &psnr::PSNR, &ssim::SSIM, &flip::FLIP];
 
 /// Default metric of answers.
 pub const HEADLINE: &str = "relmse";

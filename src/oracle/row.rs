@@ -10,7 +10,6 @@ use glam::DVec3;
 /// Largest deviation of a direction's length from 1, below which it is normalised: five digits suffice.
 pub const LENGTH_TOLERANCE: f64 = 1e-5;
 
-/// A fault of a cell.
 #[derive(Debug)]
 pub(super) struct Fault {
     pub(super) line: u64,

@@ -20,7 +20,6 @@ pub fn image_buffer_bytes([width, height]: [u32; 2]) -> u64 {
 struct Need {
     what: String,
     size: [u32; 2],
-    /// Total bytes.
     bytes: u64,
     buffer_bytes: u64,
     /// Whether the side limit of images applies.

@@ -24,7 +24,7 @@ pub use light_tables::LightTables;
 pub use request::{Frame, FrameTimings, RenderRequest, TimingSamples};
 pub use shared_work::{SharedWork, Tally};
 
-use crate::gbuffer::{self, Gbuffer};
+use crate::gbuffer;
 use crate::glsl::constants::POINTS_PER_DISPATCH;
 use crate::gpu::{Buffer, Gpu, GpuError, Report};
 use crate::pixels::{Pixels, Rgb8Image, RgbImage};
@@ -39,7 +39,6 @@ use std::collections::BTreeSet;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
-/// Errors of rendering.
 #[derive(Debug, thiserror::Error)]
 pub enum PipelineError {
     #[error(transparent)]

@@ -3,13 +3,10 @@
 
 use super::provenance::{self, experiment_hash};
 use crate::environment::LoadOptions;
-use crate::experiment::axis::AXES;
 use crate::experiment::config::Config;
 use crate::experiment::fault::{ConfigError, Faults, Place};
 use crate::experiment::plan::{Plan, Source};
-use crate::experiment::value::Kind;
 use crate::files::read_given;
-use crate::shade::FILE_PREFIX;
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 
@@ -73,7 +70,7 @@ pub fn config(path: &Path, overrides: &[String]) -> Option<Config> {
 }
 
 /// Reads, checks and expands the experiment at `path`; `overrides` are the texts of `--set`. The copy of a run uses the files of that run and
-/// its `--set` texts, except for axes that `overrides` name; then there is a note for the user.
+/// its `--set` texts; then there is a note for the user.
 pub fn load(path: &Path, overrides: &[String], options: &LoadOptions) -> Result<(Plan, Option<String>), ConfigError> {
     let fault = |text: &str, what: String| {
         let mut faults = Faults::new(path, text);
@@ -91,32 +88,18 @@ pub fn load(path: &Path, overrides: &[String], options: &LoadOptions) -> Result<
                     to run it";
         return Err(fault(&text, what.to_owned()));
     }
-    let axis_of = |text: &String| text.split('=').next().unwrap_or_default().trim().to_owned();
-    let given: Vec<String> = overrides.iter().map(axis_of).collect();
-    let kept: Vec<String> = frozen.overrides.iter().filter(|text| !given.contains(&axis_of(text))).cloned().collect();
-    let names_input = |texts: &[String]| {
-        let may_name = |kind: &Kind, text: &str| match kind {
-            Kind::Input => true,
-            Kind::NameOrFile { .. } => text.contains(FILE_PREFIX),
-            _ => false,
-        };
-        texts.iter().any(|text| AXES.iter().any(|axis| axis.name == axis_of(text) && may_name(&axis.kind, text)))
-    };
-    let set_dir = frozen.set_dir.filter(|_| names_input(&kept));
-    if set_dir.is_some() && names_input(overrides) {
-        let kept = kept.join(", ");
-        let what = format!(
-            "was run with --set {kept}, whose files are in another folder; give --set for all of them, or for none"
-        );
+    if !overrides.is_empty() && !frozen.overrides.is_empty() {
+        let set = frozen.overrides.join(" --set ");
+        let what = format!("was run with --set {set}; give no other --set, or run the experiment that it is a copy of");
         return Err(fault(&text, what));
     }
-    let all: Vec<String> = kept.iter().chain(overrides).cloned().collect();
-    let (file_dir, set_dir) = (frozen.file_dir.as_deref(), set_dir.as_deref());
-    let source = Source { path, text: &text, overrides: &all, file_dir, set_dir: set_dir.unwrap_or(Path::new("")) };
+    let all = if frozen.overrides.is_empty() { overrides } else { &frozen.overrides };
+    let (file_dir, set_dir) = (frozen.file_dir.as_deref(), frozen.set_dir.as_deref());
+    let source = Source { path, text: &text, overrides: all, file_dir, set_dir: set_dir.unwrap_or(Path::new("")) };
     let plan = Plan::from_source(&source, options)?;
     let mut words: Vec<String> =
         file_dir.iter().map(|dir| format!("the files it names are in {}", dir.display())).collect();
-    words.extend((!kept.is_empty()).then(|| format!("with --set {}", kept.join(" --set "))));
+    words.extend((!frozen.overrides.is_empty()).then(|| format!("with --set {}", frozen.overrides.join(" --set "))));
     words.extend(set_dir.map(|dir| format!("whose files are in {}", dir.display())));
     let path = path.display();
     let note = (!words.is_empty()).then(|| format!("{path}: repeats its run: {}", words.join(", ")));

@@ -32,7 +32,6 @@ pub struct LiveRecord {
     /// Environments of the run that are not kept.
     pub left_out: usize,
     pub models: Vec<LiveModel>,
-    /// The methods in files.
     #[serde(default)]
     pub methods: Vec<LiveShader>,
 }

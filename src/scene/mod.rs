@@ -174,7 +174,6 @@ impl Scene {
         unhashed.hashed()
     }
 
-    /// Updates `hash`.
     fn hashed(mut self) -> Self {
         let mut hasher = blake3::Hasher::new();
         // Lengths keep different scenes from feeding equal bytes.

@@ -19,7 +19,6 @@ use std::path::{Path, PathBuf};
 const DECADES: [f64; 2] = [1e-3, 1e3];
 /// Largest sample count of a slider.
 const SAMPLES_MAX: u32 = 4096;
-/// Sample counts for the reference.
 const REFERENCE_COUNTS: [u32; 6] = [32, 256, 1024, 4096, 16384, 65536];
 const LABEL: egui::Vec2 = vec2(112.0, 26.0);
 const SLIDER_WIDTH: f32 = 84.0;
@@ -31,8 +30,7 @@ const INPUT_WIDTH: f32 = 116.0;
 #[derive(Default)]
 pub struct Controls {
     pub places: BTreeMap<String, Rect>,
-    /// Whether the probe and the times are shown.
-    pub overlays: [bool; 2],
+    pub has_probe: bool,
     browse: Option<Browse>,
 }
 
@@ -76,12 +74,10 @@ impl Controls {
                 controls.place(kind.name(), &ui.radio_value(&mut state.view.camera, *kind, word));
             }
         });
-        let [probe, times] = &mut self.overlays;
         let switches = [
             ("background", "Environment as background", &mut state.view.background),
             ("fill", "Picture as large as the window", &mut state.fill),
-            ("probe", "Values under the pointer (P)", probe),
-            ("times", "Times of frames and passes (T)", times),
+            ("probe", "Values under the pointer (P)", &mut self.has_probe),
         ];
         let placed = switches.map(|(name, label, is_on)| (name, ui.checkbox(is_on, label)));
         placed.iter().for_each(|(name, response)| self.place(*name, response));

@@ -1,12 +1,10 @@
-//! A state as commands and as an experiment.
+//! A state as commands.
 
-use super::state::{Image, Side, State};
-use crate::experiment::axis::{AXES, ENVIRONMENT, METHOD, Named, Point, SAMPLES, SCENE, SIZE, View};
+use super::state::{Image, State};
+use crate::experiment::axis::{ENVIRONMENT, METHOD, Named, Point, SAMPLES, SCENE, SIZE, View};
 use crate::experiment::lights::light_text;
 use crate::experiment::value::Value;
-use crate::scene::LightKind;
 use crate::spelling::Listed;
-use std::fmt::Write;
 
 /// Axes whose defaults differ between `render` and `view`.
 const ALWAYS: [usize; 4] = [ENVIRONMENT, SCENE, METHOD, SAMPLES];
@@ -37,37 +35,6 @@ impl State {
         words.extend((!self.view.background).then(|| "--no-background".to_owned()));
         format!("splitsum view {}", words.join(" "))
     }
-
-    /// Writes an experiment whose cells are the halves.
-    pub fn experiment(&self, name: &str) -> String {
-        let mut text = format!("# A state of the window of splitsum, as an experiment.\nname = {name:?}\n");
-        let View { camera, orbit, background, lights, seed, reference_samples, .. } = &self.view;
-        let _ = writeln!(text, "seed = {seed}\ncamera = {:?}\nbackground = {background}", camera.name());
-        if !orbit.is_still() {
-            let _ = writeln!(text, "orbit = {:?}", orbit.numbers());
-        }
-        let _ = writeln!(text, "reference = {{ samples = {reference_samples} }}");
-        for light in lights {
-            let key = if light.kind == LightKind::Point { "position" } else { "direction" };
-            let (place, kind) = (light.position_or_direction.as_vec3().to_array(), light.kind.name());
-            let _ = writeln!(text, "\n[[lights]]\nkind = {kind:?}\n{key} = {place:?}\ncolor = {:?}", light.color);
-        }
-        let _ = writeln!(text, "\n[axes]");
-        let sides = [Side::Left, Side::Right].map(|side| self.image(side, *reference_samples).point);
-        let judged: Vec<&Point> = sides.iter().filter(|point| !point.method().is_integrated()).collect();
-        let judged = if judged.is_empty() { vec![&sides[0]] } else { judged };
-        for (index, axis) in AXES.iter().enumerate() {
-            let value =
-                |point: &&Point| if axis.changes_radiance() { point[index].clone() } else { self.point[index].clone() };
-            let mut values: Vec<Value> = judged.iter().map(value).filter(|value| *value != Value::Unset).collect();
-            values.dedup();
-            if !values.is_empty() {
-                let texts: Vec<String> = values.iter().map(toml_text).collect();
-                let _ = writeln!(text, "{} = [{}]", axis.name, texts.join(", "));
-            }
-        }
-        text
-    }
 }
 
 /// Writes the flags of values that are not defaults of `render`, and of inputs, method and samples.
@@ -88,15 +55,6 @@ fn view_flags(view: &View) -> Vec<String> {
     }
     words.extend(view.lights.iter().map(|light| format!("--light={}", light_text(light))));
     words
-}
-
-fn toml_text(value: &Value) -> String {
-    match value {
-        Value::Text(text) => toml::Value::from(text.as_str()).to_string(),
-        Value::Color([r, g, b]) => format!("[{r}, {g}, {b}]"),
-        Value::Pair([w, h]) => format!("[{w}, {h}]"),
-        other => other.to_string(),
-    }
 }
 
 /// Quotes a word for a shell.

@@ -21,7 +21,7 @@ pub struct Pressed {
 }
 
 /// Applies the keys of this pass, unless a control has the focus.
-pub fn press(ui: &Ui, state: &mut State, [probe, times]: &mut [bool; 2]) -> Pressed {
+pub fn press(ui: &Ui, state: &mut State, has_probe: &mut bool) -> Pressed {
     let context = ui.ctx().clone();
     let mut pressed = Pressed::default();
     if context.memory(|memory| memory.focused()).is_some() {
@@ -40,8 +40,7 @@ pub fn press(ui: &Ui, state: &mut State, [probe, times]: &mut [bool; 2]) -> Pres
                 key if modifiers.command => pressed.save |= *key == Key::S,
                 Key::E => state.picture = toggled(Picture::Error),
                 Key::S => state.picture = toggled(Picture::Signed),
-                Key::P => *probe ^= true,
-                Key::T => *times ^= true,
+                Key::P => *has_probe ^= true,
                 Key::F | Key::F11 => pressed.fullscreen = true,
                 Key::D => state.wipe = if state.wipe == 1.0 { 0.5 } else { 1.0 },
                 Key::OpenBracket => stops -= 0.5,

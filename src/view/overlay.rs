@@ -1,4 +1,4 @@
-//! The picture of both halves, and what lies on it: captions, legend, wipe, probe, times.
+//! The picture of both halves, and what lies on it: captions, legend, wipe, probe.
 
 use super::picture::at;
 use super::theme;
@@ -190,13 +190,4 @@ pub fn probe(shown: &Shown, probed: Option<[u32; 2]>) -> String {
         text += &format!("{name:<16} {radiance:<23}  {error}\n");
     }
     text
-}
-
-/// Lists the times of the left half's last frame and its passes.
-pub fn times(shown: &Shown) -> String {
-    let is_cpu = shown.device.as_ref().is_some_and(|device| device.device_type == "cpu");
-    let Some(timings) = shown.halves[0].as_ref().map(|shot| &shot.frame.timings) else { return String::new() };
-    let passes = timings.frame.iter().map(|time| format!("\n{:<16} {:7.2} ms", time.pass, time.ms));
-    let kind = if is_cpu { "CPU" } else { "GPU" };
-    format!("Left half        {:7.2} ms, {kind} times{}\n", timings.wall_ms, passes.collect::<String>())
 }

@@ -83,7 +83,7 @@ impl Panel {
 
     pub fn ui(&mut self, ui: &mut Ui, state: &mut State, shown: &Shown) {
         self.controls.places.clear();
-        let pressed = keys::press(ui, state, &mut self.controls.overlays);
+        let pressed = keys::press(ui, state, &mut self.controls.has_probe);
         self.is_flipped = pressed.is_flipped;
         self.wants_save |= pressed.save;
         self.wants_fullscreen |= pressed.fullscreen;
@@ -146,16 +146,9 @@ impl Panel {
             legend(ui, rect, &colors);
         }
         self.toolbar(ui, area, state);
-        let [has_probe, has_times] = self.controls.overlays;
-        let probe = has_probe.then(|| overlay::probe(shown, self.probed));
-        let texts: Vec<String> = probe.into_iter().chain(has_times.then(|| overlay::times(shown))).collect();
-        if !texts.is_empty() {
-            let job = LayoutJob::simple(
-                texts.join("\n").trim_end().to_owned(),
-                FontId::monospace(12.5),
-                theme::INK,
-                f32::INFINITY,
-            );
+        if self.controls.has_probe {
+            let text = overlay::probe(shown, self.probed).trim_end().to_owned();
+            let job = LayoutJob::simple(text, FontId::monospace(12.5), theme::INK, f32::INFINITY);
             veiled(ui, inner.with_min_y(area.top() + 96.0), Align2::LEFT_TOP, job);
         }
     }
@@ -185,7 +178,7 @@ impl Panel {
                     }
                     ui.separator();
                     let actions = [
-                        ("Save", "Picture, linear images, commands, experiment (Ctrl+S)"),
+                        ("Save", "Picture, linear images and commands (Ctrl+S)"),
                         ("Reset camera", "The first view (0)"),
                         ("Fullscreen", "The window on the whole screen, and back (F)"),
                     ];

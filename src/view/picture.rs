@@ -34,23 +34,15 @@ impl Picture {
     }
 }
 
-/// How a frame becomes a picture.
-#[derive(Clone, Copy, Debug)]
-pub struct Look {
-    pub picture: Picture,
-    pub curve: ToneCurve,
-}
-
 /// Paints a half. An error needs its reference.
 pub fn of_frame(
     pipeline: &mut Pipeline,
-    look: Look,
+    (kind, curve): (Picture, ToneCurve),
     frame: &Frame,
     truth: Option<&Frame>,
     epsilon: Epsilon,
 ) -> Result<Rgb8Image, PipelineError> {
-    let curve = look.curve;
-    let Some(scale) = look.picture.scale() else {
+    let Some(scale) = kind.scale() else {
         return Ok(pipeline.tonemap(&frame.radiance, curve)?.0);
     };
     // A scene out of sight has no error.
@@ -58,7 +50,7 @@ pub fn of_frame(
     let Some(Ok(comparison)) = comparison else {
         return Ok(Pixels::filled(frame.mask.width, frame.mask.height, GROUND));
     };
-    let map = match look.picture {
+    let map = match kind {
         Picture::Signed => comparison.signed_error_map(),
         _ => comparison.relative_error_map(),
     };

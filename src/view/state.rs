@@ -1,6 +1,6 @@
-//! The window's state as data: it becomes requests, and by [`super::file`] a file, commands and an experiment.
+//! The window's state as data: it becomes requests, and by [`super::file`] commands.
 
-use super::picture::{Look, Picture};
+use super::picture::Picture;
 use crate::bakes::given::Given;
 use crate::environment::{BUILTIN_PREFIX, Environment};
 use crate::experiment::axis::{
@@ -97,10 +97,6 @@ impl State {
 
     pub fn size(&self) -> [u32; 2] {
         self.point[SIZE].pair()
-    }
-
-    pub fn look(&self) -> Look {
-        Look { picture: self.picture, curve: self.point.settings().curve }
     }
 
     pub fn scaled(&self, scale: u32) -> Self {

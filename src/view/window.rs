@@ -357,7 +357,6 @@ impl App {
         png::write_rgb8(&folder.join("picture.png"), &picture).map_err(|error| error.to_string())?;
         let texts = [
             ("render.sh", commands),
-            ("experiment.toml", self.state.experiment(&format!("view-{number}"))),
             ("view.sh", format!("#!/bin/sh\n# Opens this state again.\n{}\n", self.state.view_command())),
         ];
         for (name, text) in texts {

@@ -321,8 +321,8 @@ impl<'a> Renderer<'a> {
             let frame = self.frame(&image, inputs)?;
             made |= !frame.timings.precompute.is_empty();
             let epsilon = image.request(inputs).epsilon();
-            let picture = of_frame(&mut self.pipeline, state.look(), &frame, truth.as_deref(), epsilon)?;
-            let picture = Arc::new(picture);
+            let look = (state.picture, state.point.settings().curve);
+            let picture = Arc::new(of_frame(&mut self.pipeline, look, &frame, truth.as_deref(), epsilon)?);
             self.shown.halves[side as usize] =
                 Some(Shot { image, frame, picture, kind: state.picture, generation, scale, score: None });
             if scale == 1 && is_first {

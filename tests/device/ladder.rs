@@ -19,7 +19,7 @@ const DRAWN: u32 = 4096;
 fn between(test: &Frame, reference: &Frame, request: &RenderRequest) -> f64 {
     let comparison =
         Comparison::new(&test.radiance, &reference.radiance, &test.mask, ToneCurve::default(), request.epsilon());
-    let scores = comparison.unwrap().evaluate_linear();
+    let scores = comparison.unwrap().evaluate(&splitsum::metrics::linear_metrics());
     scores.into_iter().find(|(name, _)| *name == HEADLINE).unwrap().1
 }
 

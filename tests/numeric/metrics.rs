@@ -70,7 +70,7 @@ fn linear_metrics_of_two_by_two_pixels() {
         ("bias_rel", (1.0 - 1.5) / (3.0 + 3.0 + 1.5)),
     ];
     let comparison = Comparison::new(&test, &reference, &mask, ToneCurve::default(), Epsilon::ABSOLUTE).unwrap();
-    let found = comparison.evaluate_linear();
+    let found = comparison.evaluate(&linear_metrics());
     assert_eq!(found.len(), expected.len(), "a linear metric without a value worked by hand");
     for ((name, value), (expected_name, expected_value)) in found.into_iter().zip(expected) {
         assert_eq!(name, expected_name);
@@ -237,7 +237,9 @@ fn the_noise_floor_is_what_an_exact_test_scores() {
             let deviate = normal(&mut random) as f32;
             std::array::from_fn(|c| exact.get(x, y)[c] + deviate * standard_error.get(x, y)[c])
         });
-        let scores = Comparison::new(&exact, &noisy, &mask, LINEAR_CURVE, Epsilon::ABSOLUTE).unwrap().evaluate_linear();
+        let scores = Comparison::new(&exact, &noisy, &mask, LINEAR_CURVE, Epsilon::ABSOLUTE)
+            .unwrap()
+            .evaluate(&linear_metrics());
         for (sum, (name, value)) in sums.iter_mut().zip(scores) {
             *sum += if name == "bias_rel" { value * value } else { value };
         }
@@ -346,7 +348,11 @@ fn the_unit_of_radiance_changes_no_relative_metric() {
         let maps = [comparison.relative_error_map(), comparison.signed_error_map()];
         let maps = maps.map(|map| ("map".to_owned(), map.data.iter().map(|x| f64::from(*x).powi(2)).sum()));
         let parts = [("variance", parts.relative_var_hat), ("bias", parts.relative_bias2_hat)];
-        let own = comparison.evaluate_linear().into_iter().chain(parts).map(|(name, score)| (name.to_owned(), score));
+        let own = comparison
+            .evaluate(&linear_metrics())
+            .into_iter()
+            .chain(parts)
+            .map(|(name, score)| (name.to_owned(), score));
         own.chain(floors).chain(maps).collect::<Vec<(String, f64)>>()
     };
     for mean in [0.17, 2.2] {

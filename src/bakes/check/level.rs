@@ -28,7 +28,6 @@ pub struct Worst {
 pub struct LevelScore {
     pub size: [u32; 2],
     pub alpha: f64,
-    /// Errors at its texels.
     pub errors: Errors,
     /// relMSE of lookups between texels; `None` for a mirror level and for irradiance.
     pub between: Option<f64>,

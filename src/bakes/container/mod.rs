@@ -208,7 +208,6 @@ impl Claim {
         width as usize * height as usize * texel.bytes
     }
 
-    /// Decodes the faces of a level.
     fn faces_of(&self, level: u32, texel: &Texel, data: &[u8]) -> Result<Vec<RgbImage>, Fault> {
         let [width, height] = self.size(level);
         data.chunks_exact(self.face_bytes(level, texel)).map(|face| texel.image(width, height, face)).collect()

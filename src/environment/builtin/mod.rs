@@ -16,7 +16,6 @@ use crate::spelling;
 /// Prefix of the spec of a formula.
 pub const BUILTIN_PREFIX: &str = "builtin:";
 
-/// A parameter of a builtin.
 #[derive(Debug)]
 pub struct Parameter {
     pub name: &'static str,

@@ -20,7 +20,6 @@ pub struct DrawCall<'a> {
     pub is_one_sided: bool,
 }
 
-/// Targets of a draw.
 #[derive(Clone, Copy)]
 pub struct Targets<'a> {
     pub colors: &'a [&'a Image],

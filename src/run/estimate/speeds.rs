@@ -31,11 +31,18 @@ impl Speeds {
         other.0.iter().for_each(|(kind, [taken, stated])| self.add(kind, *taken, *stated));
     }
 
-    /// Measured over stated seconds of a kind, else of the same work untimed, else of all work; 1 if nothing is known.
+    /// Measured over stated seconds of a kind, else of the same work untimed, of all kinds with its first word, or of all
+    /// work; 1 if nothing is known.
     pub fn ratio(&self, kind: &str) -> f64 {
-        let own = self.0.get(kind).or_else(|| self.0.get(kind.strip_prefix(TIMED)?)).copied();
-        let all = || self.0.values().copied().reduce(|a, b| [a[0] + b[0], a[1] + b[1]]);
-        own.or_else(all).map_or(1.0, |[taken, stated]| taken / stated)
+        let untimed = kind.strip_prefix(TIMED).unwrap_or(kind);
+        let word = untimed.split(' ').next().unwrap_or_default();
+        let likenesses: [&dyn Fn(&str) -> bool; 4] =
+            [&|own| own == kind, &|own| own == untimed, &|own| own.starts_with(word), &|_| true];
+        let sum = |is_alike: &&dyn Fn(&str) -> bool| {
+            let own = self.0.iter().filter(|(own, _)| is_alike(own)).map(|(_, sum)| *sum);
+            own.reduce(|a, b| [a[0] + b[0], a[1] + b[1]])
+        };
+        likenesses.iter().find_map(sum).map_or(1.0, |[taken, stated]| taken / stated)
     }
 }
 

@@ -83,11 +83,13 @@ impl ContactSheet {
         let height = |rows: &[(u32, Rgb8Image)]| rows.iter().map(|(gap, row)| gap + row.height).sum::<u32>();
         let count = rows.len();
         let ends = (1..=count).filter(|end| *end == count || self.rows[*end].0.starts_group);
-        let shown = ends.filter(|end| height(&rows[..*end]) <= height_max).last().unwrap_or(1);
+        let shown = ends.filter(|end| height(&rows[..*end]) <= height_max).next_back().unwrap_or(1);
         let left_out = format!(" These are the first {shown} of {count} rows.");
         let caption = format!("{}{}", self.caption, if shown < count { &left_out } else { "" });
         let mut page = vec![(MARGIN, paragraph(&self.title, TITLE, width)), (BLOCK_GAP, header)];
-        page.extend(rows.into_iter().take(shown).enumerate().map(|(i, (gap, row))| (if i == 0 { 0 } else { gap }, row)));
+        page.extend(
+            rows.into_iter().take(shown).enumerate().map(|(i, (gap, row))| (if i == 0 { 0 } else { gap }, row)),
+        );
         page.extend(legends.into_iter().map(|legend| (BLOCK_GAP, legend)));
         page.extend([(BLOCK_GAP, paragraph(&caption, CAPTION, width)), (MARGIN, empty(width, 0))]);
         let mut data = Vec::with_capacity((width * height(&page)) as usize);

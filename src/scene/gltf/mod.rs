@@ -26,7 +26,6 @@ use serde::Deserialize;
 use std::collections::BTreeSet;
 use std::path::Path;
 
-/// Supported extensions.
 const EXTENSIONS: [&str; 3] = ["KHR_materials_ior", "KHR_mesh_quantization", "KHR_texture_transform"];
 /// Most vertices after placement, and most corners / 3: below 1.5 GiB.
 const MAX_VERTICES: usize = 1 << 23;

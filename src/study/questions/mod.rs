@@ -57,9 +57,6 @@ questions! {
     times,
 }
 
-pub const SENTENCES_MAX: usize = 3;
-pub const WORDS_MAX: usize = 25;
-
 pub struct Question {
     /// The file's stem with hyphens.
     pub name: &'static str,

@@ -25,7 +25,6 @@ fn empty(name: &str) -> Finished {
         cells: Vec::new(),
         lights: Vec::new(),
         timings: Vec::new(),
-        costs: Vec::new(),
         failures: Vec::new(),
         is_under_way: false,
         weights: vec![Weight::Picture, Weight::Uniform],
