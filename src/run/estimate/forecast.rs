@@ -1,6 +1,6 @@
 //! Predicts the time that a run still takes.
 //!
-//! The stated work that is left is scaled, kind by kind, by what earlier runs and this run took. A correction
+//! The stated work that is left is scaled, kind by kind, by what earlier runs took and by how this run compares with them. A correction
 //! follows: seconds on the clock over predicted seconds of the finished part. It has full weight after a tenth of the work.
 
 use super::speeds::Speeds;
@@ -57,9 +57,10 @@ pub struct Forecast<'p> {
     steps: HashMap<String, Work>,
     left: Work,
     done: Work,
-    /// Speeds of earlier runs and of this one, and of this one alone.
-    all: Speeds,
+    earlier: Speeds,
+    /// Speeds of this run: absolute, and relative to `earlier`.
     own: Speeds,
+    beside_earlier: Speeds,
     host: Host,
 }
 
@@ -83,7 +84,8 @@ impl<'p> Forecast<'p> {
             // Tables and pages are written after the last step.
             step.0.remove(END);
         }
-        Self { plan, steps, left, done: Work::default(), all: earlier, own: Speeds::default(), host }
+        let (own, beside_earlier) = (Speeds::default(), Speeds::default());
+        Self { plan, steps, left, done: Work::default(), earlier, own, beside_earlier, host }
     }
 
     /// Notes a cell that was tried, and the time that it took.
@@ -106,7 +108,7 @@ impl<'p> Forecast<'p> {
         for (kind, [_, stated]) in &work.0 {
             if let Some(taken) = taken(kind, *stated) {
                 self.own.add(kind, taken, *stated);
-                self.all.add(kind, taken, *stated);
+                self.beside_earlier.add(kind, taken, stated * self.earlier.ratio(kind));
             }
         }
     }
@@ -114,7 +116,7 @@ impl<'p> Forecast<'p> {
     /// Predicts the seconds of work of a kind from its stated seconds; threads share scores.
     fn predicted(&self, kind: &str, stated: f64) -> f64 {
         let threads = if kind.starts_with(SCORE) { self.host.threads as f64 } else { 1.0 };
-        stated.max(0.0) * self.all.ratio(kind) / threads
+        stated.max(0.0) * self.earlier.ratio(kind) * self.beside_earlier.ratio(kind) / threads
     }
 
     /// Predicts the rest after `elapsed` seconds of work.
