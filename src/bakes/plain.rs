@@ -11,12 +11,13 @@ use crate::environment::layout::{FilteredMap, MapLayout};
 use crate::files::names_in;
 use crate::math::harmonics::Harmonics;
 use crate::math::sequence::SEQUENCES;
-use crate::pixels::{Fault, Pixels, PixelsError, exr, half};
+use crate::pixels::{Fault, Pixels, PixelsError, exr};
 use crate::precompute::prefilter::{Kernel, harmonic, reference};
 use crate::precompute::sh9::reference::project_bilinear;
 use crate::precompute::taps::{Chain, TapCount, TapTable};
 use crate::precompute::{HALF_MAX, PrecomputeSettings, PrefilterBy, StorageFormat, exact_quadrature, mips};
 use crate::spelling::Listed;
+use half::f16;
 use rayon::prelude::*;
 use serde_json::json;
 use std::path::{Path, PathBuf};
@@ -196,7 +197,7 @@ impl Files<'_> {
         let path = self.out.join(name);
         let stored = |value: f32| match self.storage {
             StorageFormat::F32 => value,
-            StorageFormat::F16 => half::from_bits(half::to_bits(value.min(HALF_MAX))),
+            StorageFormat::F16 => f16::from_f32(value.min(HALF_MAX)).to_f32(),
         };
         let channel = |(i, name): (usize, &&str)| (name.to_string(), texels.map(|texel| stored(texel[i])));
         exr::write_channels(&path, channels.iter().enumerate().map(channel).collect())?;

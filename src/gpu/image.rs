@@ -3,10 +3,10 @@
 use super::device::{Memory, Shared, lock};
 use super::sync::State;
 use super::{Gpu, GpuError, Wrap};
-use crate::pixels::half;
 use crate::pixels::lookup::Edge;
 use ash::vk;
 use gpu_allocator::MemoryLocation;
+use half::f16;
 use std::collections::HashMap;
 use std::ops::Range;
 use std::sync::{Arc, Mutex};
@@ -206,7 +206,7 @@ impl Gpu {
             let halves: Vec<[u16; 4]>;
             let bytes = match image.inner.format {
                 Format::Rgba16Float => {
-                    halves = texels.iter().map(|texel| texel.map(half::to_bits)).collect();
+                    halves = texels.iter().map(|texel| texel.map(|value| f16::from_f32(value).to_bits())).collect();
                     bytemuck::cast_slice(&halves)
                 }
                 _ => bytemuck::cast_slice(texels),
@@ -232,7 +232,7 @@ impl Gpu {
         recorder.submit()?;
         if is_half {
             let bits: Vec<[u16; 4]> = staging.host_copy();
-            return Ok(bits.iter().map(|texel| texel.map(half::from_bits)).collect());
+            return Ok(bits.iter().map(|texel| texel.map(|half| f16::from_bits(half).to_f32())).collect());
         }
         Ok(staging.host_copy())
     }

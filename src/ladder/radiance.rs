@@ -23,12 +23,12 @@ use crate::environment::layout::{FilteredMap, lod_from_solid_angles};
 use crate::math::frame::Frame;
 use crate::math::harmonics::{Harmonics, SmoothMap};
 use crate::math::sequence::SEQUENCES;
-use crate::pixels::half;
 use crate::precompute::dfg::Albedos;
 use crate::precompute::prefilter::{Kernel, Weight, harmonic};
 use crate::precompute::{HALF_MAX, PrecomputeSettings, PrefilterBy, StorageFormat};
 use crate::spelling::Listed;
 use glam::{DVec2, DVec3};
+use half::f16;
 use rayon::prelude::*;
 use std::collections::HashMap;
 
@@ -338,7 +338,7 @@ fn grazing(n_dot_l: f64) -> f64 {
 
 /// Rounds to half precision, as tables are stored.
 pub fn rounded(value: DVec3) -> DVec3 {
-    let half = |x: f64| f64::from(half::from_bits(half::to_bits((x as f32).min(HALF_MAX))));
+    let half = |x: f64| f64::from(f16::from_f32((x as f32).min(HALF_MAX)).to_f32());
     DVec3::new(half(value.x), half(value.y), half(value.z))
 }
 

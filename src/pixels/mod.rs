@@ -9,7 +9,6 @@ pub mod exr;
 #[path = "exr_absent.rs"]
 pub mod exr;
 mod file;
-pub mod half;
 pub mod lookup;
 #[cfg(feature = "cli")]
 pub mod packed;

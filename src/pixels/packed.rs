@@ -4,11 +4,12 @@
 //! has not. Each channel is a plane of high bytes, then low bytes, each as the difference to the byte before modulo
 //! 256. On a noisy 1024x512 image this saves 28 % over deflating interleaved halves.
 
-use super::{GrayImage, Pixels, half};
+use super::{GrayImage, Pixels};
 use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
 use flate2::Compression;
 use flate2::write::DeflateEncoder;
+use half::f16;
 use std::io::Write;
 
 /// The largest finite half; larger radiance is clamped.
@@ -24,7 +25,7 @@ pub struct Encoded {
 pub fn texels<const N: usize>(image: &Pixels<[f32; N]>) -> Encoded {
     let clamped_count = image.data.iter().flatten().filter(|value| **value > HALF_MAX).count();
     let halves: Vec<[u16; N]> =
-        image.data.iter().map(|texel| texel.map(|value| half::to_bits(value.min(HALF_MAX)))).collect();
+        image.data.iter().map(|texel| texel.map(|value| f16::from_f32(value.min(HALF_MAX)).to_bits())).collect();
     Encoded { base64: words(&halves), clamped_count }
 }
 

@@ -1,6 +1,5 @@
 //! Image files. Every input file is made here, byte by byte or by an independent writer.
 
-mod half;
 mod openexr;
 mod png_file;
 mod rgbe;

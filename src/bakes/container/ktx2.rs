@@ -2,8 +2,9 @@
 
 use super::texel::{TEXELS, Texel};
 use super::{Claim, Encoding, Texture, pairs, truncated};
-use crate::pixels::{Fault, Pixels, RgbImage, half, reserved};
+use crate::pixels::{Fault, Pixels, RgbImage, reserved};
 use crate::spelling::Listed;
+use half::f16;
 use ktx2::dfd::{Basic, Block};
 use ktx2::{Header, Index, LevelIndex, ParseError, SupercompressionScheme};
 use ruzstd::decoding::StreamingDecoder;
@@ -70,7 +71,7 @@ pub fn write(encoding: &Encoding) -> Vec<u8> {
 
 /// Writes a table of four channels as a KTX 2 file in half floats.
 pub fn write_table(table: &Pixels<[f32; 4]>) -> Vec<u8> {
-    let bytes = table.data.iter().flatten().flat_map(|value| half::to_bits(*value).to_le_bytes()).collect();
+    let bytes = table.data.iter().flatten().flat_map(|value| f16::from_f32(*value).to_le_bytes()).collect();
     file(Texel::listed("rgba16f"), [table.width, table.height, 1], &[bytes], &[], false)
 }
 

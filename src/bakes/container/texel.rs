@@ -1,7 +1,8 @@
 //! Pixel formats by their codes in each container.
 
-use crate::pixels::{Fault, Pixels, RgbImage, half, reserved};
+use crate::pixels::{Fault, Pixels, RgbImage, reserved};
 use crate::spelling::listed;
+use half::f16;
 use ktx2::Format;
 
 /// A pixel format: little-endian and linear.
@@ -105,7 +106,7 @@ listed!(Texel, "texel format", TEXELS);
 
 fn halves(bytes: &[u8]) -> [f32; 3] {
     let words = bytes.as_chunks::<2>().0;
-    std::array::from_fn(|i| words.get(i).map_or(0.0, |word| half::from_bits(u16::from_le_bytes(*word))))
+    std::array::from_fn(|i| words.get(i).map_or(0.0, |word| f16::from_le_bytes(*word).to_f32()))
 }
 
 fn floats(bytes: &[u8]) -> [f32; 3] {
@@ -115,7 +116,7 @@ fn floats(bytes: &[u8]) -> [f32; 3] {
 
 fn to_halves(values: [f32; 4], bytes: &mut [u8]) {
     for (word, value) in bytes.as_chunks_mut::<2>().0.iter_mut().zip(values) {
-        *word = half::to_bits(value).to_le_bytes();
+        *word = f16::from_f32(value).to_le_bytes();
     }
 }
 
@@ -156,7 +157,7 @@ fn to_eleven_eleven_ten([r, g, b, _]: [f32; 4], bytes: &mut [u8]) {
     let bits = |value: f32, drop: i32| {
         let leading = ((value.to_bits() >> 23) as i32 - 127).max(-14);
         let step = f32::powi(2.0, leading - 10 + drop);
-        u32::from(half::to_bits((value / step).round_ties_even() * step)) >> drop
+        u32::from(f16::from_f32((value / step).round_ties_even() * step).to_bits()) >> drop
     };
     bytes.copy_from_slice(&(bits(r, 4) | bits(g, 4) << 11 | bits(b, 5) << 22).to_le_bytes());
 }
@@ -169,6 +170,6 @@ const PACKED_MAX: f32 = 64512.0;
 /// Decodes unsigned halves with 6 and 5 bits of mantissa [Vulkan13, "Unsigned 11-Bit Floating-Point Numbers"].
 fn eleven_eleven_ten(bytes: &[u8]) -> [f32; 3] {
     let word = word(bytes);
-    let half = |bits: u32| half::from_bits(bits as u16);
+    let half = |bits: u32| f16::from_bits(bits as u16).to_f32();
     [half((word & 0x7ff) << 4), half(((word >> 11) & 0x7ff) << 4), half((word >> 22) << 5)]
 }
