@@ -37,7 +37,6 @@ pub enum Irradiance {
 /// `∫ n·l L dl / π` and `∫ Fc n·l L dl / π` of a pixel, `Fc = (1 - v·h)⁵`.
 pub type Integrals = [DVec3; 2];
 
-/// Radiance by coalition.
 pub struct Radiance<'a> {
     /// Normal and view of each pixel in the environment's frame.
     pub frames: &'a [[DVec3; 2]],

@@ -18,7 +18,6 @@ use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use std::time::Instant;
 
-/// Device time of one pass.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PassTime {
     pub pass: &'static str,
@@ -32,7 +31,6 @@ pub struct Report {
     pub passes: Vec<PassTime>,
     /// Host time from submission to completion, ms.
     pub wall_ms: f64,
-    /// Every shader that ran.
     pub shaders: BTreeSet<String>,
 }
 
