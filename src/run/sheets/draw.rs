@@ -82,8 +82,8 @@ impl ContactSheet {
         let height_max = width.max(PUBLISHED_SIZE[0]) * PUBLISHED_SIZE[1] / PUBLISHED_SIZE[0];
         let height = |rows: &[(u32, Rgb8Image)]| rows.iter().map(|(gap, row)| gap + row.height).sum::<u32>();
         let count = rows.len();
-        let ends = (1..=count).filter(|end| *end == count || self.rows[*end].0.starts_group);
-        let shown = ends.filter(|end| height(&rows[..*end]) <= height_max).next_back().unwrap_or(1);
+        let mut ends = (1..=count).filter(|end| *end == count || self.rows[*end].0.starts_group);
+        let shown = ends.rfind(|end| height(&rows[..*end]) <= height_max).unwrap_or(1);
         let left_out = format!(" These are the first {shown} of {count} rows.");
         let caption = format!("{}{}", self.caption, if shown < count { &left_out } else { "" });
         let mut page = vec![(MARGIN, paragraph(&self.title, TITLE, width)), (BLOCK_GAP, header)];
