@@ -247,11 +247,3 @@ pub(super) fn column_and_row(pixel: usize, width: u32) -> [u32; 2] {
     let width = width as usize;
     [(pixel % width) as u32, (pixel / width) as u32]
 }
-
-/// Returns the change from one image to the next over the root of `r² + ε`, mean over channels.
-pub fn signed_step([own, before, reference]: [&RgbImage; 3], epsilon: Epsilon) -> GrayImage {
-    GrayImage::from_fn(own.width, own.height, |x, y| {
-        let [own, before, r] = [own, before, reference].map(|image| image.get(x, y).map(f64::from));
-        rgb_mean(|c| epsilon.signed(own[c] - before[c], r[c])) as f32
-    })
-}

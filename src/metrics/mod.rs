@@ -25,7 +25,7 @@ mod weight;
 use crate::spelling::Listed;
 pub use bias_variance::{BiasVariance, Repeats};
 pub use bins::{ALL_VIEWS, BinRow, N_DOT_V_BIN_EDGES, VIEWS};
-pub use comparison::{Comparison, Displayed, MetricsError, signed_step};
+pub use comparison::{Comparison, Displayed, MetricsError};
 pub use epsilon::Epsilon;
 pub use flip::PIXELS_PER_DEGREE;
 pub use noise::{ReferenceNoise, Verdict, noise_floor, verdict};

@@ -7,11 +7,11 @@
 //! ```
 //!
 //! and its ray is `eye + s right + t up` along `forward` (orthographic), or from `eye` along `forward + s right + t up`
-//! (perspective). [`Camera::clip_from_world`] inverts this mapping exactly; so do `shaders/gbuffer` (`gbuffer::params`).
+//! (perspective). `shaders/gbuffer` (`gbuffer::params`) inverts this mapping.
 
 use crate::scene::{Mesh, Scene, Sphere};
 use crate::spelling::listed;
-use glam::{DMat4, DVec3, DVec4};
+use glam::DVec3;
 
 /// Vertical field of view of the perspective camera, degrees.
 pub const PERSPECTIVE_FOV_DEG: f64 = 32.0;
@@ -262,21 +262,6 @@ impl Camera {
             Projection::Ortho { .. } => [1.0 / range, -self.near / range],
             Projection::Perspective { .. } => [self.far / range, -self.far * self.near / range],
         }
-    }
-
-    /// Maps the world to Vulkan clip space: x right, y down, depth 0 to 1. `aspect` is width / height.
-    pub fn clip_from_world(&self, aspect: f64) -> DMat4 {
-        let [extent_x, extent_y] = self.extent(aspect);
-        let [depth_scale, depth_offset] = self.depth_scale_offset();
-        let row = |axis: DVec3, offset: f64| axis.extend(offset - axis.dot(self.eye));
-        let x = row(self.right / extent_x, 0.0);
-        let y = row(-self.up / extent_y, 0.0);
-        let z = row(self.forward * depth_scale, depth_offset);
-        let w = match self.projection {
-            Projection::Ortho { .. } => DVec4::W,
-            Projection::Perspective { .. } => row(self.forward, 0.0),
-        };
-        DMat4::from_cols(x, y, z, w).transpose()
     }
 }
 

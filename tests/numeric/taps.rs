@@ -264,7 +264,8 @@ fn tables_meet_a_search_over_all_pairs() {
             "{node:?} f0 {f0}: best {least_of_one:.4}, one {one:.4}; pairs {least:.4}, two {two:.4}, four {four:.4}"
         );
         assert!(one < 1.1 * least_of_one + 1e-3, "{node:?}: {one} {least_of_one}");
-        assert!(two < 1.3 * least + 1e-3, "{node:?}: {two} {least}");
+        // Smoothing takes the most at grazing views.
+        assert!(two < 1.5 * least + 1e-3, "{node:?}: {two} {least}");
         assert!(four < 1.1 * least + 1e-3, "{node:?}: {four} {least}");
     }
 }
@@ -310,7 +311,7 @@ fn taps_change_smoothly() {
 }
 
 /// Under light linear in direction a lookup shows its kernel's first moment: that of two or four taps is
-/// within 0.1 of the lobe's, the textbook's within 0.8.
+/// within 0.03 of the lobe's, the textbook's within 0.8.
 #[test]
 fn first_moments_of_the_taps_are_near_the_lobes() {
     let (chain, rule) = (chain(), GaussLegendre::<32>::new());
@@ -345,8 +346,8 @@ fn first_moments_of_the_taps_are_near_the_lobes() {
                 taps.iter().map(moment).sum::<DVec3>().distance(wanted)
             });
             let place = format!("{n_dot_v} {alpha} {f0}: textbook {textbook:.4}, two {two:.4}, four {four:.4}");
-            assert!(two < 0.1 && two < textbook + 1e-3, "{place}");
-            assert!(four < 0.09 && four < textbook + 1e-3, "{place}");
+            assert!(two < 0.03 && two < textbook + 1e-3, "{place}");
+            assert!(four < 0.03 && four < textbook + 1e-3, "{place}");
         }
     }
 }

@@ -5,9 +5,7 @@
 
 pub mod draw;
 
-use super::images::{
-    error_name, flip_name, linear_files, picture_name, reference_picture_name, short_text, sweeps_display,
-};
+use super::images::{error_name, flip_name, picture_name, reference_picture_name, short_text, sweeps_display};
 use super::rows;
 use super::store::{KeptCell, Store, StoreError};
 use super::tables::{CellResult, DISPLAY_HEADLINE, HEADLINE, Results};
@@ -15,9 +13,8 @@ use crate::experiment::axis::{AXES, METHOD, POINT_SET, SAMPLES, SCENE, Sheet};
 use crate::experiment::plan::{Cell, Plan};
 use crate::experiment::value::Value;
 use crate::files::names_in;
-use crate::metrics::signed_step;
-use crate::pixels::{PixelsError, Rgb8Image, exr, png};
-use crate::table::colormap::{FLIP_ERROR, RELATIVE_ERROR, SIGNED_ERROR};
+use crate::pixels::{PixelsError, Rgb8Image, png};
+use crate::table::colormap::{FLIP_ERROR, RELATIVE_ERROR};
 use crate::table::markdown::significant;
 use draw::{ContactSheet, Head, Tile};
 use indexmap::IndexMap;
@@ -95,8 +92,6 @@ enum Kind {
     Display,
     Flip,
     RelativeError,
-    /// The difference to the previous column, over the reference: the steps of the ladder.
-    Step,
 }
 
 /// Makes one sheet.
@@ -112,7 +107,6 @@ struct Maker<'p> {
 
 impl Maker<'_> {
     fn sheet(&self, cells: &[&Cell], title: String) -> ContactSheet {
-        let has_steps = self.plan.config.ladder.is_some();
         let mut columns = vec![Head { label: "reference".to_owned(), starts_group: false }];
         let mut before = None;
         for column in self.columns {
@@ -129,22 +123,19 @@ impl Maker<'_> {
             ),
             false => format!("Below each image: its {HEADLINE} and its relative error against the reference."),
         };
-        let step =
-            if has_steps { " Signed step: the difference to the previous image, over the reference." } else { "" };
         let flip = self.has_flip.then_some(("FLIP", FLIP_ERROR));
         let error = Some(("relative error, root of relmse", RELATIVE_ERROR));
-        let signed = has_steps.then_some(("signed step", SIGNED_ERROR));
         ContactSheet {
             title,
-            caption: format!("{} {below}{step}", self.plan.config.question),
+            caption: format!("{} {below}", self.plan.config.question),
             tile: self.tile,
             columns,
-            rows: self.rows(cells, has_steps),
-            legends: [flip, error, signed].into_iter().flatten().collect(),
+            rows: self.rows(cells),
+            legends: [flip, error].into_iter().flatten().collect(),
         }
     }
 
-    fn rows(&self, cells: &[&Cell], has_steps: bool) -> Vec<(Head, Vec<Tile>)> {
+    fn rows(&self, cells: &[&Cell]) -> Vec<(Head, Vec<Tile>)> {
         let row_axes = swept(self.plan, Sheet::Row);
         let radiance_axes: Vec<usize> =
             row_axes.iter().copied().filter(|&axis| AXES[axis].changes_radiance()).collect();
@@ -163,9 +154,6 @@ impl Maker<'_> {
                 }
             }
             rows.push(self.row("relative error".to_owned(), displays.len() > 1, &shared, Kind::RelativeError));
-            if has_steps {
-                rows.push(self.row("signed step".to_owned(), false, &shared, Kind::Step));
-            }
         }
         rows
     }
@@ -180,11 +168,7 @@ impl Maker<'_> {
                 .collect()
         };
         let own: Vec<Vec<&Cell>> = self.columns.iter().map(of_column).collect();
-        let tile = |index: usize| {
-            let before = index.checked_sub(1).and_then(|before| own[before].first().copied());
-            self.tile(&own[index], before, kind)
-        };
-        let tiles: Vec<Tile> = (0..own.len()).into_par_iter().map(tile).collect();
+        let tiles: Vec<Tile> = own.par_iter().map(|own| self.tile(own, kind)).collect();
         let tiles = [self.reference_tile(cells, kind)].into_iter().chain(tiles).collect();
         (Head { label, starts_group }, tiles)
     }
@@ -204,11 +188,11 @@ impl Maker<'_> {
                 let floor = significant(floor, 2);
                 Tile::Missing(format!("an exact image would have {HEADLINE} {floor}: the noise of the reference"))
             }),
-            Kind::Flip | Kind::Step => Tile::Blank,
+            Kind::Flip => Tile::Blank,
         }
     }
 
-    fn tile(&self, cells: &[&Cell], before: Option<&Cell>, kind: Kind) -> Tile {
+    fn tile(&self, cells: &[&Cell], kind: Kind) -> Tile {
         let Some(first) = cells.first() else { return Tile::Missing("excluded".to_owned()) };
         let Some((cell, record)) = self.first_done(cells) else {
             return Tile::Missing(match self.results.get(&first.id) {
@@ -223,7 +207,6 @@ impl Maker<'_> {
             }
             Kind::Flip => (self.picture(&flip_name(cell)), None),
             Kind::RelativeError => (self.picture(&error_name(cell)), self.has_flip.then_some(HEADLINE)),
-            Kind::Step => (self.step(cell, before), None),
         };
         let score = metric.and_then(|metric| record.score(metric));
         self.image(image, score.map_or_else(String::new, |score| significant(score, 3)))
@@ -245,18 +228,6 @@ impl Maker<'_> {
             Ok(picture) => Tile::Image { image: picture.shrunk(width, height), note },
             Err(error) => Tile::Missing(error.to_string()),
         }
-    }
-
-    /// The difference to the image before, else to the reference, over the root of `r² + ε`, mean over channels.
-    fn step(&self, cell: &Cell, before: Option<&Cell>) -> Result<Rgb8Image, PixelsError> {
-        let [own, reference] = linear_files(self.plan, cell);
-        let before = before.map_or(reference.clone(), |before| linear_files(self.plan, before)[0].clone());
-        let read = |name: String| exr::read(&self.store.image_path(&name));
-        let (own, before, reference) = (read(own)?, read(before)?, read(reference)?);
-        let epsilon = self.plan.request(&cell.point).epsilon();
-        let map = signed_step([&own.rgb, &before.rgb, &reference.rgb], epsilon);
-        let mask = reference.alpha.unwrap_or_else(|| map.map(|_| 1.0));
-        Ok(SIGNED_ERROR.image(&map, &mask))
     }
 }
 
