@@ -189,8 +189,14 @@ impl Setting {
 /// the sampled methods, the prefiltered map and the DFG table for the split sum, and places, levels and weights of taps.
 fn is_storage_error(method: &str, error: f64) -> bool {
     const HALF: f64 = 1.0 / 2048.0;
-    // Halves turn a tap by up to 1.5e-3.
-    error <= HALF * [1.2, 2.0, 8.0][Method::listed(method).lookups.min(2) as usize]
+    let method = Method::listed(method);
+    let halves = match (method.tap_table, method.lookups) {
+        // Halves turn a tap by up to 1.5e-3.
+        (Some(_), _) => 8.0,
+        (None, 0) => 1.2,
+        (None, _) => 2.0,
+    };
+    error <= HALF * halves
 }
 
 #[test]
