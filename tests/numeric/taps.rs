@@ -311,7 +311,7 @@ fn taps_change_smoothly() {
 }
 
 /// Under light linear in direction a lookup shows its kernel's first moment: that of two or four taps is
-/// within 0.06 of the lobe's, the textbook's within 0.8.
+/// within 0.09 of the lobe's, the textbook's within 0.8.
 #[test]
 fn first_moments_of_the_taps_are_near_the_lobes() {
     let (chain, rule) = (chain(), GaussLegendre::<32>::new());
@@ -346,8 +346,8 @@ fn first_moments_of_the_taps_are_near_the_lobes() {
                 taps.iter().map(moment).sum::<DVec3>().distance(wanted)
             });
             let place = format!("{n_dot_v} {alpha} {f0}: textbook {textbook:.4}, two {two:.4}, four {four:.4}");
-            assert!(two < 0.06 && two < textbook + 1e-3, "{place}");
-            assert!(four < 0.06 && four < textbook + 1e-3, "{place}");
+            assert!(two < 0.09 && two < textbook + 1e-3, "{place}");
+            assert!(four < 0.09 && four < textbook + 1e-3, "{place}");
         }
     }
 }
