@@ -371,7 +371,7 @@ fn it_stays_quick_while_it_is_turned() {
     let rate = seen / begun.elapsed().as_secs_f64();
     let each = (win.cpu_s() - spent_before) / seen;
     println!("{rate:.1} pictures a second while the camera turns, 960x770, {each:.3} CPU s each");
-    // Ten a second on two cores of 2025, whatever else is at work there; half as many on cores half as fast.
+    // Five a second on two slow cores, whatever else is at work there.
     assert!(each < 0.4, "{each} CPU s a picture, {seen} pictures");
     win.close();
 }

@@ -11,7 +11,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 pub const AMBIENT: f64 = 4.0;
 
 /// Penalty of the squared error of the first moment of several taps: without it light that is linear in direction comes
-/// out too dark or too bright. Chosen on builtin environments.
+/// out too dark or too bright. Found on ten maps; builtin environments agree.
 pub const MOMENT: f64 = 40.0;
 /// Penalty of squared weights: without it two taps of opposite weights cancel where that gains nothing.
 const RIDGE: f64 = 1e-3;
