@@ -15,7 +15,7 @@ fn our_own_bakes_score_near_zero_in_every_layout() {
         let sets: Vec<&str> = sets.iter().map(String::as_str).collect();
         ok(dir.path(), &[&["bake", "builtin:gradient", "--out", layout.name], &sets[..]].concat());
         let arguments = ["check-bake", layout.name, "--environment", "builtin:gradient", "--json", "--no-image"];
-        let limits = ["--fail-above", "1e-4", "--fail-table-above", "2e-3"];
+        let limits = ["--fail-above", "1e-4", "--fail-table-above", "2e-3", "--fail-on-wrong"];
         let found: Value = serde_json::from_str(&ok(dir.path(), &[&arguments[..], &limits].concat())).unwrap();
         let levels = found["levels"].as_array().unwrap();
         assert_eq!(levels.len(), 5);
@@ -31,6 +31,8 @@ fn our_own_bakes_score_near_zero_in_every_layout() {
     let arguments = ["check-bake", "cube", "--environment", "builtin:sky", "--fail-above", "0.01", "--no-image"];
     let output = splitsum(dir.path(), &arguments);
     assert_ends(&output, 1, &["level 1: relmse", "is above 1.00e-2"]);
+    let arguments = ["check-bake", "cube", "--environment", "builtin:sky", "--fail-on-wrong", "--no-image"];
+    assert_ends(&splitsum(dir.path(), &arguments), 1, &["wrong: seems to be a bake of another map"]);
     // No width and no gain is told of it.
     let text = String::from_utf8_lossy(&output.stdout);
     let told = text

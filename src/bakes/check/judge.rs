@@ -201,7 +201,7 @@ impl Judged {
 
     /// Sums up the whole bake in one line.
     pub fn verdict(&self) -> String {
-        let coarse = self.levels.iter().filter(|level| level.is_coarse()).filter_map(|level| level.between);
+        let coarse = self.levels.iter().filter_map(LevelScore::coarseness);
         self.wrong().unwrap_or_else(|| match coarse.max_by(f64::total_cmp) {
             None => "good: every part is within 3 % rms of its integral".to_owned(),
             Some(relmse) => format!(

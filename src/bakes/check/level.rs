@@ -56,14 +56,16 @@ pub fn score(truth: &Truth, map: &Map, convention: &Convention) -> Result<Vec<Le
         // Width and gain explain what they explain as well.
         let slip = slip.filter(|slip| fit.is_none_or(|fit| slip.left < 0.5 * fit.left));
         let between = has_width(alpha).then(|| between_texels(truth, map.layout, faces, convention, alpha));
-        let mut verdict = match &slip {
+        let verdict = match &slip {
             Some(slip) => slip.words.clone(),
             None => verdict(errors, fit, alpha, |alpha| level_of(convention, &alphas, alpha)),
         };
-        if let Some(relmse) = between.filter(|relmse| !is_wrong && *relmse > GOOD) {
-            verdict = format!("{GOOD_WORDS} at its texels, {:.1} % rms between them", 100.0 * relmse.sqrt());
+        let size = [faces[0].width, faces[0].height];
+        let mut score = LevelScore { size, alpha, errors, between, worst, fit, slip, verdict };
+        if let Some(relmse) = score.coarseness() {
+            score.verdict = format!("{GOOD_WORDS} at its texels, {:.1} % rms between them", 100.0 * relmse.sqrt());
         }
-        LevelScore { size: [faces[0].width, faces[0].height], alpha, errors, between, worst, fit, slip, verdict }
+        score
     };
     Ok(map.levels.iter().zip(&alphas).map(of).collect())
 }
@@ -175,9 +177,9 @@ pub(super) const GOOD_WORDS: &str = "good";
 const UNEXPLAINED: &str = "wrong, and no known slip explains it";
 
 impl LevelScore {
-    /// Whether linear lookups between its good texels are not good: it has few texels for its width.
-    pub fn is_coarse(&self) -> bool {
-        self.errors.relmse <= GOOD && self.between.is_some_and(|relmse| relmse > GOOD)
+    /// Returns relMSE between its good texels where it is not good: the level has few texels for its width.
+    pub fn coarseness(&self) -> Option<f64> {
+        self.between.filter(|relmse| self.errors.relmse <= GOOD && *relmse > GOOD)
     }
 
     /// Removes width and gain from the verdict because the axes or the light do not fit.

@@ -186,7 +186,7 @@ fn lookups_between_texels_are_judged() {
         let expected = squares.iter().sum::<f64>() / squares.len() as f64;
         let between = score.between.unwrap();
         assert!((between / expected - 1.0).abs() < 1e-5, "{between} {expected}");
-        assert!(score.errors.relmse < 1e-12 && score.is_coarse(), "{score:?}");
+        assert!(score.errors.relmse < 1e-12 && score.coarseness().is_some(), "{score:?}");
     }
 }
 
