@@ -1,4 +1,4 @@
-//! Judges the tables of a bake: `cargo run --example judge_bake -- MAP FILES...`; without arguments one of its own.
+//! Judges the tables of a bake: `cargo run --example judge_bake -- MAP FILES...`; without arguments, its own bake.
 
 use splitsum::bakes::check::Judging;
 use splitsum::bakes::convention::Preset;
@@ -18,7 +18,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         make(&Making::new(Preset::listed("bevy"), &environment, 32), folder.path())?;
     }
     let bake = read(&files, Reading::default())?;
-    let judged = Judging::stated(&bake.told)?.judge(&environment, &bake)?;
+    let judged = Judging::stated(&bake.stated)?.judge(&environment, &bake)?;
     judged.levels.iter().enumerate().for_each(|(k, level)| println!("level {k}: {}", level.verdict));
     judged.dfg.iter().for_each(|table| println!("DFG table: {}", table.verdict));
     Ok(())

@@ -29,7 +29,7 @@ pub fn read_text(path: &Path, most_bytes: u64) -> Result<String> {
     String::from_utf8(read_regular(path, most_bytes)?).map_err(|_| Error::other("not UTF-8 text"))
 }
 
-/// Reads a regular file, or what the shell opened: standard input, or the pipe of `<(command)`.
+/// Reads a regular file, or a pipe that the shell opened: standard input or `<(command)`.
 pub fn read_given(path: &Path, most_bytes: u64) -> Result<Vec<u8>> {
     let is_open = ["/dev/stdin", "/dev/fd", "/proc/self/fd"].iter().any(|place| path.starts_with(place));
     if is_open { read_at_most(File::open(path)?, most_bytes) } else { read_regular(path, most_bytes) }

@@ -14,7 +14,7 @@
 //!
 //! # Bibliography
 //!
-//! Keys in square brackets, such as those of the formulas' sources, stand for:
+//! Sources of formulas are cited by keys in square brackets:
 //!
 //! - Andersson20: P. Andersson, J. Nilsson, T. Akenine-Möller, M. Oskarsson, K. Åström and M. D. Fairchild, "FLIP: A Difference
 //!   Evaluator for Alternating Images", Proc. ACM on Computer Graphics and Interactive Techniques 3(2), 2020.

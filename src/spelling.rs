@@ -53,8 +53,7 @@ pub trait Listed: 'static {
     }
 }
 
-/// Implements [`Listed`] for slice entries with a field `name`, perhaps with its own `by_name`, or for an enum's
-/// variants.
+/// Implements [`Listed`] for slice entries with a field `name` (and their own `by_name`), or for an enum's variants.
 macro_rules! listed {
     ($entry:ty, $what:literal, $list:path $(, $($by_name:tt)+)?) => {
         impl crate::spelling::Listed for $entry {
@@ -106,20 +105,25 @@ pub fn with_article(what: &str) -> String {
     format!("{} {what}", if what.starts_with(['a', 'e', 'i', 'o', 'u']) { "an" } else { "a" })
 }
 
+/// Reports an unlisted name with the nearest one, or with the expected names.
 pub fn not_one_of(what: &str, text: &str, names: &[&str], or: &str) -> String {
-    let expected = expected(what, names);
-    format!("{text:?} is not {}{}; expected {or}{expected}", with_article(what), suggestion(text, names))
+    let near = suggestion(text, names);
+    let hint = if near.is_empty() { format!("; expected {or}{}", expected(what, names)) } else { near };
+    format!("{text:?} is not {}{hint}", with_article(what))
 }
 
 /// Longest list of names in a message.
-pub const NAMES_SHOWN: usize = 12;
+pub const NAMES_SHOWN: usize = 8;
 
-/// Lists names, or says which `splitsum list` has them.
+/// Lists names, or says where a long list is.
 pub fn expected(what: &str, names: &[&str]) -> String {
-    match what {
-        "axis" if names.len() > NAMES_SHOWN => "a name of `splitsum list axes`".to_owned(),
-        "method" if names.len() > NAMES_SHOWN => "a name of `splitsum list methods`".to_owned(),
-        _ => format!("one of {}", names.join(", ")),
+    match (what, names.len().saturating_sub(NAMES_SHOWN)) {
+        (_, 0) if names.len() < 2 => names.first().unwrap_or(&"none").to_string(),
+        (_, 0) => format!("one of {}", names.join(", ")),
+        ("axis", _) => "a name of `splitsum list axes`".to_owned(),
+        ("method" | "metric" | "question", _) => format!("a name of `splitsum list {what}s`"),
+        ("key", _) => "a key of experiments/README.md".to_owned(),
+        (_, rest) => format!("one of {} and {rest} more", names[..NAMES_SHOWN].join(", ")),
     }
 }
 

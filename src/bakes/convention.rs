@@ -8,7 +8,7 @@ use crate::spelling::listed;
 use glam::{DVec2, DVec3};
 use std::fmt;
 
-/// World axes in file axes: in `-z+y+x` the world's x is the file's -z. A file's own axes are those of a Vulkan cube
+/// World axes in file axes: in `-z+y+x` the world's x is the file's -z. A file's own axes are the axes of a Vulkan cube
 /// map, or of our lat-long map ([`crate::math::equirect`]).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Axes {
@@ -154,7 +154,7 @@ pub struct Preset {
     pub product: Product,
 }
 
-/// Most common values; presets override what differs.
+/// Most common values; presets override the others.
 const PLAIN: Preset = Preset {
     name: "",
     about: "",
@@ -290,7 +290,7 @@ impl Convention {
     pub fn alphas(&self, count: usize) -> Result<Vec<f64>, String> {
         match &self.alphas {
             Some(alphas) if alphas.len() == count => Ok(alphas.clone()),
-            Some(alphas) => Err(format!("{} widths for {count} levels", alphas.len())),
+            Some(alphas) => Err(format!("{} widths; expected {count}, one for each level", alphas.len())),
             None if count == 1 => Ok(vec![0.0]),
             None => {
                 let last = self.mapping_levels(count);

@@ -150,8 +150,8 @@ fn opened(value: &str, dir: &Path) -> Result<Option<(super::Bake, Convention)>, 
     let (path, preset) = path.rsplit_once(PRESET).map_or((path, None), |(path, preset)| (path, Some(preset)));
     let reading = Reading::default();
     let bake = read(&[dir.join(path).display().to_string()], reading).map_err(|fault| fault.to_string())?;
-    let name = preset.or(bake.told.preset.as_deref()).unwrap_or(PRESETS[0].name);
+    let name = preset.or(bake.stated.preset.as_deref()).unwrap_or(PRESETS[0].name);
     let found = Preset::parse(name).map_err(|fault| format!("{value}: {fault}"))?;
-    let convention = Convention { alphas: bake.told.alphas.clone(), ..found.convention() };
+    let convention = Convention { alphas: bake.stated.alphas.clone(), ..found.convention() };
     Ok(Some((bake, convention)))
 }

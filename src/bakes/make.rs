@@ -101,14 +101,14 @@ struct Planned {
 
 /// Bakes into the folder `out`, `bake.json` last, then reads everything back and compares it.
 ///
-/// Fails if a file exists or cannot be written. [`Making::check`] reports what the engine's format cannot hold.
+/// Fails if a file exists or cannot be written. [`Making::check`] reports settings that the engine's format cannot hold.
 pub fn make(making: &Making, out: &Path) -> Result<Baked, PixelsError> {
     let (product, convention) = (&making.preset.product, making.preset.convention());
     let (code_name, code) = paste::file(product.language);
     let names = [Some(product.specular), product.irradiance, product.sh, Some(TAPS), Some(&code_name), Some(MANIFEST)];
     for name in names.into_iter().flatten().chain(product.tables.iter().copied()) {
         if out.join(name).exists() {
-            return Err(Fault::new("exists", "an empty folder; give another, or remove it").at(&out.join(name)));
+            return Err(Fault::new("exists", "a new or an empty folder").at(&out.join(name)));
         }
     }
     std::fs::create_dir_all(out)
@@ -194,7 +194,7 @@ impl<'a> Making<'a> {
         }
     }
 
-    /// Reports what the engine's format cannot hold.
+    /// Reports settings that the engine's format cannot hold.
     pub fn check(&self) -> Result<(), String> {
         let product = &self.preset.product;
         let engine = product.engine;
@@ -204,19 +204,19 @@ impl<'a> Making<'a> {
         }
         let most = self.side.max(1).ilog2() + 1;
         if !self.side.is_power_of_two() || self.side < 8 || 8 * u64::from(self.side).pow(2) > TEXELS_MAX {
-            return Err(format!("faces of {} texels: --for {engine} writes powers of 2 from 8 to 1024", self.side));
+            return Err(format!("faces of {} texels; --for {engine} needs a power of 2 from 8 to 1024", self.side));
         }
         match product.chain {
             Chain::Exactly(count) if self.level_count != count || count > most => {
                 return Err(format!(
-                    "{} levels of faces of {}: --for {engine} writes {count}, of faces of {} or more",
+                    "{} levels, faces of {} texels; --for {engine} needs {count} levels and faces of at least {}",
                     self.level_count,
                     self.side,
                     1 << (count - 1)
                 ));
             }
             _ if !(2..=most).contains(&self.level_count) => {
-                return Err(format!("{} levels: faces of {} have 2 to {most}", self.level_count, self.side));
+                return Err(format!("{} levels; faces of {} have 2 to {most}", self.level_count, self.side));
             }
             _ => {}
         }
@@ -224,7 +224,7 @@ impl<'a> Making<'a> {
         let known: Vec<&str> = TEXELS.iter().filter(|texel| holds(container, texel)).map(|texel| texel.name).collect();
         if !known.contains(&self.texel.name) {
             let form = container.map_or("EXR faces", |format| format.name);
-            return Err(format!("{} in {form}: --for {engine} writes {}", self.texel.name, known.join(", ")));
+            return Err(format!("{} in {form}; --for {engine} needs one of {}", self.texel.name, known.join(", ")));
         }
         Ok(())
     }

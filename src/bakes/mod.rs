@@ -17,4 +17,4 @@ pub mod product;
 pub mod sh;
 pub mod source;
 
-pub use parts::{Bake, Map, Told};
+pub use parts::{Bake, Map, Stated};

@@ -20,12 +20,12 @@ pub struct Bake {
     pub irradiance: Option<Map>,
     pub dfg: Option<RgbImage>,
     pub sh: Option<Coefficients>,
-    pub told: Told,
+    pub stated: Stated,
 }
 
-/// What the manifest of `splitsum bake` states.
+/// Conventions stated in the manifest of `splitsum bake`.
 #[derive(Clone, Debug, Default, Deserialize)]
-pub struct Told {
+pub struct Stated {
     pub preset: Option<String>,
     #[serde(rename = "prefilter_alphas")]
     pub alphas: Option<Vec<f64>>,

@@ -22,7 +22,7 @@ pub fn file(language: &str) -> (String, String) {
     let lines: String = lines.lines().map(|line| format!("//     {line}\n")).collect();
     let text = format!(
         "// Two lookups of the prefiltered map. taps: {TAPS}, bilinear, clamped to edges, no mips.\n\n{functions}\n\
-         // In place of the lookup along r. dfg: (A, B). map: the prefiltered map; turn directions as for the lookup along r.\n\
+         // Replaces the lookup along r. dfg: (A, B). map: the prefiltered map; turn its directions as you turn r.\n\
          {lines}"
     );
     (TAPS.replace("ktx2", &language.to_lowercase()), text)

@@ -37,7 +37,7 @@ pub enum Chain {
 }
 
 impl Product {
-    /// Most common values; presets override what differs.
+    /// Most common values; presets override the others.
     pub(super) const PLAIN: Self = Self {
         engine: "",
         about: "",

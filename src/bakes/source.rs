@@ -233,8 +233,8 @@ fn read_ours(path: &Path, names: &[String], reading: Reading, bake: &mut Bake) -
     let refuse = |what: String| Fault::new(what, "the bake.json of splitsum bake").at(&manifest);
     let not_read = |error: serde_json::Error| refuse(format!("cannot be read ({error})"));
     let text = read_text(&manifest, RECORD_BYTES_MAX).map_err(|error| refuse(format!("cannot be read ({error})")))?;
-    bake.told = serde_json::from_str(&text).map_err(not_read)?;
-    if bake.told.preset.is_some() {
+    bake.stated = serde_json::from_str(&text).map_err(not_read)?;
+    if bake.stated.preset.is_some() {
         return read_engines(path, serde_json::from_str(&text).map_err(not_read)?, reading, bake);
     }
     let file: File = serde_json::from_str(&text).map_err(not_read)?;

@@ -9,7 +9,7 @@
 //! | `fdez-aguera` | irradiance over π times `(1 - E) (f0 A + B) F_avg / (1 - F_avg (1 - E))` | \[FdezAguera19\] |
 //! | `kulla-conty` | the lobe `(1 - E(l)) n·l / (π (1 - E_avg))` times `(1 - E(v)) F_avg² E_avg / (1 - F_avg (1 - E_avg))` | \[KullaConty17\], with the square of \[Hill18\] |
 //!
-//! At f0 = 1 each returns all that is lost. The diffuse term gets what the sum leaves.
+//! At f0 = 1 each returns all lost light. The diffuse term gets the rest.
 
 use crate::spelling::listed;
 use glam::{DVec2, DVec3};

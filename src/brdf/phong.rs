@@ -48,7 +48,7 @@ impl Brdf for Phong {
     }
 
     fn about(&self) -> &'static str {
-        "microfacets of a power of the cosine; its masking is Walter's fit of that of Beckmann"
+        "microfacets of a power of the cosine; its masking is Walter's rational fit, made for Beckmann"
     }
 
     fn d(&self, h_local: DVec3, alpha: f64) -> f64 {

@@ -1,10 +1,10 @@
 //! `splitsum answers`.
 
 use super::report::{answered, known_metric, line};
-use super::{Failure, print, progress, tell};
+use super::{Failure, log, print, progress};
 use clap::Args;
 use splitsum::report::blocks::fill_pages;
-use splitsum::report::page::{PageOptions, Told, is_page, write};
+use splitsum::report::page::{PageOptions, PageRun, is_page, write};
 use splitsum::report::publish::{PublishError, check, publish, write_page};
 use splitsum::report::write::Written;
 use splitsum::study::finished::notes;
@@ -55,7 +55,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let mut published = BTreeMap::new();
     for dir in &arguments.dirs {
         for note in notes(dir) {
-            tell(&format!("warning: {note}"));
+            log(&format!("warning: {note}"));
         }
         progress::doing(format!("answering the questions of {}", dir.display()));
         let (run, answers) = answered(dir, arguments.metric.as_deref(), &arguments.weights)?;
@@ -72,7 +72,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         // All files of a run use one metric.
         let options = PageOptions { metric: arguments.metric.clone(), ..PageOptions::in_folder(dir) };
         if is_new && is_page(&options.out) {
-            print(&line(&write(&options, &Told::of_runs(&[(run, answers)]))?))?;
+            print(&line(&write(&options, &PageRun::of_runs(&[(run, answers)]))?))?;
         }
         if let Some(into) = &arguments.publish {
             publish_one(&written.record.name, dir, into, arguments.replace, &mut published)?;

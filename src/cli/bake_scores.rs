@@ -125,7 +125,7 @@ fn threshold(text: &str) -> Result<f64, String> {
 }
 
 impl Limits {
-    /// Lists what does not pass, a line each.
+    /// Lists the scores above a limit, one a line.
     pub fn failures(&self, judged: &Judged) -> Vec<String> {
         let levels = || judged.levels.iter().enumerate().map(|(k, score)| (format!("level {k}"), score));
         let relmse = levels().map(|(name, score)| (name, "relmse", score.errors.relmse));

@@ -1,6 +1,6 @@
 //! Flags for the cache of tables and references.
 
-use super::tell;
+use super::log;
 use clap::Args;
 use splitsum::pipeline::DiskCache;
 use splitsum::run::RenderFault;
@@ -44,7 +44,7 @@ impl CacheArguments {
                 Err(RenderFault { message: format!("--cache: {error}"), device_lost: false, is_input: true })
             }
             Err(error) => {
-                tell(&format!("warning: cache: {error}; nothing is kept for later runs"));
+                log(&format!("warning: cache: {error}; nothing is kept for later runs"));
                 Ok(None)
             }
         }

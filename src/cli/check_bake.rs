@@ -4,7 +4,7 @@ use super::bake_scores::{Limits, as_json, as_text, rows};
 use super::shared::{InputFlags, check_out};
 use super::{Failure, print, print_data, progress};
 use clap::Args;
-use splitsum::bakes::Told;
+use splitsum::bakes::Stated;
 use splitsum::bakes::check::Judging;
 use splitsum::bakes::convention::{Axes, PRESETS, Preset, TableAxes, TableChannels};
 use splitsum::bakes::page;
@@ -37,7 +37,7 @@ pub struct Arguments {
     /// Check the files and folders of one bake.
     #[arg(required = true, value_name = "FILES")]
     files: Vec<String>,
-    /// Compare with the baked map: builtin:NAME, or an .hdr or .exr file. A DFG table needs none.
+    /// Compare with the baked map: builtin:NAME, .hdr or .exr; not for a DFG table.
     #[arg(long, value_name = "MAP")]
     environment: Option<String>,
     /// Use the conventions of a tool; the flags below override them.
@@ -121,12 +121,12 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         }
         None => "builtin:constant",
     };
-    let told = &bake.told;
-    let preset = match (arguments.preset, &told.preset) {
+    let stated = &bake.stated;
+    let preset = match (arguments.preset, &stated.preset) {
         (Some(preset), _) => preset,
         (None, name) => name.as_deref().map_or(Ok(&PRESETS[0]), Preset::parse).map_err(Failure::input)?,
     };
-    let judging = judging(arguments, preset, told)?;
+    let judging = judging(arguments, preset, stated)?;
     let environment = arguments.inputs.environment(light)?;
     if let Some(map) = &bake.specular {
         judging.convention.alphas(map.levels.len()).map_err(|fault| Failure::input(format!("--alphas: {fault}")))?;
@@ -174,10 +174,10 @@ fn check_limits(limits: &Limits, has_map: bool, has_table: bool) -> Result<(), F
 }
 
 /// Applies the preset, the files' statements and the flags, in this order.
-fn judging(arguments: &Arguments, preset: &'static Preset, told: &Told) -> Result<Judging, Failure> {
-    let told = Told { preset: Some(preset.name.to_owned()), ..told.clone() };
-    let stated = Judging::stated(&told).map_err(Failure::input)?;
-    let mut convention = stated.convention;
+fn judging(arguments: &Arguments, preset: &'static Preset, stated: &Stated) -> Result<Judging, Failure> {
+    let stated = Stated { preset: Some(preset.name.to_owned()), ..stated.clone() };
+    let judging = Judging::stated(&stated).map_err(Failure::input)?;
+    let mut convention = judging.convention;
     if let Some(mapping) = arguments.level_mapping {
         (convention.mapping, convention.alphas) = (mapping, None);
     }
@@ -190,7 +190,7 @@ fn judging(arguments: &Arguments, preset: &'static Preset, told: &Told) -> Resul
     convention.irradiance_scale = arguments.irradiance_scale.unwrap_or(convention.irradiance_scale);
     Ok(Judging {
         brdf: arguments.brdf,
-        weight: arguments.weight.unwrap_or(stated.weight),
+        weight: arguments.weight.unwrap_or(judging.weight),
         convention,
         is_guessed: arguments.guess,
         has_image: !arguments.no_image,

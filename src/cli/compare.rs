@@ -1,6 +1,6 @@
 //! `splitsum compare`: every metric on two files.
 
-use super::{Failure, print, print_data, tell};
+use super::{Failure, log, print, print_data};
 use clap::Args;
 use serde::{Serialize, Serializer};
 use splitsum::experiment::axis::{AXES, CONTRAST, EXPOSURE};
@@ -73,7 +73,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         let (test, reference) = (arguments.test.display(), arguments.reference.display());
         Failure::input(format!("{test} against {reference}, masked by {mask_source}: {error}"))
     })?;
-    tell(&format!("relative metrics: mean luminance {}, epsilon {:e}", epsilon.mean(), epsilon.beside_square()));
+    log(&format!("relative metrics: mean luminance {}, epsilon {:e}", epsilon.mean(), epsilon.beside_square()));
     let scores = comparison.evaluate_all();
     if arguments.json {
         let text = serde_json::to_string_pretty(&InOrder(&scores)).map_err(Failure::failed)?;

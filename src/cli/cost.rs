@@ -2,7 +2,7 @@
 
 use super::flags::flag;
 use super::shared::{check_out, own_method};
-use super::{Failure, print, tell};
+use super::{Failure, log, print};
 use clap::builder::ValueParser;
 use clap::{ArgAction, ArgMatches, Args, Command, FromArgMatches};
 use splitsum::cost::child::{CompileFault, Compiler, Job, available, serve};
@@ -123,7 +123,7 @@ fn job(point: &Point, axis: usize, value: &Value) -> Job {
     point.collapsed(false).settings().specular_job()
 }
 
-/// Whether another value of an axis, listed or given, changes the code.
+/// Whether other values of an axis, listed or given, would change the code.
 fn depends_on(point: &Point, axis: usize, given: &[Value]) -> bool {
     let names = match AXES[axis].kind {
         Kind::Name { names, .. } | Kind::NameOrFile { names, .. } => names().into_iter().map(Value::from).collect(),
@@ -183,7 +183,7 @@ fn asked(flags: &SweptFlags) -> Result<Vec<(Point, Job)>, Failure> {
         return Err(Failure::input(format!("--method {names}: no shading pass to compile; expected {known}")));
     }
     if !left_out.is_empty() {
-        tell(&format!("skipped {}: no shading pass to compile", names(&left_out)));
+        log(&format!("skipped {}: no shading pass to compile", names(&left_out)));
     }
     points = shaded;
     for (axis, values) in flags.0.iter().filter(|(axis, _)| *axis != METHOD) {
@@ -227,7 +227,7 @@ fn compiled(arguments: &Arguments) -> Result<Vec<Shaded>, Failure> {
                 return Err(fault("no loop over samples found in its assembly".to_owned()));
             }
             if pass.counts.other_loops > 0 {
-                tell(&format!(
+                log(&format!(
                     "{}: '{}' has {} more loops; each counts once",
                     family.name, job.shader, pass.counts.other_loops
                 ));
@@ -267,7 +267,7 @@ fn families(
     }
     if asked.iter().any(|asked| asked.0.is_none()) {
         for family in FAMILIES.iter().filter(missing) {
-            tell(&format!("skipped {}: {driver} does not compile for it", family.name));
+            log(&format!("skipped {}: {driver} does not compile for it", family.name));
         }
         return Ok(found);
     }

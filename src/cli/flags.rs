@@ -12,7 +12,7 @@ use splitsum::experiment::value::{Kind, Value};
 use splitsum::scene::{CameraKind, Light, Orbit, Scene};
 use splitsum::spelling::{Listed, capitalised};
 
-/// Flags beside the axes.
+/// Flags other than the axes.
 #[derive(Args, Clone, Debug)]
 pub struct SeenFlags {
     /// Choose the camera: ortho or perspective.
@@ -51,7 +51,7 @@ impl SeenFlags {
         }
     }
 
-    /// Refuses what the scene cannot show.
+    /// Refuses flags that have no effect on the scene.
     pub fn check(&self, scene: &Scene) -> Result<(), Failure> {
         let lights = self.lights.iter().filter_map(|light| Some(format!("--light: {}", light.fault_in(scene)?)));
         let of_design = [(self.background, "background"), (self.orbit.is_some(), "orbit")];

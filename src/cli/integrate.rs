@@ -1,7 +1,7 @@
 //! `splitsum integrate`: exact answers to a table of queries, without a device.
 
 use super::shared::{InputFlags, check_out};
-use super::{Failure, print_data, progress, tell};
+use super::{Failure, log, print_data, progress};
 use clap::Args;
 use splitsum::brdf::Brdf;
 use splitsum::brdf::MaskingShadowing;
@@ -98,7 +98,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     }
     if answers.unmet > 0 {
         let (unmet, all) = (answers.unmet, queries.len());
-        tell(&format!("warning: {unmet} of {all} answers did not reach the tolerance; see their error columns"));
+        log(&format!("warning: {unmet} of {all} answers did not reach the tolerance; see their error columns"));
     }
     Ok(())
 }

@@ -4,7 +4,7 @@ use super::progress;
 use super::run::{command_line, conclude};
 use super::shared::InputFlags;
 use super::stop::STOP;
-use super::{Failure, tell};
+use super::{Failure, log};
 use clap::Args;
 use splitsum::run::frozen::{self, EXPERIMENT_FILE};
 use splitsum::run::store::StoreError;
@@ -41,7 +41,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         frozen::load(&dir.join(EXPERIMENT_FILE), &[], &arguments.inputs.options()).map_err(Failure::input)?;
     let options = RunOptions { command_line: command_line(), ..RunOptions::new(dir, &STOP) };
     let merged = merge(&plan, &options)?;
-    merged.notes.iter().for_each(|note| tell(&format!("warning: {note}")));
+    merged.notes.iter().for_each(|note| log(&format!("warning: {note}")));
     let failed = conclude(&plan, &merged.outcome)?;
     let missing = missing(arguments, &merged);
     match (missing, failed) {
@@ -51,7 +51,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     }
 }
 
-/// Describes what is missing, with the commands that render it.
+/// Lists missing cells, with the commands that render them.
 fn missing(arguments: &Arguments, merged: &Merged) -> Option<String> {
     let (missing, dir) = (&merged.missing, arguments.dir.display());
     let cells = missing.cells.len();

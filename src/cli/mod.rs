@@ -25,12 +25,13 @@ mod subject;
 #[cfg(feature = "view")]
 mod view;
 
-use clap::error::{ContextKind, ErrorKind};
+use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::{CommandFactory, Parser, Subcommand};
 use splitsum::cost::child::COMMAND;
 use splitsum::run::{RenderFault, RunError};
-use splitsum::spelling::printable;
+use splitsum::spelling::{not_one_of, printable};
 use std::error::Error;
+use std::num::ParseIntError;
 use std::process::ExitCode;
 
 /// Measure how wrong the split-sum approximation of image-based lighting is.
@@ -73,12 +74,6 @@ enum Command {
     /// Open a window (needs a build with `--features view`).
     #[cfg(not(feature = "view"))]
     View(later::Arguments),
-}
-
-impl Cli {
-    fn has_command(word: &str) -> bool {
-        Self::command().get_subcommands().any(|command| command.get_name() == word)
-    }
 }
 
 /// Why a command failed, with its exit code.
@@ -146,7 +141,7 @@ pub fn main() -> ExitCode {
     let command = match Cli::try_parse() {
         Ok(Cli { command }) => command,
         Err(error) if error.use_stderr() && error.kind() != ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand => {
-            tell(&usage_fault(&error));
+            log(&usage_fault(&error));
             return ExitCode::from(2);
         }
         // Help and version.
@@ -176,7 +171,7 @@ pub fn main() -> ExitCode {
     match result {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => {
-            tell(&failure.text);
+            log(&failure.text);
             ExitCode::from(failure.code)
         }
     }
@@ -184,30 +179,38 @@ pub fn main() -> ExitCode {
 
 /// Describes wrong arguments as other bad input: `--alpha: 3 is outside (0, 1]`.
 fn usage_fault(error: &clap::Error) -> String {
-    if let (ErrorKind::ValueValidation, Some(source)) = (error.kind(), error.source()) {
-        let context = |kind| error.get(kind).map(ToString::to_string).unwrap_or_default();
-        let [flag, value] = [ContextKind::InvalidArg, ContextKind::InvalidValue].map(context);
-        let flag = flag.split(' ').next().unwrap_or_default();
-        let source = source.to_string();
-        return if source.contains(&value) {
-            format!("{flag}: {source}")
-        } else {
-            format!("{flag}: {value:?}: {source}")
-        };
-    }
-    let text = error.to_string();
-    let lines = text.lines().map(str::trim).filter(|line| !line.is_empty());
-    let mut fault = String::new();
-    for line in lines.take_while(|line| !line.starts_with("Usage:") && !line.starts_with("For more")) {
-        fault += &match (line.strip_prefix("tip: "), line.strip_prefix("[possible values: ")) {
-            (Some(tip), _) => format!("; {tip}"),
-            (_, Some(values)) => format!("; expected one of {}", values.trim_end_matches(']')),
-            _ => format!(" {line}"),
-        };
-    }
-    let command = std::env::args().nth(1).filter(|word| Cli::has_command(word));
-    let command = command.map_or_else(String::new, |name| format!(" {name}"));
-    format!("{}; see `splitsum{command} --help`", fault.trim_start_matches(" error: "))
+    let text = |kind| match error.get(kind) {
+        Some(ContextValue::Strings(words)) => words.join(", "),
+        found => found.map(ToString::to_string).unwrap_or_default(),
+    };
+    let name = |kind| text(kind).replace(['<', '>', '[', ']'], "").replace("...", "");
+    let argument = name(ContextKind::InvalidArg);
+    let flag = argument.split(' ').next().unwrap_or_default();
+    let value = text(ContextKind::InvalidValue) + &text(ContextKind::InvalidSubcommand);
+    let cli = Cli::command();
+    let commands: Vec<&str> = cli.get_subcommands().filter(|c| !c.is_hide_set()).map(|c| c.get_name()).collect();
+    let fault = match (error.kind(), error.source()) {
+        (ErrorKind::ValueValidation, Some(source)) => match source.to_string() {
+            _ if source.is::<ParseIntError>() => {
+                return format!("{flag}: {value:?} is not a whole number of at least 0");
+            }
+            why if why.contains(&value) => return format!("{flag}: {why}"),
+            why => return format!("{flag}: {value:?}: {why}"),
+        },
+        (ErrorKind::InvalidSubcommand, _) => return not_one_of("command", &value, &commands, ""),
+        (ErrorKind::InvalidValue, _) if !value.is_empty() => {
+            return not_one_of("name", &value, &text(ContextKind::ValidValue).split(", ").collect::<Vec<_>>(), "");
+        }
+        (ErrorKind::InvalidValue | ErrorKind::MissingRequiredArgument, _) => format!("{argument} is missing"),
+        (ErrorKind::ArgumentConflict, _) => format!("{argument} cannot be used with {}", name(ContextKind::PriorArg)),
+        (ErrorKind::UnknownArgument, _) => match text(ContextKind::SuggestedArg) {
+            near if near.is_empty() => format!("{argument} is unknown"),
+            near => return format!("{argument} is unknown; did you mean {near}?"),
+        },
+        _ => error.to_string().lines().next().unwrap_or_default().replace("error: ", ""),
+    };
+    let command = std::env::args().nth(1).filter(|word| commands.contains(&word.as_str()));
+    format!("{fault}; see `splitsum{} --help`", command.map_or_else(String::new, |name| format!(" {name}")))
 }
 
 /// Writes to standard output for people, with control characters escaped.
@@ -222,7 +225,7 @@ fn print(text: &str) -> Result<(), Failure> {
     print_data(&safe)
 }
 
-/// Writes to standard output for programs; a closed pipe (`splitsum list head`) is not a failure.
+/// Writes to standard output for programs; a closed pipe (`splitsum list | head`) is not a failure.
 fn print_data(text: &str) -> Result<(), Failure> {
     use std::io::Write;
     match progress::beside(|| std::io::stdout().write_all(text.as_bytes())) {
@@ -233,7 +236,7 @@ fn print_data(text: &str) -> Result<(), Failure> {
     }
 }
 
-/// Removes numbers of system errors, which stand beside their words.
+/// Removes the numbers of system errors and keeps their words.
 fn without_numbers(text: &str) -> String {
     let mut parts = text.split(" (os error ");
     let first = parts.next().unwrap_or_default().to_owned();
@@ -241,7 +244,7 @@ fn without_numbers(text: &str) -> String {
 }
 
 /// Writes lines to standard error, with control characters escaped. Ignores errors, where `eprintln!` would panic.
-fn tell(text: &str) {
+fn log(text: &str) {
     use std::io::Write;
     let lines: Vec<String> = text.lines().map(|line| printable(&without_numbers(line))).collect();
     let _ = progress::beside(|| writeln!(std::io::stderr(), "{}", lines.join("\n")));
@@ -252,5 +255,5 @@ fn warn_all(name: &str, warnings: &[String]) {
 }
 
 fn warn(name: &str, warning: &str) {
-    tell(&format!("warning: {name}: {warning}"));
+    log(&format!("warning: {name}: {warning}"));
 }

@@ -3,7 +3,7 @@
 use super::cache::CacheArguments;
 use super::shared::DeviceFlag;
 use super::subject::Subject;
-use super::{Failure, print, print_data, progress, tell};
+use super::{Failure, log, print, print_data, progress};
 use clap::Args;
 use serde_json::json;
 use splitsum::experiment::axis::named::{columns, fields};
@@ -55,7 +55,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     progress::doing("planning");
     let plan = arguments.subject.plan()?;
     for warning in plan.warnings() {
-        tell(&format!("warning: {warning}"));
+        log(&format!("warning: {warning}"));
     }
     let dir = arguments.subject.dir(&plan);
     let store = Store::at(&dir);
@@ -82,7 +82,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Predicts cells and timings by the speeds of earlier runs; also returns the device of those.
+/// Predicts cells and timings by the speeds of earlier runs; also returns the device of those runs.
 fn forecast<'p>(
     plan: &'p Plan,
     open: &[&Cell],

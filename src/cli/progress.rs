@@ -144,7 +144,7 @@ pub struct Terminal;
 impl Progress for Terminal {
     fn start(&mut self, total: usize, done: usize, ahead: Ahead) {
         if done > 0 {
-            super::tell(&format!("{done} of {total} steps are done already"));
+            super::log(&format!("{done} of {total} steps are done already"));
         }
         match done < total {
             true => follow("starting".to_owned(), Some(Steps { total, done, ahead, updated: Instant::now() })),
@@ -167,7 +167,7 @@ impl Progress for Terminal {
             is_over
         };
         if let Some(reason) = failure {
-            super::tell(&format!("{label}: failed: {reason}"));
+            super::log(&format!("{label}: failed: {reason}"));
         }
         if is_over {
             doing(END);
@@ -175,7 +175,7 @@ impl Progress for Terminal {
     }
 
     fn note(&mut self, text: &str) {
-        super::tell(text);
+        super::log(text);
     }
 }
 

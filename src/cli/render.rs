@@ -2,7 +2,7 @@
 
 use super::flags::{AxisFlags, Given, SeenFlags};
 use super::shared::{check_out, own_method, scene};
-use super::{Failure, print, progress, tell};
+use super::{Failure, log, print, progress};
 use clap::Args;
 use splitsum::bakes::given;
 use splitsum::environment::Environment;
@@ -81,7 +81,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let frame = pipeline.render(&request).map_err(|error| Failure::rendering(RenderFault::from(error)))?;
     for term in &frame.convergences {
         let met = if term.is_met { "" } else { ", above --relative-error" };
-        tell(&format!(
+        log(&format!(
             "{}: {} samples per pixel, relative standard error {:.3e}{met}",
             term.term, term.sample_count, term.relative_error
         ));
@@ -105,7 +105,7 @@ fn inputs(arguments: &Arguments) -> impl Iterator<Item = PathBuf> {
     given.chain(arguments.method_shader.clone())
 }
 
-/// Builds the point and compiles a method in a file. The reference has a default sample count of its own.
+/// Builds the point and compiles a method in a file. The reference has its own default sample count.
 fn point(arguments: &Arguments) -> Result<Point, Failure> {
     let mut point = arguments.axes.point();
     if let Some(file) = &arguments.method_shader {

@@ -1,10 +1,10 @@
 //! `splitsum report`.
 
-use super::{Failure, print, progress, shared, tell};
+use super::{Failure, log, print, progress, shared};
 use clap::Args;
 use splitsum::metrics::Metric;
 use splitsum::report::page::images::{BUDGET_BYTES, Choice, Window};
-use splitsum::report::page::{PAGE_FILE, PageError, PageOptions, Told, Written, check_out, write};
+use splitsum::report::page::{PAGE_FILE, PageError, PageOptions, PageRun, Written, check_out, write};
 use splitsum::spelling::Listed;
 use splitsum::study::finished::{Finished, notes};
 use splitsum::study::frame::Frame;
@@ -63,7 +63,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     }
     check_out(&out)?;
     for note in arguments.dirs.iter().flat_map(|dir| notes(dir)) {
-        tell(&format!("warning: {note}"));
+        log(&format!("warning: {note}"));
     }
     progress::doing("answering the questions");
     let runs: Vec<(Finished, Vec<Answer>)> = arguments
@@ -73,7 +73,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         .collect::<Result<_, Failure>>()?;
     let options = PageOptions { out, images, budget: BUDGET_BYTES, metric: arguments.metric.clone() };
     progress::doing("writing the report");
-    print(&line(&write(&options, &Told::of_runs(&runs))?))
+    print(&line(&write(&options, &PageRun::of_runs(&runs))?))
 }
 
 impl From<PageError> for Failure {

@@ -5,10 +5,10 @@ use super::progress::{self, Terminal};
 use super::shared::DeviceFlag;
 use super::stop::{self, STOP};
 use super::subject::Subject;
-use super::{Failure, print, tell};
+use super::{Failure, log, print};
 use clap::Args;
 use splitsum::experiment::Plan;
-use splitsum::report::page::{PageOptions, Told, write};
+use splitsum::report::page::{PageOptions, PageRun, write};
 use splitsum::report::write::Written;
 use splitsum::run::shard::Shard;
 use splitsum::run::store::Store;
@@ -18,7 +18,7 @@ use splitsum::study::questions::answers;
 use std::path::Path;
 use std::time::Instant;
 
-/// Run an experiment, or what is left of it.
+/// Run an experiment, or resume it.
 #[derive(Args, Debug)]
 #[command(
     allow_negative_numbers = true,
@@ -66,8 +66,8 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         fail_fast: arguments.fail_fast,
     };
     let is_whole = arguments.shard.is_none();
-    if let Some(told) = Store::at(&options.dir).told_when_done(&plan).filter(|_| is_whole) {
-        return print(&told);
+    if let Some(printed) = Store::at(&options.dir).printed_when_done(&plan).filter(|_| is_whole) {
+        return print(&printed);
     }
     let outcome = run(&plan, &mut opener(arguments), &options, &mut progress)?;
     let failed = match arguments.shard {
@@ -109,11 +109,11 @@ pub fn conclude(plan: &Plan, outcome: &Outcome) -> Result<Option<Failure>, Failu
     let answers = answers(&run, None);
     let written = Written::new(&run, &answers).map_err(Failure::failed)?;
     written.write().map_err(Failure::failed)?;
-    let told = format!("{}Written to {}\n", written.summary, outcome.dir.display());
-    print(&told)?;
+    let printed = format!("{}Written to {}\n", written.summary, outcome.dir.display());
+    print(&printed)?;
     progress::doing("writing the report");
     let options = PageOptions::in_folder(&outcome.dir);
-    let report = write(&options, &Told::of_runs(&[(run, answers)]));
+    let report = write(&options, &PageRun::of_runs(&[(run, answers)]));
     let failed = cells_failed(outcome);
     let line = match report {
         Ok(written) => super::report::line(&written),
@@ -122,7 +122,7 @@ pub fn conclude(plan: &Plan, outcome: &Outcome) -> Result<Option<Failure>, Failu
             return match failed {
                 None => Err(fault),
                 Some(failed) => {
-                    tell(&fault.text);
+                    log(&fault.text);
                     Ok(Some(failed))
                 }
             };
@@ -130,7 +130,7 @@ pub fn conclude(plan: &Plan, outcome: &Outcome) -> Result<Option<Failure>, Failu
     };
     print(&line)?;
     if failed.is_none() && !outcome.is_stopped {
-        Store::at(&outcome.dir).mark_done(plan, &(told + &line)).map_err(RunError::from)?;
+        Store::at(&outcome.dir).mark_done(plan, &(printed + &line)).map_err(RunError::from)?;
     }
     Ok(failed)
 }

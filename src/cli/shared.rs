@@ -32,8 +32,8 @@ impl InputFlags {
 /// Compiles a method in a file, `file:PATH`.
 pub fn own_method(name: &str) -> Result<(), Failure> {
     let is_missing = name.strip_prefix(FILE_PREFIX).is_some_and(|path| !Path::new(path).exists());
-    let told = |why| if is_missing { format!("--method: {why}; expected file:PATH of your shader") } else { why };
-    own::load(name, Path::new("")).map(drop).map_err(|why| Failure::input(told(why)))
+    let hinted = |why| if is_missing { format!("--method: {why}; expected file:PATH of your shader") } else { why };
+    own::load(name, Path::new("")).map(drop).map_err(|why| Failure::input(hinted(why)))
 }
 
 /// Loads a scene: a name or a file relative to the current folder.

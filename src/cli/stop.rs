@@ -1,6 +1,6 @@
 //! Stops a run on Ctrl-C and, on Unix, on SIGTERM.
 
-use super::{Failure, tell};
+use super::{Failure, log};
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Set by the first request. The second one ends the process.
@@ -33,5 +33,5 @@ fn requested(signal: i32) {
         // The exit code of a process ended by a signal.
         std::process::exit(128 + signal);
     }
-    tell("\nstopping after the current cell (Ctrl-C again: at once)");
+    log("\nstopping after the current cell (Ctrl-C again: at once)");
 }

@@ -1,7 +1,7 @@
 //! The experiment of `run` and `plan`.
 
 use super::shared::InputFlags;
-use super::{Failure, tell};
+use super::{Failure, log};
 use clap::Args;
 use splitsum::experiment::{ConfigError, Plan};
 use splitsum::run::frozen;
@@ -27,7 +27,7 @@ impl Subject {
         let loaded = frozen::load(&self.experiment, &self.overrides, &self.inputs.options());
         let (plan, note) = loaded.map_err(|error| Failure::input(self.with_asks(error)))?;
         check(&plan.config).map_err(Failure::input)?;
-        note.iter().for_each(|note| tell(note));
+        note.iter().for_each(|note| log(note));
         Ok(plan)
     }
 

@@ -94,7 +94,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     #[cfg(target_os = "linux")]
     splitsum::gpu::x11::when_server_ends(|| {
         let Failure { code, text } = server_ended();
-        super::tell(&text);
+        super::log(&text);
         code
     });
     match open(state, options, load, arguments.out.clone()) {
@@ -138,5 +138,5 @@ fn state(arguments: &Arguments) -> State {
     State { right, fill: !is_given(SIZE), ..state }
 }
 
-/// The first state: the textbook split sum beside the reference, on a metal under a studio.
+/// The first state: the textbook split sum and the reference, on a metal under a studio.
 const FIRST: [(usize, &str); 3] = [(METHOD, "split-sum"), (SCENE, "shader-ball"), (ENVIRONMENT, "builtin:studio")];

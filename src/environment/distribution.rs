@@ -131,7 +131,7 @@ pub fn weighted_texels(image: &RgbImage) -> Vec<[f32; 4]> {
 }
 
 impl EnvironmentDistribution {
-    /// Makes the tables of `image` for sampling beside a lobe sampler. Radiance must be finite and not negative.
+    /// Makes the tables of `image` for sampling together with a lobe sampler. Radiance must be finite and not negative.
     pub fn new(image: &RgbImage) -> Self {
         Self::with_compensation(image, COMPENSATION)
     }

@@ -15,8 +15,7 @@ use crate::precompute::prefilter::harmonic;
 use crate::scene::is_design;
 use crate::shade::DIFFUSE;
 use crate::shade::reference_pass::pair_count;
-use crate::spelling::Listed;
-use crate::spelling::suggestion;
+use crate::spelling::{Listed, expected, suggestion};
 
 /// Reports values that are valid alone but not together.
 pub fn check_combinations(config: &Config, faults: &mut Faults) {
@@ -173,9 +172,9 @@ pub fn black_metals<'p>(
             (config.place_of(ALBEDO, point), text)
         })
     };
-    points.filter_map(describe).fold(Vec::new(), |mut all, told| {
-        if !all.contains(&told) {
-            all.push(told);
+    points.filter_map(describe).fold(Vec::new(), |mut all, fault| {
+        if !all.contains(&fault) {
+            all.push(fault);
         }
         all
     })
@@ -217,13 +216,13 @@ fn values_of(config: &Config, axis: usize) -> Vec<&Value> {
 fn off_axis(named: Named, value: &Value, known: &[&Value]) -> String {
     let shown = |value: &Value| shown(&named.shown(value));
     let names: Vec<String> = known.iter().map(|value| shown(value)).collect();
+    let names: Vec<&str> = names.iter().map(String::as_str).collect();
     let (wrong, near) = match value {
-        Value::Text(text) => {
-            (format!("{text:?}"), suggestion(text, &names.iter().map(String::as_str).collect::<Vec<_>>()))
-        }
+        Value::Text(text) => (format!("{text:?}"), suggestion(text, &names)),
         _ => (shown(value), String::new()),
     };
-    format!("exclude.{}: the axis has no value {wrong}{near}; it has {}", named.name(), names.join(", "))
+    let hint = if near.is_empty() { format!("; expected {}", expected("value", &names)) } else { near };
+    format!("exclude.{}: the axis has no value {wrong}{hint}", named.name())
 }
 
 fn shown(value: &Value) -> String {

@@ -124,7 +124,7 @@ pub(super) const METRIC_KEY: &str = "metric";
 
 type Reader = fn(&mut Config, &Spanned<DeValue>, &mut Faults);
 
-/// Keys of the file, except those of axes, each with its reader.
+/// Keys of the file except axes, each with its reader.
 pub(super) const KEYS: &[(&str, Reader)] = &[
     ("name", Config::read_name),
     ("question", |config, value, faults| config.question = text("question", value, faults)),

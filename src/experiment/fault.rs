@@ -15,7 +15,7 @@ pub struct Fault {
     /// Line and column from 1; (0, 0), which sorts first, for the command line.
     position: (usize, usize),
     place: String,
-    /// The key, the value and what was expected.
+    /// The key, the value and the expected values.
     text: String,
 }
 

@@ -1,4 +1,4 @@
-//! What an experiment says: its file, axes and values (`config`), and the plan of checked cells (`plan`).
+//! Experiments: file, axes and values (`config`), and the plan of checked cells (`plan`).
 
 pub mod axis;
 mod checks;

@@ -1,4 +1,4 @@
-//! The validated experiment: every cell with its id, what it shares with others, and what was left out.
+//! The validated experiment: every cell with its id, work shared between cells, and exclusions.
 
 use super::axis::{AXES, DFG_TABLE, ENVIRONMENT, METHOD, PREFILTERED, Point, SCENE, SIZE, View};
 use super::checks;
@@ -42,7 +42,7 @@ pub struct Cell {
 pub struct Plan {
     pub config: Config,
     pub inputs: Inputs,
-    /// Indices of axes in column order: those of the file, then the rest.
+    /// Indices of axes in column order: axes of the file, then the rest.
     pub columns: Vec<usize>,
     /// In the order of the axes, the last one fastest.
     pub cells: Vec<Cell>,
@@ -70,7 +70,7 @@ pub struct Source<'a> {
     pub path: &'a Path,
     pub text: &'a str,
     pub overrides: &'a [String],
-    /// Folder of paths in the text, if not that of the file.
+    /// Folder of paths in the text, if it is not the file's folder.
     pub file_dir: Option<&'a Path>,
     /// Folder of paths in `overrides`; the current one if empty.
     pub set_dir: &'a Path,
@@ -252,7 +252,7 @@ impl Plan {
         warnings.into_result().err().map_or_else(Vec::new, |error| error.lines())
     }
 
-    /// Lists exclusions that match nothing in the file as written; `--set` may have removed what they match.
+    /// Lists exclusions that match nothing in the file as written; `--set` may have removed the values that they match.
     fn idle_exclusions(&self) -> Vec<&Exclusion> {
         let config = &self.config;
         let mut idle: BTreeSet<usize> = (0..self.excluded.len()).filter(|&index| self.excluded[index] == 0).collect();

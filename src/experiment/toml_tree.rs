@@ -24,7 +24,7 @@ pub fn parsed<'t>(text: &'t str, faults: &mut Faults) -> Spanned<DeTable<'t>> {
     let line_start = |at: usize| text[..at].rfind('\n').map_or(0, |newline| newline + 1);
     let unclosed = errors.iter().filter(|error| error.description().starts_with("unclosed"));
     let mut end = text.len();
-    // Of two in a line the parser names the inner one first.
+    // If a line has two, the parser names the inner one first.
     if let Some(open) = unclosed.filter_map(|error| error.context()).min_by_key(|open| line_start(open.start())) {
         let [open_with, close] = if text[open.start()..].starts_with('{') { ["{", "}"] } else { ["[", "]"] };
         let fault = format!("not TOML: {open_with} is not closed; expected {close}");
@@ -51,7 +51,8 @@ pub fn at(value: &Spanned<DeValue>) -> Place {
 pub fn unknown_key(place: &Place, prefix: &str, key: &str, known: &[&str], faults: &mut Faults) {
     let what = if prefix.is_empty() { "key" } else { "axis" };
     faults.add_with(place, || {
-        format!("{prefix}{key} is unknown{}; expected {}", hint(key, known), expected(what, known))
+        let near = Some(hint(key, known)).filter(|near| !near.is_empty());
+        format!("{prefix}{key} is unknown{}", near.unwrap_or_else(|| format!("; expected {}", expected(what, known))))
     });
 }
 

@@ -226,7 +226,7 @@ impl Kind {
         named().into_iter().find(|(_, value)| *value == number).map(|(name, _)| name)
     }
 
-    /// Parses a value; the error contains it and what was expected.
+    /// Parses a value; the error contains it and the expected values.
     pub fn parse(&self, raw: &Raw) -> Result<Value, String> {
         let expected = |what: &str| Err(format!("{raw} is not {what}"));
         match self {

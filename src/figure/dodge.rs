@@ -108,7 +108,7 @@ fn standing(panel: &Panel, is_y: bool) -> Vec<Standing> {
             let is_own = other.series == mark.series && a[across] == at[across] && from <= place && place <= to;
             is_own.then_some((k, [from, to]))
         });
-        // Of several, the nearest in the list.
+        // If there are several, the nearest in the list.
         let interval = interval.min_by_key(|(k, _)| k.abs_diff(i));
         let marks = [i].into_iter().chain(interval.map(|(k, _)| k)).collect();
         let reach = interval.map_or([place; 2], |(_, reach)| reach);

@@ -41,7 +41,7 @@ impl Layout {
         self.height += lines.len() as f64 * font.line() + 2.0;
     }
 
-    /// Names the series beside their marks, unless they are named at the ends of their lines.
+    /// Names the series next to their marks, unless they are named at the ends of their lines.
     fn legend(&mut self, figure: &Figure) {
         if ends_room(figure, self.width).is_some() {
             return;

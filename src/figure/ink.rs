@@ -18,7 +18,7 @@ pub const INKS: [Ink; 9] = [
     (".fig-none", "fill", "--fig-none", ["#eeeeeb", "#202428"]),
 ];
 
-/// Colours of series on a light and a dark ground, with a contrast of at least 4.5:1. The first four are those of methods:
+/// Colours of series on a light and a dark ground, with a contrast of at least 4.5:1. The first four are for methods:
 /// orange, teal, violet, blue. The others are pink, ochre, sky, grey, olive, brown.
 pub const SERIES: [[&str; 2]; 10] = [
     ["#b3400a", "#ff9a62"],

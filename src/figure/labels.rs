@@ -63,7 +63,7 @@ impl Labels {
         Self { depth: OFF + found.widest(), ..found }
     }
 
-    /// Labels beside an axis of `length` pixels; names of steps take at most `room` pixels.
+    /// Labels along an axis of `length` pixels; names of steps take at most `room` pixels.
     pub fn beside(scale: &Scale, length: f64, room: f64, tried: &[f64]) -> Self {
         let axis = Axis::new(&scale.kind, 0.0, length);
         let is_apart = |a: &Tick, b: &Tick| axis.at(b.0) - axis.at(a.0) >= RISE;

@@ -125,7 +125,7 @@ fn powers_of_two(lo: f64, hi: f64, tried: &[f64]) -> Vec<Vec<Tick>> {
     (1..=POWERS_LEFT_OUT).map(every).collect()
 }
 
-/// At least one of so many powers of two has a label.
+/// At least one in this many powers of two has a label.
 const POWERS_LEFT_OUT: i32 = 4;
 
 /// Ticks of a logarithmic axis, dense to sparse.
@@ -165,7 +165,7 @@ fn linear(lo: f64, hi: f64) -> Vec<Vec<Tick>> {
 /// Numbers that are not written as powers of ten.
 const PLAIN: std::ops::RangeInclusive<f64> = 0.000_999..=999_999.0;
 
-/// Labels values, all with so many decimals or all as powers of ten.
+/// Labels values, all with this many decimals or all as powers of ten.
 fn labelled(values: &[f64], decimals: Option<usize>) -> Vec<Tick> {
     let is_plain = values.iter().all(|value| *value == 0.0 || PLAIN.contains(&value.abs()));
     let label = |value: f64| match decimals {

@@ -1,4 +1,4 @@
-//! The g-buffer: what the camera sees, one texel per pixel, through the pixel's centre.
+//! The g-buffer: the surface at each pixel's centre, one texel per pixel.
 //!
 //! Four attachments of four f32, all 0 where nothing is hit; row 0 is the top row:
 //!

@@ -50,7 +50,7 @@ pub(super) struct Shared {
 }
 
 impl Gpu {
-    /// Opens a device. The error names what is missing.
+    /// Opens a device. The error names the missing feature.
     pub fn new(options: Options) -> Result<Self, GpuError> {
         let injector = Injector::from_environment()?;
         let instance = Instance::new(options.validation)?;

@@ -32,7 +32,7 @@ fn folder() -> Option<PathBuf> {
     set(FOLDER).or_else(|| set("XDG_CACHE_HOME")).or_else(|| set("HOME").map(|home| home.join(".cache")))
 }
 
-/// Tells whether the folder has room for [`ROOM_BYTES`]. Mesa handles all other failures.
+/// Returns whether the folder has room for [`ROOM_BYTES`]. Mesa handles all other failures.
 fn has_room(folder: &Path) -> bool {
     let written = tempfile::tempfile_in(folder).and_then(|mut file| file.write_all(&vec![0; ROOM_BYTES]));
     !written.is_err_and(|error| matches!(error.kind(), ErrorKind::StorageFull | ErrorKind::QuotaExceeded))

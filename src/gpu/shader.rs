@@ -130,7 +130,7 @@ impl Module {
     }
 }
 
-/// Tells whether the permutation exists. Methods that do not use the BRDF have no permutation per model.
+/// Returns whether the permutation exists. Methods that do not use the BRDF have no permutation per model.
 pub fn has_shader(name: &str) -> bool {
     code_of(name).is_some()
 }

@@ -29,12 +29,12 @@ pub fn when_server_ends(last_words: fn() -> u8) {
     }));
 }
 
-/// Tells whether the server that answered in [`when_server_ends`] has ended.
+/// Returns whether the server that answered in [`when_server_ends`] has ended.
 pub fn has_server_ended() -> bool {
     LAST_WORDS.get().is_some() && !answers()
 }
 
-/// Tells whether a connection to the server in DISPLAY can be opened.
+/// Returns whether a connection to the server in DISPLAY can be opened.
 fn answers() -> bool {
     let Ok(xlib) = Xlib::open() else { return false };
     // SAFETY: called before this process opens a connection, and harmless afterwards.

@@ -3,7 +3,7 @@
 /// A set of players, one bit each.
 pub type Coalition = u32;
 
-/// Tells whether every player in the coalition has the players it needs.
+/// Returns whether every player in the coalition has the players it needs.
 pub fn is_feasible(coalition: Coalition, needs: &[Coalition]) -> bool {
     let is_served = |(player, need): (usize, &Coalition)| coalition >> player & 1 == 0 || need & !coalition == 0;
     needs.iter().enumerate().all(is_served)

@@ -1,10 +1,9 @@
 //! Where the error of image-based lighting comes from: its approximations as players of a game.
 //!
-//! Between the integral of a surface's term and what is rendered lie some approximations, the steps of a [`Ladder`].
-//! Each feasible *coalition* of steps is an estimator ([`radiance`], [`diffuse`]); in the list's order these are the
-//! ladder's rungs. The cost of a step depends on the steps made before it, so each has four numbers ([`attribution`]):
-//! its covariance share in the ladder's order, the error that it adds first and removes last, and the mean over all
-//! orders, its Shapley value.
+//! Several approximations lead from the integral of a surface's term to the rendered image: the steps of a [`Ladder`]. Each
+//! feasible *coalition* of steps is an estimator ([`radiance`], [`diffuse`]); in the list's order these are the ladder's rungs. The
+//! cost of a step depends on the steps made before it, so each has four numbers ([`attribution`]): its covariance share in the
+//! ladder's order, the error that it adds first and removes last, and the mean over all orders, its Shapley value.
 
 pub mod attribution;
 pub mod diffuse;

@@ -42,7 +42,7 @@ pub struct Setting<'a> {
     pub environment: &'a Environment,
     /// Multiplies the environment's radiance.
     pub scale: f64,
-    /// Of the environment, up to the degree of the narrowest lobe.
+    /// Degrees of the environment, up to the degree of the narrowest lobe.
     pub harmonics: &'a Harmonics,
     /// The prefilter's input.
     pub filtered: &'a FilteredMap,

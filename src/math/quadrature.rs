@@ -83,7 +83,7 @@ pub struct Bounded {
 pub struct Tolerance {
     /// Error of each number relative to it, or to [`SCALE_FLOOR`] times the largest number if that is more.
     pub relative: f64,
-    /// Most parts, for integrands that never converge. The estimate says what was reached.
+    /// Most parts, for integrands that never converge. The estimate has the reached error.
     pub max_part_count: usize,
 }
 
@@ -119,7 +119,7 @@ impl<const K: usize> Estimate<K> {
         self.value.map(|value| value.abs().max(DVec3::splat(SCALE_FLOOR * largest)))
     }
 
-    /// Returns the largest error relative to `scale`; 0/0 is no error, NaN an infinite one.
+    /// Returns the largest error relative to `scale`; 0/0 counts as 0, NaN as infinite.
     fn relative_error(&self, scale: &[DVec3; K]) -> f64 {
         let channel = |error: f64, scale: f64| match error / scale {
             relative if !relative.is_nan() => relative.max(0.0),
@@ -281,7 +281,7 @@ pub fn integrate_rectangle(rectangle: Rectangle, tolerance: Tolerance, f: impl F
     integrate_columns(rectangle, tolerance, |x| x, |x, y| f(DVec2::new(*x, y)))
 }
 
-/// Integrates `f(column(x), y)`: what depends on x alone is computed once for all y of a part.
+/// Integrates `f(column(x), y)`: `column` is computed once for all y of a part.
 pub fn integrate_columns<C>(
     rectangle: Rectangle,
     tolerance: Tolerance,

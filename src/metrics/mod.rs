@@ -91,7 +91,7 @@ pub struct Metric {
 }
 
 impl Metric {
-    /// An error of linear radiance; metrics override what differs.
+    /// An error of linear radiance; metrics override other fields.
     const fn linear(name: &'static str, formula: &'static str, evaluate: fn(&Comparison, &[usize]) -> f64) -> Self {
         Self {
             name,
@@ -132,7 +132,7 @@ pub static METRICS: &[&Metric] =
 /// Default metric of answers.
 pub const HEADLINE: &str = "relmse";
 
-/// Names of the scores of a picture: radiance, its display, what a viewer sees, and mean brightness.
+/// Names of the scores of a picture: radiance, display values, visible difference, and mean brightness.
 pub const PICTURE_SCORES: [&str; 4] = [HEADLINE, "tone_mapped_mse", DISPLAY_HEADLINE, "bias_rel"];
 
 /// Its counterpart after the tone curve.

@@ -13,7 +13,7 @@ use super::{Epsilon, METRICS, Metric, MetricsError};
 use crate::glsl::constants::SCRAMBLE_COUNT;
 use crate::pixels::{GrayImage, RgbImage};
 
-const _: () = assert!(SCRAMBLE_COUNT == 4, "the distribution of the error is that of three degrees of freedom");
+const _: () = assert!(SCRAMBLE_COUNT == 4, "the error has three degrees of freedom");
 
 pub struct ReferenceNoise {
     samples: Vec<[[f64; 3]; 2]>,

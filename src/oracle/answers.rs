@@ -26,7 +26,7 @@ pub struct Answers {
     /// The columns of the queries, then the answers' columns.
     pub columns: Vec<String>,
     pub rows: Vec<Vec<Cell>>,
-    /// Rows whose integration reached its cap of parts before the requested error; their bounds say what was reached.
+    /// Rows whose integration reached its cap of parts before the requested error; their bounds have the reached error.
     pub unmet: usize,
     /// Rows, from 1, with a number that is not finite: a direction or cosine too small for f64.
     pub not_finite: Vec<usize>,
@@ -150,7 +150,7 @@ fn answer(
     Numbers { values, is_met: judged.iter().all(|bounded| is_met(bounded, tolerance)) }
 }
 
-/// Tells whether the bound meets the tolerance, relative to the brightest channel.
+/// Returns whether the bound meets the tolerance, relative to the brightest channel.
 fn is_met(bounded: &Bounded, tolerance: Tolerance) -> bool {
     // Room for the share of Schlick's weight, which is only held to a floor of accuracy if small.
     const SLACK: f64 = 2.0;

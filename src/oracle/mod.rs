@@ -23,7 +23,7 @@ use glam::DVec3;
 /// of their mirror direction to meet the default tolerance.
 pub const ALPHA_MIN: f64 = 1e-4;
 
-/// What a table asks for; see [`KindColumns`].
+/// The integral that a table asks for; see [`KindColumns`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
     /// Outgoing radiance of a point: specular and diffuse.

@@ -178,7 +178,7 @@ impl<'a> Reader<'a> {
                 };
                 self.fault(line, column, format!("unknown column for --kind {kind}{hint}"));
             } else if record.iter().take(i).any(|earlier| earlier == column) {
-                self.fault(line, column, "the column is there twice; expected once");
+                self.fault(line, column, "the column is listed twice");
             }
         }
         for column in required.iter().filter(|column| !record.iter().any(|there| there == **column)) {

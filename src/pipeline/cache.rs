@@ -1,6 +1,6 @@
 //! Bounded caches of shared results, for sweeps of thousands of cells and windows with many sizes.
 
-/// Most bytes of one cache beside its newest value. A software driver takes them from the host's memory.
+/// Most bytes of one cache without its newest value. A software driver takes them from the host's memory.
 pub const CACHE_BYTES: u64 = 1 << 29;
 
 /// The most recently used values by key, at most `capacity` of them.

@@ -46,7 +46,7 @@ pub struct DiskCache {
 
 /// The folder cannot be used.
 #[derive(Debug, thiserror::Error)]
-#[error("{}: {what}; choose a folder that this user may write", dir.display())]
+#[error("{}: {what}; choose a folder that you may write to", dir.display())]
 pub struct DiskCacheError {
     dir: PathBuf,
     what: String,
@@ -56,7 +56,8 @@ impl DiskCache {
     /// Opens the folder `dir` and creates it if missing; its entries take at most `limit_bytes`.
     pub fn open(dir: &Path, limit_bytes: u64) -> Result<Self, DiskCacheError> {
         std::fs::create_dir_all(dir)
-            .map_err(|error| DiskCacheError { dir: dir.to_owned(), what: error.to_string() })?;
+            .map_err(|error| if dir.exists() { "not a folder".to_owned() } else { error.to_string() })
+            .map_err(|what| DiskCacheError { dir: dir.to_owned(), what })?;
         let (dir, device, warnings) = (dir.to_owned(), String::new(), Vec::new());
         let mut cache = Self { dir, limit_bytes, bytes: 0, device, warnings, is_read_only: false };
         cache.bytes = cache.entries().iter().map(|(_, metadata)| metadata.len()).sum();
@@ -71,7 +72,7 @@ impl DiskCache {
         self.device += &format!("device={name}\ndriver={driver}\napi_version={api_version}\n");
     }
 
-    /// Tells whether there is an entry of these shaders for `key`. It may be damaged.
+    /// Returns whether there is an entry of these shaders for `key`. It may be damaged.
     pub(super) fn holds(&self, shaders: &[String], key: &str) -> bool {
         self.path(&self.whole_key(shaders, key)).exists()
     }

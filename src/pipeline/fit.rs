@@ -26,7 +26,7 @@ struct Need {
     has_images: bool,
 }
 
-/// Lists what `request` needs besides pipelines and geometry.
+/// Lists the memory that `request` needs besides pipelines and geometry.
 fn needs(request: &RenderRequest) -> Vec<Need> {
     let texels = |[width, height]: [u32; 2]| u64::from(width) * u64::from(height);
     // A mip chain takes a third more.

@@ -1,4 +1,4 @@
-//! References on disk: what determines one, and its bytes.
+//! References on disk: their keys and bytes.
 
 use super::RenderRequest;
 use super::inputs::{DfgInputs, SharedKey, mips_key};
@@ -30,7 +30,7 @@ pub(super) fn key(request: &RenderRequest) -> Option<SharedKey> {
         reference_error,
         lights,
         background,
-        // Applied after what is kept.
+        // Applied after the kept image.
         antialias: _,
         // A given table has its own key, and no reference reads a prefiltered map.
         given: _,

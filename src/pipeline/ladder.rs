@@ -27,7 +27,7 @@ use glam::{DVec2, DVec3};
 use std::sync::Arc;
 
 impl Pipeline {
-    /// Splits the error of what `request` renders into the steps of its ladder: over all pixels, and over the pixels of
+    /// Splits the error of the image of `request` into the steps of its ladder: over all pixels, and over the pixels of
     /// each band of n·v. The scene must be a `design`; drawn terms take `samples` a pixel.
     pub fn attributions(
         &mut self,

@@ -1,6 +1,6 @@
 //! Runs environment, precompute, gbuffer, shade and tonemap in this order.
 //!
-//! Tables, scenes and g-buffers are cached by what determines them: a sweep makes each once. With a [`DiskCache`],
+//! Tables, scenes and g-buffers are cached by their inputs: a sweep makes each once. With a [`DiskCache`],
 //! tables and references are kept for later runs too.
 
 mod antialias;
@@ -81,7 +81,7 @@ impl PipelineError {
     }
 }
 
-/// Tells whether a cache with its device set holds what `request` would render: then nothing is rendered.
+/// Returns whether a cache with its device set holds what `request` would render: then nothing is rendered.
 pub fn is_kept(cache: &DiskCache, request: &RenderRequest) -> bool {
     kept_reference::key(request).is_some_and(|key| cache.holds(&key.shaders, &key.text()))
 }
@@ -118,7 +118,7 @@ impl Pipeline {
         self.kept.disk = Some(cache);
     }
 
-    /// Tells whether the cache holds what `request` would render.
+    /// Returns whether the cache holds what `request` would render.
     pub fn has_kept(&self, request: &RenderRequest) -> bool {
         self.kept.disk.as_ref().is_some_and(|cache| is_kept(cache, request))
     }
@@ -211,7 +211,7 @@ impl Pipeline {
         Ok(frame)
     }
 
-    /// Renders a frame; also returns the shaders that ran for it, without those of its tables.
+    /// Renders a frame; also returns the shaders that ran for it, without the shaders of its tables.
     fn rendered(&mut self, request: &RenderRequest) -> Result<(Frame, BTreeSet<String>), PipelineError> {
         let prepared = self.prepare(request)?;
         let (report, convergences) = self.shade(request, &prepared)?;

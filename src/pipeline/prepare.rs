@@ -1,4 +1,4 @@
-//! Prepares what a request needs before it can be shaded: tables, scene, targets.
+//! Prepares the inputs of shading: tables, scene, targets.
 
 use super::antialias::Edges;
 use super::inputs::{
@@ -26,7 +26,7 @@ use crate::shade::reference_pass::{DistributionBuffers, Sums, pair_count};
 use std::sync::Arc;
 
 impl Resources {
-    /// Makes what `request` needs and is missing.
+    /// Makes the missing inputs of `request`.
     pub(super) fn prepare(
         &mut self,
         gpu: &Gpu,
@@ -263,7 +263,7 @@ impl Resources {
         }
     }
 
-    /// Returns the scene on the device and what its camera sees.
+    /// Returns the scene on the device and its g-buffer.
     pub(super) fn view(
         &mut self,
         gpu: &Gpu,

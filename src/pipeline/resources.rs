@@ -1,4 +1,4 @@
-//! Cached results of the pipeline, and what a request gets of them.
+//! Cached results of the pipeline, and the part that a request gets.
 
 use super::PipelineError;
 use super::antialias::Edges;
@@ -77,7 +77,7 @@ pub(super) struct Resources {
     pub(super) blank_buffer: Buffer,
 }
 
-/// What only references need.
+/// Inputs of references only.
 pub(super) struct ReferenceData {
     pub(super) distribution: DistributionBuffers,
     pub(super) sums: Sums,
@@ -85,7 +85,7 @@ pub(super) struct ReferenceData {
     pub(super) squared_error: Buffer,
 }
 
-/// What a view of a scene is drawn into.
+/// Targets of a view of a scene.
 pub(super) struct Target {
     pub(super) gbuffer: GbufferImages,
     /// A vec4 per pixel.

@@ -24,7 +24,7 @@ const MAX_FILE_BYTES: u64 = 1 << 30;
 #[error("{}: {what}; expected {expected}", path.display())]
 pub struct PixelsError {
     pub path: PathBuf,
-    /// What is wrong, with place and value.
+    /// The fault, with place and value.
     pub what: String,
     pub expected: String,
 }

@@ -101,8 +101,7 @@ fn decode(bytes: &[u8]) -> Result<Decoded, Fault> {
 /// Returns the matrix to Rec.709, if one is needed.
 fn conversion(header: &Header, warnings: &mut Vec<String>) -> Option<DMat3> {
     if header.xyz {
-        warnings
-            .push("XYZE holds photometric values: they are 179 times those of an RGBE file of the same scene.".into());
+        warnings.push("XYZE holds photometric values, 179 times as large as in an RGBE file of the same scene.".into());
         return RADIANCE.to_xyz().map(|to_xyz| to_xyz.inverse());
     }
     let is_foreign = |p: &Chromaticities| !p.is_close_to(&REC709) && !p.is_close_to(&RADIANCE);
@@ -219,7 +218,7 @@ impl Input<'_> {
     }
 }
 
-/// What is wrong with a scanline; `None` if the file ends in it.
+/// Fault of a scanline; `None` if the file ends in it.
 type ScanlineProblem = Option<String>;
 
 /// Reads a scanline of either form.

@@ -1,8 +1,7 @@
 //! The sample points that shaders read: `(u, cos φ, sin φ, -ln(1 - u))` for each point of a sequence.
 //!
-//! Every sample of every pixel reads the table. Software drivers read storage buffers lane by lane but uniform blocks
-//! once for all lanes, which makes a sample a sixth cheaper. A uniform block holds [`POINTS_PER_DISPATCH`] points, so a
-//! dispatch adds that many.
+//! Every sample of every pixel reads the table. Software drivers read storage buffers lane by lane but uniform blocks once for all
+//! lanes, which makes a sample a sixth cheaper. A uniform block holds [`POINTS_PER_DISPATCH`] points, so a dispatch adds that many.
 //!
 //! No point of `math::sequence` has u = 0 or 1, where the Phong lobe and the level formula degenerate. Trigonometry and
 //! logarithm are computed here once, in f64, instead of per pixel.

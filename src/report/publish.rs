@@ -15,7 +15,7 @@ use crate::table::markdown::{self, Align, MarkdownTable, inline, link_label, par
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
-/// Published files, beside the answers and the timing records.
+/// Published files besides the answers and the timing records.
 const FILES: [&str; 6] = [EXPERIMENT_FILE, "environments.csv", "errors.csv", "steps.csv", "timings.csv", SUMMARY_FILE];
 /// Larger files and folders are omitted.
 const BYTES_MAX: u64 = 1 << 20;
@@ -98,7 +98,7 @@ fn files_in(folder: &Path) -> Vec<PathBuf> {
     paths.filter(|path| path.is_file()).collect()
 }
 
-/// Copies the small files of the run in `dir`, which has answers, to `into/NAME`, if [`check`] allows it. Returns what was omitted.
+/// Copies the small files of the run in `dir`, which has answers, to `into/NAME`, if [`check`] allows it. Returns the omitted files.
 pub fn publish(dir: &Path, into: &Path, replace: bool) -> Result<Vec<String>, PublishError> {
     check(dir, into, replace)?;
     let record = AnswerRecord::read(dir)?;

@@ -21,7 +21,7 @@ pub enum WriteError {
 }
 
 #[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
-pub struct ToldAnswer {
+pub struct AnswerSentence {
     pub question: String,
     pub asks: String,
     pub sentence: String,
@@ -32,7 +32,7 @@ pub struct AnswerRecord {
     pub name: String,
     pub question: String,
     /// The leading answer first.
-    pub answers: Vec<ToldAnswer>,
+    pub answers: Vec<AnswerSentence>,
     pub cells: usize,
     pub failed: usize,
     pub devices: Vec<String>,
@@ -57,12 +57,12 @@ impl AnswerRecord {
 }
 
 /// Most rows in place of a digest.
-const ROWS_TOLD_MAX: usize = 40;
+const ROWS_SHOWN_MAX: usize = 40;
 
 /// The digest of an answer, else the first rows of its table.
-pub fn told(answer: &Answer) -> Table {
+pub fn shortened(answer: &Answer) -> Table {
     let finding = &answer.finding;
     let mut table = finding.digest.clone().unwrap_or_else(|| finding.table.clone());
-    table.rows.truncate(ROWS_TOLD_MAX);
+    table.rows.truncate(ROWS_SHOWN_MAX);
     table
 }

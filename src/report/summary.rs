@@ -1,6 +1,6 @@
 //! `summary.md`: the question, the answers, the state of the run.
 
-use super::record::{AnswerRecord, told};
+use super::record::{AnswerRecord, shortened};
 use crate::experiment::axis::{AXES, SIZE};
 use crate::run::sheets::sheet_files;
 use crate::run::store::{ANSWERS_FOLDER, StopReason};
@@ -43,7 +43,7 @@ fn section(answer: &Answer) -> String {
     if answer.finding.figure.is_some() {
         let _ = writeln!(text, "!{}\n", link(name, &format!("{ANSWERS_FOLDER}/{name}.svg")));
     }
-    let shown = told(answer);
+    let shown = shortened(answer);
     let rows = answer.finding.table.rows.len();
     let whole = link("all rows", &format!("{ANSWERS_FOLDER}/{name}.csv"));
     let _ = writeln!(text, "{}\n{rows} {}: {whole}\n", shown.markdown(), if rows == 1 { "row" } else { "rows" });

@@ -1,6 +1,6 @@
 //! Writes `answers/` and `summary.md` in the folder of a run.
 
-use super::record::{ANSWER_FILE, AnswerRecord, ToldAnswer, WriteError};
+use super::record::{ANSWER_FILE, AnswerRecord, AnswerSentence, WriteError};
 use super::summary;
 use crate::figure::svg::{FILE_WIDTH, svg};
 use crate::figure::{Figure, ScaleKind};
@@ -56,7 +56,7 @@ impl Written {
                 files.push((format!("{}.svg", question.name), drawing(figure, FILE_WIDTH)));
             }
         }
-        let told_answer = |answer: &Answer| ToldAnswer {
+        let sentence = |answer: &Answer| AnswerSentence {
             question: answer.question.name.to_owned(),
             asks: answer.question.asks.to_owned(),
             sentence: answer.finding.sentence.clone(),
@@ -65,7 +65,7 @@ impl Written {
         let record = AnswerRecord {
             name: run.text("/name"),
             question: run.text("/question"),
-            answers: answers.iter().map(told_answer).collect(),
+            answers: answers.iter().map(sentence).collect(),
             cells: run.cells.len() - run.failed_count(),
             failed: run.failed_count(),
             devices: run.devices(),

@@ -18,7 +18,7 @@ pub const CELL: Column = column("cell", "Id of the cell: a hash of everything th
 /// The verdict on a cell without scores.
 pub const FAILED: &str = "failed";
 
-/// `errors.csv`, beside the cell, its axes, the metrics and their noise floors.
+/// `errors.csv`, besides the cell, its axes, the metrics and their noise floors.
 pub const ERRORS: &[Column] = &[
     column(
         "var_hat",
@@ -37,7 +37,7 @@ pub const ERRORS: &[Column] = &[
     ),
 ];
 
-/// `errors_by_n_dot_v.csv`, beside the cell, its axes and the metrics.
+/// `errors_by_n_dot_v.csv`, besides the cell, its axes and the metrics.
 pub const BINS: &[Column] = &[
     column("n_dot_v_from", "Lower end of the bin of n·v, inclusive."),
     column("n_dot_v_to", "Upper end of the bin of n·v, exclusive."),
@@ -45,7 +45,7 @@ pub const BINS: &[Column] = &[
     column("reference_mean", "Mean of the reference over the bin's pixels and channels."),
 ];
 
-/// `steps.csv`, beside the cell.
+/// `steps.csv`, besides the cell.
 pub const STEPS: &[Column] = &[
     BINS[0],
     BINS[1],
@@ -59,9 +59,9 @@ pub const STEPS: &[Column] = &[
     column("first_in", "`relmse` that the step adds if it comes first, after the steps that it needs."),
     column(
         "last_out",
-        "`relmse` that goes if this step alone becomes exact, with the steps that need it; below 0 it hides other errors.",
+        "`relmse` that vanishes if this step and the steps that need it become exact; below 0 the step hides other errors.",
     ),
-    column("shapley", "Mean of what the step adds over all legal orders; the steps' numbers sum to the error."),
+    column("shapley", "Mean of the step's added `relmse` over all legal orders; the steps' numbers sum to the error."),
     column(
         "step_error",
         "Relative standard error of the step, each as the root mean square over pixels; 0 if nothing is sampled.",
@@ -72,7 +72,7 @@ pub const STEPS: &[Column] = &[
 /// The numbers of `steps.csv`.
 pub const STEP_NUMBERS: &[Column] = STEPS.split_at(3).1;
 
-/// `timings.csv`, beside the cell and the axes that change times.
+/// `timings.csv`, besides the cell and the axes that change times.
 pub const TIMINGS: &[Column] = &[
     column("phase", "`frame` for passes of every frame, `precompute` for tables that are computed once."),
     column("environment_size", "Width and height of the environment, texels."),
@@ -100,14 +100,14 @@ pub const TIMINGS: &[Column] = &[
     column("load_before", "Load average of the host before the rounds."),
 ];
 
-/// `environments.csv`, beside the two axes of the light.
+/// `environments.csv`, besides the two axes of the light.
 pub const ENVIRONMENTS: &[Column] = &[
     column("mean_luminance", "Mean luminance over the sphere, in the map's own unit."),
     column("peak_luminance", "Luminance of the brightest texel."),
     column("dynamic_range_stops", "log2 of peak over mean; empty for a black environment."),
 ];
 
-/// `images.csv`, beside the cell.
+/// `images.csv`, besides the cell.
 pub const IMAGES: &[Column] = &[
     column("radiance", "Linear EXR of the cell, in `images/`."),
     column("reference", "Linear EXR of its reference; a layer holds the standard error."),

@@ -42,7 +42,7 @@ pub trait Renderer {
         samples: u32,
         bands: &[[f64; 2]],
     ) -> Result<Vec<Attribution>, RenderFault>;
-    /// Times the passes of a frame, or those of its tables, after `warmup` executions that do not count.
+    /// Times the passes of a frame, or of its tables, after `warmup` executions that do not count.
     fn time(
         &mut self,
         request: &RenderRequest,

@@ -14,7 +14,7 @@ pub fn sealed(object: &str) -> String {
     format!("{body}{BEFORE}{}{AFTER}", hash(body))
 }
 
-/// Whether the text differs from what [`sealed`] returned. Older records have no checksum.
+/// Whether the text differs from the output of [`sealed`]. Older records have no checksum.
 pub fn is_broken(text: &str) -> bool {
     match text.rsplit_once(BEFORE) {
         Some((body, rest)) if rest.strip_suffix(AFTER) == Some(hash(body).as_str()) => false,

@@ -24,8 +24,7 @@ pub struct Light {
 }
 
 impl Light {
-    /// Reports a point light inside a sphere, where it would light nothing. Meshes need not be closed and are not
-    /// checked.
+    /// Reports a point light inside a sphere, where it would light nothing. Meshes need not be closed and are not checked.
     pub fn fault_in(&self, scene: &Scene) -> Option<String> {
         let p = self.position_or_direction;
         let around = |sphere: &&Sphere| p.distance(sphere.center) <= sphere.radius;

@@ -105,7 +105,7 @@ fn decode(bytes: &[u8], is_srgb: bool) -> Result<RgbImage, String> {
     }
     let (width, height) = reader()?.into_dimensions().map_err(|error| error.to_string())?;
     if u64::from(width) * u64::from(height) > MAX_FILE_TEXELS {
-        return Err(format!("it has {width}x{height} texels, expected at most {MAX_FILE_TEXELS}"));
+        return Err(format!("it has {width}x{height} texels; expected at most {MAX_FILE_TEXELS}"));
     }
     let to_linear = |x: f32| if is_srgb { srgb_decode(x) } else { x };
     let mut texels: Vec<[f32; 3]> = Vec::new();

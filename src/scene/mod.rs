@@ -139,7 +139,7 @@ impl Scene {
         builtin::sphere()
     }
 
-    /// Loads the scene at `path` of `files`, which also contain what it refers to.
+    /// Loads the scene at `path` of `files`, which also contain its materials, maps and buffers.
     pub fn from_file(path: &Path, files: &dyn SceneFiles) -> Result<Self, SceneError> {
         let format = scene_format(path).ok_or_else(|| SceneError::of_file(path, "not a scene file"))?;
         (format.read)(&path.to_string_lossy(), path, files)

@@ -1,5 +1,4 @@
-//! The scene `shader-ball`: a sphere whose opening shows a smaller one, in a cup. It has convex, concave and grazing
-//! parts.
+//! The scene `shader-ball`: a sphere whose opening shows a smaller one, in a cup. It has convex, concave and grazing parts.
 //!
 //! Both bodies are surfaces of revolution. A profile is a list of arcs and lines in the half plane (r, z).
 

@@ -68,8 +68,8 @@ pub fn pair_count(sample_count: u32) -> Result<u32, PartPair> {
 
 /// The sample count is not a whole number of pairs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("{asked} samples a pixel: the reference draws pairs in {SCRAMBLE_COUNT} scrambles, so multiples of {SAMPLES_PER_PAIR}; \
-    expected {}{above}",
+#[error("{asked} samples a pixel; the reference needs a multiple of {SAMPLES_PER_PAIR} (pairs in {SCRAMBLE_COUNT} scrambles), \
+    such as {}{above}",
     below.map_or_else(String::new, |below| format!("{below} or ")))]
 pub struct PartPair {
     pub asked: u32,

@@ -1,4 +1,4 @@
-//! The f64 twins of the methods: their inputs, and what frames are compared with.
+//! The f64 twins of the methods, which frames are compared with, and their inputs.
 //!
 //! The twin of an estimator computes the same sum from the same tables and points: only f32 and the device's filter
 //! differ, so a wrong level, weight or exponent shows at any sample count. A method that draws random points is

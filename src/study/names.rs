@@ -8,7 +8,7 @@ use crate::run::images::short_value;
 use crate::table::csv::Cell;
 use crate::table::markdown::significant;
 
-/// Digits of a number beside another one.
+/// Digits of a number next to another one.
 const DIGITS: usize = 2;
 
 /// The name that an experiment uses for each axis: `alpha` or `perceptual_roughness`.
@@ -80,7 +80,7 @@ impl Names {
         }
     }
 
-    /// Column heads of values on these axes: alpha has the perceptual roughness beside it.
+    /// Column heads of values on these axes: alpha also shows the perceptual roughness.
     pub fn heads(&self, axes: &[usize]) -> Vec<&'static str> {
         let names = |&axis: &usize| std::iter::once(self.name(axis)).chain(self.beside(axis).map(Named::name));
         axes.iter().flat_map(names).collect()

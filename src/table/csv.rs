@@ -4,6 +4,7 @@
 //! value is an empty cell. Text that a spreadsheet would run as a formula gets an apostrophe ([`guarded`]).
 
 use crate::files::open_regular;
+use crate::spelling::not_one_of;
 use std::borrow::Cow;
 use std::collections::HashMap;
 use std::fs::File;
@@ -115,14 +116,31 @@ pub fn unguarded(field: &str) -> &str {
 pub enum TableError {
     #[error("{}: {source}", path.display())]
     File { path: PathBuf, source: std::io::Error },
-    #[error("{}: {source}", path.display())]
+    #[error("{}: {}", path.display(), in_words(source))]
     Syntax { path: PathBuf, source: ::csv::Error },
     #[error("{}: row {row}, column {column}: {value:?} is not a number", path.display())]
     Number { path: PathBuf, row: usize, column: String, value: String },
-    #[error("{}: ends within a row; expected a whole table", path.display())]
+    #[error("{}: ends within a row; it is probably truncated", path.display())]
     Torn { path: PathBuf },
-    #[error("{}: no column {column:?}; there are {columns:?}", path.display())]
-    NoColumn { path: PathBuf, column: String, columns: Vec<String> },
+    #[error("{}: {what}", path.display())]
+    NoColumn { path: PathBuf, what: String },
+}
+
+/// Describes a row of a wrong length by its line; other faults as the crate does.
+fn in_words(error: &::csv::Error) -> String {
+    match error.kind() {
+        ::csv::ErrorKind::UnequalLengths { pos: Some(place), expected_len, len } => {
+            format!("line {}: the row has {len} cells; expected {expected_len}, as the header", place.line())
+        }
+        _ => error.to_string(),
+    }
+}
+
+impl TableError {
+    fn no_column(path: &Path, column: &str, columns: &[String]) -> Self {
+        let columns: Vec<&str> = columns.iter().map(String::as_str).collect();
+        Self::NoColumn { path: path.to_owned(), what: not_one_of("column", column, &columns, "") }
+    }
 }
 
 /// A whole table as text.
@@ -174,11 +192,8 @@ impl Table {
     }
 
     pub fn column(&self, name: &str) -> Result<usize, TableError> {
-        self.columns.iter().position(|column| column == name).ok_or_else(|| TableError::NoColumn {
-            path: self.path.clone(),
-            column: name.to_owned(),
-            columns: self.columns.clone(),
-        })
+        let place = self.columns.iter().position(|column| column == name);
+        place.ok_or_else(|| TableError::no_column(&self.path, name, &self.columns))
     }
 
     /// The numbers of a column; an empty cell is `None`.
@@ -240,8 +255,7 @@ impl TableRows {
 
     /// Fails without this column.
     pub fn needs(&self, name: &str) -> Result<(), TableError> {
-        let error =
-            || TableError::NoColumn { path: self.path.clone(), column: name.to_owned(), columns: self.columns.clone() };
+        let error = || TableError::no_column(&self.path, name, &self.columns);
         self.places.contains_key(name).then_some(()).ok_or_else(error)
     }
 

@@ -18,7 +18,7 @@ pub struct Browse {
 }
 
 impl Browse {
-    /// Lists the files beside `near` that an axis takes.
+    /// Lists the files in the folder of `near` that an axis takes.
     pub fn new(axis: usize, near: &Path) -> Self {
         let beside = near.parent().filter(|folder| folder.is_dir()).map(Path::to_owned);
         let folder = beside.or_else(|| std::env::current_dir().ok()).unwrap_or_default();

@@ -11,7 +11,7 @@ use egui::{Key, Ui};
 const KEY_DEG: f64 = 5.0;
 const KEY_ZOOM: f64 = 1.15;
 
-/// What keys ask of the window.
+/// Actions of keys.
 #[derive(Default)]
 pub struct Pressed {
     /// Whether the other half is shown.

@@ -1,4 +1,4 @@
-//! The picture of both halves, and what lies on it: captions, legend, wipe, probe.
+//! The picture of both halves with its captions, legend, wipe and probe.
 
 use super::picture::at;
 use super::theme;
@@ -94,7 +94,7 @@ pub fn composed(shown: &Shown, wipe: f32) -> Option<Rgb8Image> {
     Some(image)
 }
 
-/// Writes what a half shows into a corner: method, resolution, score.
+/// Writes method, resolution and score of a half into a corner.
 pub fn caption(ui: &Ui, place: Rect, align: egui::Align2, shot: &Shot, is_stale: bool) {
     let (point, method) = (&shot.image.point, shot.image.point.method());
     let samples = match method.is_integrated() {
@@ -146,7 +146,7 @@ pub fn legend(ui: &Ui, rect: Rect, colors: &ColorScale) {
     let [low, high] = [low, high].map(|text| ui.painter().layout_no_wrap(text, font(), theme::INK));
     let (bar, gap) = (vec2(132.0, 8.0), 8.0);
     let size = vec2(low.size().x + bar.x + high.size().x + 2.0 * gap, low.size().y);
-    // Beside the toolbar, or below it.
+    // To the right of the toolbar, or below it.
     let place =
         if rect.width() > 800.0 { pos2(rect.right() - size.x - 18.0, 20.0) } else { pos2(rect.left() + 18.0, 58.0) };
     let back = Rect::from_min_size(place + vec2(0.0, rect.top()), size);
@@ -165,7 +165,7 @@ pub fn legend(ui: &Ui, rect: Rect, colors: &ColorScale) {
 pub fn wipe_line(ui: &Ui, line: Rect) {
     let painter = ui.painter();
     let (x, y) = (line.center().x, line.center().y);
-    // Dark beside light is visible on any picture.
+    // A dark and a light line together are visible on any picture.
     painter.vline(x, line.y_range(), Stroke::new(3.0, Color32::from_black_alpha(90)));
     painter.vline(x, line.y_range(), Stroke::new(1.0, Color32::from_white_alpha(200)));
     painter.circle(pos2(x, y), 11.0, theme::VEIL, Stroke::new(1.5, theme::INK));

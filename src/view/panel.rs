@@ -6,7 +6,7 @@ use super::overlay::{self, Canvas, caption, legend, veiled, wipe_line};
 use super::picture::Picture;
 use super::state::{HOME, Side, State};
 use super::theme;
-use super::worker::{Shown, Standing};
+use super::worker::{Shown, Status};
 use crate::experiment::axis::SIZE;
 use crate::experiment::value::Value;
 use egui::text::LayoutJob;
@@ -68,8 +68,8 @@ impl Panel {
         Some(since + BUSY_AFTER).filter(|at| *at > now)
     }
 
-    /// Shows what an action did, for a while, or why it failed.
-    pub fn tell(&mut self, notice: Result<String, String>) {
+    /// Shows the result of an action for a while, or its error.
+    pub fn report(&mut self, notice: Result<String, String>) {
         (self.is_fault, self.noticed) = (notice.is_err(), Some(Instant::now()));
         self.notice = notice.unwrap_or_else(|why| why);
     }
@@ -78,7 +78,7 @@ impl Panel {
     pub fn open(&mut self, path: &std::path::Path, state: &mut State) {
         self.has_opened = true;
         let opened = state.open(path);
-        self.tell(opened.map(|what| format!("{what}: {}", path.display())));
+        self.report(opened.map(|what| format!("{what}: {}", path.display())));
     }
 
     pub fn ui(&mut self, ui: &mut Ui, state: &mut State, shown: &Shown) {
@@ -241,10 +241,10 @@ impl Panel {
     fn status(&mut self, ui: &mut Ui, shown: &Shown) {
         let device = shown.device.as_ref().map_or("", |device| device.name.as_str());
         let is_recent = self.noticed.is_some_and(|at| self.is_fault || at.elapsed() < NOTICE);
-        let (text, is_fault) = match &shown.standing {
-            Standing::Refused(why) | Standing::Lost(why) | Standing::Failed(why) => (why.clone(), true),
+        let (text, is_fault) = match &shown.status {
+            Status::Refused(why) | Status::Lost(why) | Status::Failed(why) => (why.clone(), true),
             _ if is_recent => (self.notice.clone(), self.is_fault),
-            standing => (progress(shown, *standing == Standing::Done), false),
+            status => (progress(shown, *status == Status::Done), false),
         };
         let hint = if self.has_opened { device } else { "Drop an .hdr or a model here" };
         let line = if hint.is_empty() || is_fault { text.clone() } else { format!("{text} · {hint}") };

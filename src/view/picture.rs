@@ -7,7 +7,7 @@ use crate::spelling::listed;
 use crate::table::colormap::{ColorScale, RELATIVE_ERROR, SIGNED_ERROR};
 use crate::tonemap::ToneCurve;
 
-/// Colour of errors beside the scene.
+/// Colour of error images off the scene.
 const GROUND: [u8; 3] = [0x31, 0x36, 0x3b];
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -39,7 +39,7 @@ pub const HOME: Orbit = Orbit { yaw_deg: 0.0, pitch_deg: 0.0, distance: 1.125 };
 /// Samples per pixel of the reference's first picture.
 const FIRST_SAMPLES: u32 = 32;
 
-/// What the images of a state share.
+/// Settings shared by the images of a state.
 pub struct Inputs {
     pub environment: Arc<Environment>,
     /// With the state's material.
@@ -74,7 +74,7 @@ impl State {
         }
     }
 
-    /// Opens an environment or a model; a model that has materials shows them. Returns what it is.
+    /// Opens an environment or a model; a model that has materials shows them. Returns its kind in words.
     pub fn open(&mut self, path: &Path) -> Result<&'static str, String> {
         let unknown = || format!("{}: expected an .hdr, .exr, {} file", path.display(), scene_extensions());
         let axis = file_axis(path).ok_or_else(unknown)?;
@@ -161,7 +161,7 @@ pub fn file_axis(path: &Path) -> Option<usize> {
     if is_map { Some(ENVIRONMENT) } else { scene_format(path).map(|_| SCENE) }
 }
 
-/// Whether a model has materials of its own.
+/// Whether a model has its own materials.
 pub fn has_materials(name: &str) -> bool {
     let path = Path::new(name);
     let is_obj = path.extension().is_some_and(|end| end.eq_ignore_ascii_case("obj"));

@@ -6,7 +6,7 @@ use super::overlay::composed;
 use super::panel::Panel;
 use super::state::{Side, State};
 use super::theme;
-use super::worker::{Shown, Standing, Worker};
+use super::worker::{Shown, Status, Worker};
 use crate::environment::LoadOptions;
 use crate::experiment::axis::{AXES, ENVIRONMENT, SCENE};
 use crate::experiment::value::Value;
@@ -37,8 +37,8 @@ pub enum Windowed {
     Failed(String),
 }
 
-/// Names a file for tests: places of the controls, and what is shown.
-const TOLD: &str = "SPLITSUM_TEST_WINDOW";
+/// Names a file for tests: places of the controls, and the shown state.
+const TEST_WINDOW: &str = "SPLITSUM_TEST_WINDOW";
 const SIZE: [f64; 2] = [1280.0, 800.0];
 /// Distance of passes while the renderer is behind and the pointer moves.
 const BEHIND: Duration = Duration::from_millis(50);
@@ -129,7 +129,7 @@ struct App {
     /// Whether no pass has seen a pressed button yet.
     is_press_unseen: bool,
     heard: Heard,
-    told: Option<(PathBuf, String)>,
+    reported: Option<(PathBuf, String)>,
 }
 
 #[derive(Default)]
@@ -179,7 +179,7 @@ impl App {
             painted: Instant::now(),
             is_press_unseen: false,
             heard: Heard::default(),
-            told: std::env::var_os(TOLD).map(|path| (path.into(), String::new())),
+            reported: std::env::var_os(TEST_WINDOW).map(|path| (path.into(), String::new())),
         }
     }
 
@@ -265,7 +265,7 @@ impl App {
         self.is_renewed = false;
         self.heard.dimmed += u64::from(self.panel.canvas.is_stale.contains(&true));
         self.ask();
-        self.tell(delay.is_none_or(|delay| delay > Duration::ZERO));
+        self.write_report(delay.is_none_or(|delay| delay > Duration::ZERO));
         if std::mem::take(&mut self.panel.wants_save) {
             self.save();
         }
@@ -290,7 +290,7 @@ impl App {
         if let Some(worker) = &self.worker {
             worker.ask(self.generation, wanted.clone());
         }
-        self.shown.standing = Standing::Busy;
+        self.shown.status = Status::Busy;
         self.wakes_at = earlier(self.wakes_at, self.panel.dims_at(self.painted));
         self.asked = Some(wanted);
     }
@@ -302,21 +302,21 @@ impl App {
         self.shown = shown;
         self.panel.arrive(&self.shown);
         let inputs = [ENVIRONMENT, SCENE].map(|axis| self.state.point[axis].clone());
-        match &self.shown.standing {
+        match &self.shown.status {
             // Returns to the last file that loaded.
-            Standing::Refused(why) if self.shown.generation == self.generation => {
+            Status::Refused(why) if self.shown.generation == self.generation => {
                 if let Some(before) = self.accepted.clone().filter(|before| *before != inputs) {
-                    self.panel.tell(Err(why.clone()));
+                    self.panel.report(Err(why.clone()));
                     for (axis, value) in [ENVIRONMENT, SCENE].into_iter().zip(before) {
                         self.state.point[axis] = value;
                     }
                 }
             }
-            Standing::Lost(why) => {
+            Status::Lost(why) => {
                 let why = why.clone();
                 self.end(events, Windowed::Lost(why));
             }
-            Standing::Failed(why) => {
+            Status::Failed(why) => {
                 let why = why.clone();
                 self.end(events, Windowed::Failed(why));
             }
@@ -330,7 +330,7 @@ impl App {
 
     fn save(&mut self) {
         let saved = self.saved().map(|folder| format!("Saved in {}", folder.display()));
-        self.panel.tell(saved.map_err(|why| format!("Not saved: {why}")));
+        self.panel.report(saved.map_err(|why| format!("Not saved: {why}")));
         if let Some(screen) = &self.screen {
             screen.window.request_redraw();
         }
@@ -344,8 +344,8 @@ impl App {
         let free = |number: &u32| !self.out.join(format!("view-{number}")).exists();
         let number = (1..).find(free).expect("a free number");
         let folder = self.out.join(format!("view-{number}"));
-        let told = |path: &Path, error: &dyn std::fmt::Display| format!("{}: {error}", path.display());
-        std::fs::create_dir_all(&folder).map_err(|error| told(&folder, &error))?;
+        let fault = |path: &Path, error: &dyn std::fmt::Display| format!("{}: {error}", path.display());
+        std::fs::create_dir_all(&folder).map_err(|error| fault(&folder, &error))?;
         let mut commands = String::from("#!/bin/sh\n# Renders the halves of this state again.\n");
         for (name, side) in [("left", Side::Left), ("right", Side::Right)] {
             let shot = self.shown.side(side).expect("asked above");
@@ -361,14 +361,14 @@ impl App {
         ];
         for (name, text) in texts {
             let path = folder.join(name);
-            std::fs::write(&path, text).map_err(|error| told(&path, &error))?;
+            std::fs::write(&path, text).map_err(|error| fault(&path, &error))?;
         }
         Ok(folder)
     }
 
     /// Writes the file for tests.
-    fn tell(&mut self, is_still: bool) {
-        let Some((path, before)) = &mut self.told else { return };
+    fn write_report(&mut self, is_still: bool) {
+        let Some((path, before)) = &mut self.reported else { return };
         let scale = f64::from(self.context.pixels_per_point());
         let place =
             |rect: &egui::Rect| [rect.left(), rect.top(), rect.width(), rect.height()].map(|x| f64::from(x) * scale);
@@ -383,8 +383,8 @@ impl App {
             "is_still": is_still,
             "asked": self.generation,
             "shown": self.shown.generation,
-            "is_done": self.shown.standing == Standing::Done,
-            "standing": format!("{:?}", self.shown.standing),
+            "is_done": self.shown.status == Status::Done,
+            "status": format!("{:?}", self.shown.status),
             "scales": scales,
             "stale": self.panel.canvas.is_stale,
             "dimmed": self.heard.dimmed,

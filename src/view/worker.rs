@@ -17,7 +17,7 @@ use std::time::{Duration, Instant};
 
 /// Times between which the resolution of a moving picture stays, ms; half the side takes a quarter of the time.
 const COARSE_MS: std::ops::Range<f64> = 15.0..120.0;
-/// A first picture that takes longer, because of its tables, gives way to the next state.
+/// A first picture that takes longer, because of its tables, is dropped for the next state.
 const PATIENCE: Duration = Duration::from_secs(5);
 /// Divisor of the coarsest resolution.
 const COARSEST: u32 = 8;
@@ -39,7 +39,7 @@ pub struct Shot {
 }
 
 #[derive(Clone, Debug, Default, PartialEq)]
-pub enum Standing {
+pub enum Status {
     #[default]
     Busy,
     Done,
@@ -57,7 +57,7 @@ pub struct Shown {
     /// Left and right.
     pub halves: [Option<Shot>; 2],
     pub truth: Option<Shot>,
-    pub standing: Standing,
+    pub status: Status,
     pub device: Option<DeviceInfo>,
     pub messages: Vec<String>,
 }
@@ -74,7 +74,7 @@ impl Shown {
     }
 }
 
-/// What both threads share.
+/// State shared by both threads.
 #[derive(Default)]
 struct Post {
     state: Mutex<Option<(u64, State)>>,
@@ -107,20 +107,20 @@ impl Worker {
         let work = move || {
             let outcome =
                 std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| Renderer::run(&theirs, options, load, &wake)));
-            let standing = match outcome {
+            let status = match outcome {
                 Ok(Ok(())) => return,
-                Ok(Err(error)) if error.is_transient() => Standing::Lost(error.to_string()),
-                Ok(Err(error)) => Standing::Failed(error.to_string()),
-                Err(_) => Standing::Failed("the renderer failed because of a bug in splitsum".to_owned()),
+                Ok(Err(error)) if error.is_transient() => Status::Lost(error.to_string()),
+                Ok(Err(error)) => Status::Failed(error.to_string()),
+                Err(_) => Status::Failed("the renderer failed because of a bug in splitsum".to_owned()),
             };
-            lock(&theirs.shown).standing = standing;
+            lock(&theirs.shown).status = status;
             wake();
         };
         let thread = std::thread::Builder::new().name("renderer".to_owned()).spawn(work)?;
         Ok(Self { post, thread: Some(thread) })
     }
 
-    /// Requests a state in place of the one before.
+    /// Replaces the requested state.
     pub fn ask(&self, generation: u64, state: State) {
         // The renderer takes the state and lowers the flags under the same lock.
         let mut held = lock(&self.post.state);
@@ -196,16 +196,16 @@ impl<'a> Renderer<'a> {
             Self { post, wake, pipeline, load, environment, scene, framed, kept, shown, coarse: COARSEST };
         while let Some((generation, state)) = renderer.next() {
             renderer.shown.generation = generation;
-            let standing = match renderer.show(&state) {
-                Ok(()) => Standing::Done,
-                Err(Stop::Refused(why)) => Standing::Refused(why),
+            let status = match renderer.show(&state) {
+                Ok(()) => Status::Done,
+                Err(Stop::Refused(why)) => Status::Refused(why),
                 Err(Stop::Broken(error)) if error.is_interrupted() => continue,
                 Err(Stop::Broken(error)) if error.is_transient() => return Err(error),
-                Err(Stop::Broken(error)) => Standing::Refused(error.to_string()),
+                Err(Stop::Broken(error)) => Status::Refused(error.to_string()),
             };
-            renderer.tell(standing);
+            renderer.set_status(status);
         }
-        renderer.tell(Standing::Done);
+        renderer.set_status(Status::Done);
         Ok(())
     }
 
@@ -227,8 +227,8 @@ impl<'a> Renderer<'a> {
         }
     }
 
-    fn tell(&mut self, standing: Standing) {
-        self.shown.standing = standing;
+    fn set_status(&mut self, status: Status) {
+        self.shown.status = status;
         self.shown.messages = self.pipeline.validation_messages();
         lock(&self.post.shown).clone_from(&self.shown);
         (self.wake)();
@@ -244,7 +244,7 @@ impl<'a> Renderer<'a> {
         if self.shown.truth.as_ref().is_some_and(|shot| !counts.iter().any(|&count| state.truth(count) == shot.image)) {
             self.shown.truth = None;
         }
-        // Goes on from the most samples that are in memory.
+        // Continues from the most samples in memory.
         let mut is_there = |count: &u32| {
             let halves = [Side::Left, Side::Right].map(|side| state.image(side, *count));
             let truth = state.picture.scale().map(|_| state.truth(*count));
@@ -272,7 +272,7 @@ impl<'a> Renderer<'a> {
         for &count in counts {
             self.shoot(state, inputs, count, 1)?;
             self.refine(state, inputs, count)?;
-            self.tell(Standing::Busy);
+            self.set_status(Status::Busy);
         }
         Ok(())
     }
@@ -326,10 +326,10 @@ impl<'a> Renderer<'a> {
             self.shown.halves[side as usize] =
                 Some(Shot { image, frame, picture, kind: state.picture, generation, scale, score: None });
             if scale == 1 && is_first {
-                self.tell(Standing::Busy);
+                self.set_status(Status::Busy);
             }
         }
-        self.tell(Standing::Busy);
+        self.set_status(Status::Busy);
         Ok(made)
     }
 

@@ -1,4 +1,4 @@
-//! Bad input ends with one clear message, the promised exit code and no output. None of it needs a device.
+//! Bad input ends with one clear message, the documented exit code and no output. No test needs a device.
 
 use super::{assert_ends, assert_refusals, command, published, splitsum, stderr, stdout};
 use splitsum::pixels::{GrayImage, RgbImage, exr};
@@ -32,7 +32,7 @@ fn wrong_flags_of_render_and_compare_are_refused() {
         dir.path(),
         &[
             "render --alpha 1.4 --out x.png",
-            // It would be shaded as 0.001 and labelled 0.0005.
+            // It would be shaded as 0.001 but labelled 0.0005.
             "render --alpha 0.0005 --out x.png",
             "render --alpha -1 --out x.png",
             "render --samples -1 --out x.png",
@@ -45,7 +45,7 @@ fn wrong_flags_of_render_and_compare_are_refused() {
             "render --ior 0.5 --out x.png",
             "render --light spot:0,0,1:1,1,1 --out x.png",
             "render --light directional:0,0,0:1,1,1 --out x.png",
-            // Flags that would change nothing, and counts that the reference would round.
+            // Flags without effect, and counts that the reference would round.
             "render --method split-sum --samples 40 --lod-bias 1 --exposure 2 --out x.exr",
             "render --relative-error 0.1 --out x.exr",
             "render --method reference --samples 44 --out x.exr",
@@ -123,7 +123,7 @@ fn wrong_experiments_and_folders_are_refused() {
             "plan e.toml",
             "run empty.toml",
             "plan empty.toml",
-            // Values that do not go together do not hide a question that cannot be answered.
+            // Contradicting values do not hide a question that cannot be answered.
             "plan asks.toml",
             "plan by.toml",
             "plan weights.toml",
@@ -156,7 +156,7 @@ fn wrong_experiments_and_folders_are_refused() {
     );
 }
 
-/// Deep nesting of any kind ends in a message, not in an overflow of the stack.
+/// Deep nesting of any kind ends in a message, not in a stack overflow.
 #[test]
 fn deep_nesting_is_a_fault() {
     const DEPTH: usize = 20_000;
@@ -201,7 +201,7 @@ fn every_experiment_of_the_project_has_a_plan() {
         if path.extension().is_none_or(|extension| extension != "toml") {
             continue;
         }
-        // What is asked here needs no probe, so the plan sees no device.
+        // The plan needs no probe, so it opens no device.
         let mut command = command(elsewhere.path(), &["plan", path.to_str().unwrap(), "--json"]);
         command.env("VK_DRIVER_FILES", "/nonexistent").env("VK_ICD_FILENAMES", "/nonexistent");
         let output = command.output().unwrap();
@@ -209,10 +209,10 @@ fn every_experiment_of_the_project_has_a_plan() {
         let plan: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
         let cells = plan["cells"].as_array().unwrap().len();
         match path.file_stem().unwrap().to_str().unwrap() {
-            // 5 sample counts and the split sum; of the design 2 lights, 3 models and 5 widths, of the shader ball 2 lights and
-            // 2 widths at 3 exposures and 2 contrasts.
+            // The design has 5 sample counts and the split sum, for 2 lights, 3 models and 5 widths. The shader ball
+            // has 2 lights and 2 widths at 3 exposures and 2 contrasts.
             "quick" => assert_eq!(cells, (2 * 3 * 5 + 2 * 2 * 3 * 2) * 6),
-            // 6 exposures and 2 further contrasts, each with 3 models of 2 methods at 4 sample counts, the split sum and none.
+            // 6 exposures and 2 further contrasts, each with 3 models, 2 methods at 4 sample counts, the split sum and none.
             "source-document-0" => assert_eq!(cells, 8 * 3 * (2 * 4 + 2)),
             _ => assert!(cells > 0),
         }
@@ -233,7 +233,7 @@ fn a_run_without_a_device_leaves_nothing_behind() {
     assert!(!dir.path().join("out").exists());
 }
 
-/// Devices and pipes in the place of files never end, or never begin.
+/// A device or a pipe never ends, or never begins.
 #[cfg(unix)]
 #[test]
 fn files_that_are_not_regular_are_refused_at_once() {
@@ -243,13 +243,13 @@ fn files_that_are_not_regular_are_refused_at_once() {
     let commands =
         ["plan pipe", "run pipe", "integrate pipe", "compare pipe pipe", "plan /dev/zero", "integrate /dev/zero"];
     assert_refusals("files_that_are_not_regular", dir.path(), &commands);
-    // What the shell opened is read.
+    // A pipe opened by the shell is read.
     let script = "printf 'brdf,alpha,n_dot_v\\nggx,0.5,0.5\\n' | \"$0\" integrate /dev/stdin --kind dfg";
     let output = Command::new("sh").args(["-c", script, env!("CARGO_BIN_EXE_splitsum")]).output().unwrap();
     assert!(output.status.success() && stdout(&output).contains("ggx,0.5,0.5,0.67"), "{}", stderr(&output));
 }
 
-/// A process that may not have the memory of a map says so; it is not aborted.
+/// A process without enough memory for a map reports it and is not aborted.
 #[cfg(target_os = "linux")]
 #[test]
 fn a_failed_allocation_is_reported() {

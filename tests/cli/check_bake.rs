@@ -1,4 +1,4 @@
-//! Bakes through the binary: our own score near zero, what fails says so, bad input ends with its fact.
+//! Bakes through the binary: our own bake scores near zero, failing limits are printed, bad input names its fault.
 
 use super::end_to_end::folder;
 use super::{assert_ends, assert_refusals, ok, splitsum};
@@ -33,16 +33,16 @@ fn our_own_bakes_score_near_zero_in_every_layout() {
     assert_ends(&output, 1, &["level 1: relmse", "is above 1.00e-2"]);
     let arguments = ["check-bake", "cube", "--environment", "builtin:sky", "--fail-on-wrong", "--no-image"];
     assert_ends(&splitsum(dir.path(), &arguments), 1, &["wrong: seems to be a bake of another map"]);
-    // No width and no gain is told of it.
+    // The verdict does not name a width or a gain.
     let text = String::from_utf8_lossy(&output.stdout);
-    let told = text
+    let said = text
         .lines()
         .filter(|line| line.starts_with("| "))
         .find(|line| line.contains("too ") || line.contains("explains"));
-    assert!(told.is_none(), "{told:?}");
+    assert!(said.is_none(), "{said:?}");
 }
 
-/// What an engine takes, read with its preset, by itself and file by file.
+/// Files of each engine, read with its preset, as a folder and file by file.
 #[test]
 fn bakes_for_every_engine_score_as_exact() {
     let dir = tempfile::tempdir().unwrap();
@@ -75,17 +75,17 @@ fn bakes_for_every_engine_score_as_exact() {
     for _ in 0..2 {
         ok(dir.path(), &["check-bake", "bevy", "--environment", "builtin:sky", "--no-image", "--html", "x.html"]);
     }
-    // Of other widths than assumed it is still of this light.
+    // With other widths than assumed it is still a bake of this light.
     let arguments = ["check-bake", "filament/ibl.ktx", "--environment", "builtin:sky", "--no-image"];
-    let told = splitsum(dir.path(), &arguments);
-    assert!(!String::from_utf8_lossy(&told.stderr).contains("another map"), "{told:?}");
-    // That of another light is told from one of other axes.
+    let said = splitsum(dir.path(), &arguments);
+    assert!(!String::from_utf8_lossy(&said.stderr).contains("another map"), "{said:?}");
+    // A bake of another light is distinguished from a bake with other axes.
     let arguments = ["check-bake", "bevy", "--environment", "builtin:studio", "--fail-above", "1e-3", "--no-image"];
     assert_ends(&splitsum(dir.path(), &arguments), 1, &["seems to be a bake of another map"]);
     let arguments =
         ["check-bake", "bevy", "--environment", "builtin:sky", "--fail-above", "1e-3", "--axes=-x+y+z", "--no-image"];
     assert_ends(&splitsum(dir.path(), &arguments), 1, &["fit far better than -x+y+z"]);
-    // A manifest that names a file elsewhere.
+    // A manifest that names a file outside its folder.
     let manifest = std::fs::read_to_string(dir.path().join("bevy/bake.json")).unwrap();
     let elsewhere = manifest.replace("\"specular.ktx2\"", "\"../bevy/specular.ktx2\"");
     assert_ne!(elsewhere, manifest);
@@ -105,7 +105,7 @@ fn bakes_for_every_engine_score_as_exact() {
             "bake builtin:sky --out x --set dfg_sample_count=64",
             "bake builtin:sky --out x --set prefilter_size=4096x4096",
             "bake builtin:sky --out x --set dfg_size=8 --set dfg_size=9",
-            // A threshold that judges nothing passes nothing.
+            // A limit that applies to no part is refused.
             "check-bake khronos/lut_ggx.png --environment builtin:sky --fail-above 0.1",
             "check-bake odd --environment builtin:sky",
             "check-bake bevy --environment builtin:sky --no-image --html bevy/specular.ktx2",
@@ -114,9 +114,9 @@ fn bakes_for_every_engine_score_as_exact() {
     );
 }
 
-/// A frame by tables of a file is that by our own tables of the same widths.
+/// A frame with tables from a file equals the frame with our own tables of the same widths.
 #[test]
-fn frames_by_given_tables_are_those_by_our_own() {
+fn frames_by_given_tables_equal_frames_by_our_own() {
     let Some(dir) = folder() else { return };
     let sizes = ["--set", "prefilter_size=64x64", "--set", "prefilter_level_count=4", "--set", "dfg_size=16"];
     let render = |name: &str, tables: &[&str]| {
@@ -157,12 +157,12 @@ fn files_that_are_not_bakes_are_refused() {
     ];
     let commands = commands.map(|line| format!("check-bake {line} --environment builtin:constant"));
     assert_refusals("commands_of_check_bake_that_are_refused", dir.path(), &commands.each_ref().map(String::as_str));
-    // A constant map is its own prefiltered map, of any width.
+    // A constant map is its own prefiltered map, at any width.
     let found =
         ok(dir.path(), &["check-bake", "x.exr", "--alphas", "0.3", "--environment", "builtin:constant", "--json"]);
     let found: Value = serde_json::from_str(&found).unwrap();
     assert!(found["levels"][0]["relmse"].as_f64().unwrap() < 1e-12, "{found}");
-    // Nor does it do anything to an image; of a table that is not given nothing is told.
+    // It does not change an image either. A missing table is not mentioned.
     let image = found["image"].as_array().unwrap();
     assert_eq!(image.len(), 10);
     assert!(image.iter().all(|score| score["alone"].as_f64().unwrap() < 1e-10 && score["table"].is_null()), "{found}");

@@ -1,4 +1,4 @@
-//! `splitsum cost` and the compiler for GPUs that are not here. Without Mesa's RADV one line says what is skipped.
+//! `splitsum cost` and the compiler for GPUs that the machine lacks. Without Mesa's RADV the tests skip with a line.
 
 use super::{assert_ends, assert_refusals, command, ok};
 use splitsum::brdf::MaskingShadowing;
@@ -18,7 +18,7 @@ fn program() -> &'static Path {
     Path::new(env!("CARGO_BIN_EXE_splitsum"))
 }
 
-/// The families that can be compiled for; without any, a line says so.
+/// Families that the driver compiles for; without any, prints a line.
 fn families() -> Vec<&'static Family> {
     match available(program()) {
         Ok(found) => found.into_iter().map(|(family, _)| family).collect(),
@@ -50,7 +50,7 @@ fn a_shader_of_known_size_is_counted_right() {
         let lookups = |counts: Counts| [counts.bilinear, counts.trilinear, counts.quarter];
         assert_eq!([base.outside, base.inside].map(lookups), [[1.0, 0.0, 0.0], [0.0, 1.0, 1.0]], "{name}");
         assert_eq!((base.other_loops, base.outside.memory_bytes), (0, 16.0), "{name}");
-        // Products alone are full-rate arithmetic, at their place and nowhere else.
+        // Added products change the full-rate arithmetic at their place, and no other count.
         let products = more([4, 6, 1, 1, 1]);
         let alu = |counts: Counts, more: f64| Counts { alu: counts.alu + more, scalar: 0.0, ..counts };
         assert_eq!(alu(products.outside, 0.0), alu(base.outside, 3.0), "{name}");
@@ -61,11 +61,11 @@ fn a_shader_of_known_size_is_counted_right() {
     }
 }
 
-/// A shader that a software driver swallows and AMD's compiler does not would fail here first.
+/// A shader that a software driver accepts and AMD's compiler rejects would fail here first.
 #[test]
 fn every_pipeline_compiles_for_every_family_and_twice_to_the_same_bytes() {
     for (turn, family) in families().into_iter().enumerate() {
-        // A masking a shader and family; over the families each shader has every one.
+        // Each shader and family has one masking; over all families each shader has every masking.
         let masking = |index: usize| ((index + turn) % MaskingShadowing::all().count()) as u32;
         let compute = shader_names().filter(|name| name.contains(".comp")).enumerate();
         let compute = compute.map(|(index, shader)| Job::new(shader.to_owned(), &[masking(index)]));
@@ -83,7 +83,7 @@ fn every_pipeline_compiles_for_every_family_and_twice_to_the_same_bytes() {
                 assert_eq!(spilled, Some(0.0), "{}: {}: {counts:?}", family.name, job.shader);
             }
         }
-        // Not through a cache: the second child compiles anew.
+        // Not from a cache: the second child compiles again.
         let some: Vec<Job> = jobs.iter().step_by(20).cloned().collect();
         let again = compile(program(), family, &some).unwrap();
         assert!(again.iter().eq(compiled.iter().step_by(20)), "{}", family.name);
@@ -116,10 +116,10 @@ fn the_command_prints_and_writes_its_counts() {
     }
 }
 
-/// Where the hardware filters maps, the texels outside the loop are the g-buffer's: position, normal and F0. Buffers are the radiance, read
-/// and written: a vec4 of 32-bit floats.
+/// If the hardware filters maps, the unfiltered texels outside the loop are the g-buffer's position, normal and F0.
+/// Buffer traffic is the radiance, a vec4 of 32-bit floats, read and written.
 #[test]
-fn a_pass_reads_and_writes_what_its_code_says() {
+fn a_pass_reads_and_writes_as_in_its_code() {
     for family in families() {
         let methods = METHODS.iter().filter(|method| method.has_pass() && !method.name.starts_with("ladder"));
         let jobs: Vec<Job> = methods.map(|method| job(method, &LAYOUTS[0])).collect();
@@ -130,8 +130,8 @@ fn a_pass_reads_and_writes_what_its_code_says() {
     }
 }
 
-/// Its options compile what they name: a method in a file that holds the text of a known one has its code, a sampling pass has other code
-/// for each masking, and what an image alone hangs on is refused.
+/// Options compile what they name. A method in a file with the text of a built-in method has its code. Sampling has
+/// other code for each masking. Options that only change the image are refused.
 #[test]
 fn options_compile_what_they_name() {
     if families().is_empty() {
@@ -149,7 +149,7 @@ fn options_compile_what_they_name() {
     let code = |row: &csv::StringRecord| row.iter().skip(5).map(str::to_owned).collect::<Vec<_>>();
     assert!(ours.len() > 1 && ours.iter().map(code).eq(own.iter().map(code)), "{both:?}");
     assert_eq!(&own[0][4], "file:own.glsl");
-    // Of ggx, separable and smith-exact masking are one function.
+    // For ggx, separable and smith-exact masking are the same function.
     let maskings = rows(&["--method", "sampled", "--brdf", "beckmann", "--masking", "all"]);
     let counts: std::collections::BTreeSet<Vec<String>> =
         maskings.iter().map(|row| row.iter().skip(8).map(str::to_owned).collect()).collect();

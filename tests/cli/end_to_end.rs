@@ -1,4 +1,4 @@
-//! A tiny experiment through the binary on whatever Vulkan device there is; without one the tests skip with a line.
+//! A tiny experiment through the binary, on any Vulkan device. Without one the tests skip with a line.
 
 use super::{assert_ends, command, entries, ok, splitsum, stderr, stdout};
 use std::io::{BufRead, BufReader};
@@ -29,7 +29,7 @@ dfg_sample_count = 64
 "#;
 const CELLS: usize = 2 * 2 * 3 * 2;
 
-/// Whether a device answers; without one a line says so.
+/// Whether there is a device; without one, prints a line.
 pub(super) fn has_device() -> bool {
     let found = splitsum(Path::new("."), &["devices"]).status.success();
     if !found {
@@ -38,7 +38,7 @@ pub(super) fn has_device() -> bool {
     found
 }
 
-/// A folder with the experiment, or `None` where no device answers.
+/// A folder with the experiment; `None` without a device.
 pub(super) fn folder() -> Option<tempfile::TempDir> {
     if !has_device() {
         return None;
@@ -53,7 +53,7 @@ fn errors(dir: &Path) -> Vec<u8> {
 }
 
 #[test]
-fn a_run_leaves_the_promised_files_and_a_second_one_changes_nothing() {
+fn a_run_leaves_the_documented_files_and_a_second_run_changes_nothing() {
     let Some(dir) = folder() else { return };
     let output = splitsum(dir.path(), &["run", "tiny.toml"]);
     assert!(output.status.success(), "{}", stderr(&output));
@@ -75,14 +75,14 @@ fn a_run_leaves_the_promised_files_and_a_second_one_changes_nothing() {
     assert_eq!(stdout(&again), text);
     assert!(errors(dir.path()) == before);
 
-    // The answers can be had again from the folder alone.
+    // The folder alone suffices to answer again.
     let summary = std::fs::read(run.join("summary.md")).unwrap();
     std::fs::remove_dir_all(run.join("answers")).unwrap();
     ok(dir.path(), &["answers", "runs/tiny", "--publish", "results"]);
     assert!(run.join("answers/break-even.svg").exists() && std::fs::read(run.join("summary.md")).unwrap() == summary);
     assert!(entries(&dir.path().join("results/tiny")).contains(&"ggx.png".to_owned()));
     assert!(std::fs::read_to_string(dir.path().join("results/README.md")).unwrap().contains("[tiny](tiny/summary.md)"));
-    // All files of a run speak of one metric, the report included.
+    // All files of a run use one metric, the report included.
     for (metric, arguments) in [("flip", &["--metric", "flip"][..]), ("relmse", &[])] {
         ok(dir.path(), &[&["answers", "runs/tiny"], arguments].concat());
         let read = |name: &str| std::fs::read_to_string(run.join(name)).unwrap();
@@ -93,9 +93,9 @@ fn a_run_leaves_the_promised_files_and_a_second_one_changes_nothing() {
     assert!(plan.contains(&format!("{CELLS} done, 0 failed, 0 open")), "{plan}");
 }
 
-/// Without an earlier run a guess; then what that took.
+/// The first prediction is a guess, the second comes from the measured speed.
 #[test]
-fn a_plan_says_where_its_estimate_comes_from() {
+fn a_plan_names_the_source_of_its_estimate() {
     let Some(dir) = folder() else { return };
     let estimate = |arguments: &[&str]| -> serde_json::Value {
         let text = ok(dir.path(), &[&["plan", "tiny.toml", "--json", "--cache", "cache"], arguments].concat());
@@ -107,7 +107,7 @@ fn a_plan_says_where_its_estimate_comes_from() {
     ok(dir.path(), &["run", "tiny.toml", "--cache", "cache"]);
     let (done, other) = (estimate(&[]), estimate(&["--out", "other"]));
     assert!(done["seconds"] == 0.0, "{done:#}");
-    // Its references are in the cache for another run.
+    // Another run finds its references in the cache.
     assert!(other["parts"].get("references").is_none(), "{other:#}");
     assert!(other["device"].as_str().is_some_and(|name| name.contains('(')), "{other:#}");
     for part in ["images", "scores and files"] {
@@ -119,14 +119,14 @@ fn a_plan_says_where_its_estimate_comes_from() {
     assert!(output.status.success() && stdout(&output).contains(", assuming a software driver"), "{output:?}");
 }
 
-/// A run that is at work writes its own answers at its end: who asks meanwhile is told, and leaves no file.
+/// A run in progress writes its own answers at its end. `answers` prints them meanwhile and writes no file.
 #[test]
-fn answers_of_a_run_under_way_are_printed_and_not_written() {
+fn answers_of_a_run_in_progress_are_printed_but_not_written() {
     let Some(dir) = folder() else { return };
     ok(dir.path(), &["run", "tiny.toml", "--set", "brdf=ggx"]);
     let run = dir.path().join("runs/tiny");
     std::fs::remove_dir_all(run.join("answers")).unwrap();
-    // As a run holds it.
+    // As if a run held the lock.
     let lock = std::fs::File::options().write(true).open(run.join(".lock")).unwrap();
     lock.lock().unwrap();
     let output = splitsum(dir.path(), &["answers", "runs/tiny"]);
@@ -140,7 +140,7 @@ fn answers_of_a_run_under_way_are_printed_and_not_written() {
     );
     assert!(!dir.path().join("results").exists());
     lock.unlock().unwrap();
-    // The same again is one command; another plan needs leave.
+    // Publishing the same run again works; another plan needs `--replace`.
     for _ in 0..2 {
         ok(dir.path(), &["answers", "runs/tiny", "--publish", "results"]);
     }
@@ -187,7 +187,7 @@ fn stops_after_a_cell(signal: &str) {
 }
 
 #[test]
-fn render_writes_what_compare_reads() {
+fn compare_reads_the_files_of_render() {
     let Some(dir) = folder() else { return };
     let render = |method: &str, out: &str| {
         let arguments =

@@ -1,6 +1,6 @@
-//! Faults of the device and of the Vulkan installation: each is provoked, and each ends with its message and exit code.
+//! Faults of the device and of the Vulkan installation: each is provoked, and ends with its message and exit code.
 //!
-//! `SPLITSUM_TEST_FAULTS` (see `src/gpu/inject.rs`) makes a call fail as a driver would let it.
+//! `SPLITSUM_TEST_FAULTS` (`src/gpu/inject.rs`) makes a call fail as a driver would.
 
 use super::end_to_end::folder;
 use super::{assert_ends, command, ok, splitsum, stderr};
@@ -25,7 +25,7 @@ const RENDER: [&str; 9] =
 fn a_lost_device_ends_a_run_that_resumes_to_the_same_bytes() {
     let Some(dir) = folder() else { return };
     ok(dir.path(), &["run", "tiny.toml", "--out", "whole"]);
-    // Early in the precompute, within a reference, between cells, late.
+    // Early in the precompute, within a reference, between cells, and late.
     for submit in [1, 6, 23, 60, 120] {
         let out = format!("lost-{submit}");
         let arguments = ["run", "tiny.toml", "--out", &out];
@@ -54,7 +54,7 @@ fn memory_that_runs_out_fails_cells_and_a_later_run_finishes_them() {
     let output = with_fault(dir.path(), &RENDER, "allocate:8:memory-is-full");
     assert_ends(&output, 1, &["out of device memory for '"]);
     assert!(!dir.path().join("x.exr").exists());
-    // Memory that is short for a moment is given back by what earlier requests left.
+    // If memory is short for a moment, the program frees the resources of earlier requests and goes on.
     let output = with_fault(dir.path(), &["run", "tiny.toml", "--out", "short"], "allocate:90:out-of-memory");
     assert!(output.status.success(), "{}", stderr(&output));
     assert!(errors(dir.path(), "short") == errors(dir.path(), "whole"));
@@ -83,7 +83,7 @@ fn a_vulkan_installation_without_its_parts_is_reported() {
         assert_ends(&command.output().unwrap(), 2, parts);
         assert!(!dir.path().join("x.exr").exists());
     };
-    // A loader with no driver, with a driver file that is no driver, and with one whose library is missing.
+    // A loader without a driver, with a broken driver file, and with a driver whose library is missing.
     refused("VK_DRIVER_FILES", Path::new("/nonexistent"), &["found no device", "VK_DRIVER_FILES"]);
     let manifest = |name: &str, text: &str| {
         let path = dir.path().join(name);
@@ -94,7 +94,7 @@ fn a_vulkan_installation_without_its_parts_is_reported() {
     let absent =
         r#"{"file_format_version": "1.0.0", "ICD": {"library_path": "/nonexistent.so", "api_version": "1.3.0"}}"#;
     refused("VK_DRIVER_FILES", &manifest("absent.json", absent), &["found no device"]);
-    // No loader: a library of that name that is none hides the real one.
+    // No loader: a text file with the name of the library hides the real one.
     #[cfg(target_os = "linux")]
     {
         let libraries = dir.path().join("libraries");
@@ -104,9 +104,9 @@ fn a_vulkan_installation_without_its_parts_is_reported() {
     }
 }
 
-/// A layer that the environment names and that is not there, or whose library is not: the loader goes on without it, and so must a render.
+/// The environment names a layer that is missing, or whose library is missing. The loader ignores it, and the render succeeds.
 #[test]
-fn a_missing_layer_of_the_environment_stops_nothing() {
+fn a_missing_layer_in_the_environment_is_ignored() {
     let Some(dir) = folder() else { return };
     let manifest = r#"{"file_format_version": "1.0.0", "layer": {"name": "VK_LAYER_hollow", "type": "GLOBAL",
         "library_path": "/nonexistent.so", "api_version": "1.3.0", "implementation_version": "1", "description": "no library"}}"#;
@@ -121,16 +121,16 @@ fn a_missing_layer_of_the_environment_stops_nothing() {
 }
 
 #[test]
-fn a_slip_in_the_test_switch_is_no_silent_success() {
+fn a_slip_in_the_test_switch_is_reported() {
     let Some(dir) = folder() else { return };
     let output = with_fault(dir.path(), &RENDER, "submit:x:device-lost");
     assert_ends(&output, 2, &["SPLITSUM_TEST_FAULTS: unknown fault 'submit:x:device-lost'"]);
 }
 
-/// A driver below the floor: the real one behind a layer (`layer.c`) that takes something away.
+/// A driver below the minimum: the real driver behind a layer (`layer.c`) that removes a feature.
 #[cfg(target_os = "linux")]
 #[test]
-fn a_driver_below_the_floor_is_named_with_what_it_lacks() {
+fn a_driver_below_the_minimum_is_named_with_its_missing_feature() {
     let Some(dir) = folder() else { return };
     let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/cli/layer.c");
     let library = dir.path().join("layer.so");
@@ -161,6 +161,6 @@ fn a_driver_below_the_floor_is_named_with_what_it_lacks() {
         assert_ends(&run(fault, &arguments), 2, &[lacks]);
         assert!(!dir.path().join("out").exists() && !dir.path().join("x.exr").exists());
     }
-    // The layer alone takes nothing away.
+    // The layer alone removes nothing.
     assert!(run("", &RENDER).status.success());
 }

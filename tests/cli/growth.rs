@@ -1,4 +1,4 @@
-//! What grows with the number of cells: nothing may hold all images, all records or the whole text of a plan.
+//! Memory by the number of cells: the program never holds all images, all records or the whole text of a plan.
 
 use super::end_to_end::has_device;
 use super::{command, ok, splitsum, stderr};
@@ -7,7 +7,7 @@ use std::path::Path;
 use std::process::Stdio;
 use std::time::Duration;
 
-/// An experiment of 5 cells for each alpha, small ones on the scene whose images nobody looks at.
+/// An experiment of 5 small cells for each alpha, on the scene without pictures.
 fn experiment(cells: usize) -> String {
     format!(
         r#"
@@ -41,14 +41,14 @@ fn folder(cells: usize) -> tempfile::TempDir {
     dir
 }
 
-/// The most memory that a process held, KiB, if the system reports it.
+/// Peak memory of a process, KiB, if the system reports it.
 fn peak_kib(process: u32) -> Option<u64> {
     let status = std::fs::read_to_string(format!("/proc/{process}/status")).ok()?;
     status.lines().find_map(|text| text.strip_prefix("VmHWM:"))?.split_whitespace().next()?.parse().ok()
 }
 
-/// Bytes that each further cell adds to the peak, KiB, of what is done in a folder of few cells and one of many; 0, with a
-/// line, if the system does not report the memory of a process.
+/// Peak memory that each further cell adds, KiB, for a command in a folder of few cells and one of many; 0, with a
+/// line, if the system does not report memory.
 fn bytes_a_cell([few, many]: [usize; 2], peak: impl Fn(&Path, usize) -> Option<u64>) -> u64 {
     let [Some(small), Some(large)] = [few, many].map(|cells| peak(folder(cells).path(), cells)) else {
         eprintln!("skipped: the system does not report the memory of a process");
@@ -59,7 +59,7 @@ fn bytes_a_cell([few, many]: [usize; 2], peak: impl Fn(&Path, usize) -> Option<u
     bytes
 }
 
-/// Peak, KiB, of a plan when its first line comes out; its text must be whole all the same.
+/// Peak memory of a plan, KiB, when its first line appears. Its text must still be complete.
 fn plan_peak(dir: &Path, cells: usize) -> Option<u64> {
     let mut child =
         command(dir, &["plan", "growth.toml", "--json", "--no-cache"]).stdout(Stdio::piped()).spawn().unwrap();
@@ -84,7 +84,7 @@ fn a_plan_is_written_as_it_is_made() {
     assert!(bytes < 4000, "{bytes} bytes a cell: as JSON values alone a cell takes 12,000");
 }
 
-/// Peak of a command that succeeds, KiB, or `None` where the system does not tell.
+/// Peak memory of a command that succeeds, KiB; `None` if the system does not report it.
 fn peak_of(dir: &Path, arguments: &[&str]) -> Option<u64> {
     let mut child = command(dir, arguments).stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
     let mut peak = None;
@@ -106,7 +106,7 @@ fn a_run_of_four_times_the_cells_takes_little_more_memory() {
     }
     let bytes = bytes_a_cell([200, 800], |dir, _| {
         let peak = peak_of(dir, &["run", "growth.toml", "--no-cache"]);
-        // No image of a design is in the report, nor in a sheet.
+        // Neither the report nor a sheet has an image of a design.
         let run = dir.join("runs/growth");
         let report = std::fs::metadata(run.join("report.html")).unwrap().len();
         assert!(report < 4_000_000, "{report}");
@@ -138,7 +138,7 @@ fn a_finished_run_ends_at_once_unless_a_file_was_touched() {
     let first = ok(dir.path(), &run);
     let cells = dir.path().join("runs/growth/cells");
     let record = cells.join(&super::entries(&cells)[0]);
-    // What has its size and its time of change is not read again.
+    // A file with unchanged size and modification time is not read again.
     let (text, time) =
         (std::fs::read_to_string(&record).unwrap(), std::fs::metadata(&record).unwrap().modified().unwrap());
     std::fs::write(&record, text.replace("relmse", "wrong!")).unwrap();
@@ -146,12 +146,12 @@ fn a_finished_run_ends_at_once_unless_a_file_was_touched() {
     let again = splitsum(dir.path(), &run);
     assert!(again.status.success() && stderr(&again).is_empty(), "{}", stderr(&again));
     assert_eq!(super::stdout(&again), first);
-    // Touched, it is, and its fault is found and mended.
+    // A changed modification time causes a check, which finds and repairs the fault.
     std::fs::File::options().write(true).open(&record).unwrap().set_modified(time + Duration::from_secs(1)).unwrap();
-    let mended = splitsum(dir.path(), &run);
-    assert!(mended.status.success() && stderr(&mended).contains("damaged"), "{}", stderr(&mended));
+    let repaired = splitsum(dir.path(), &run);
+    assert!(repaired.status.success() && stderr(&repaired).contains("damaged"), "{}", stderr(&repaired));
     assert!(std::fs::read_to_string(&record).unwrap().contains("relmse"));
-    // Neither another program's mark nor one of another experiment counts.
+    // A mark of another program or of another experiment does not count.
     let other = std::fs::read_to_string(dir.path().join("growth.toml")).unwrap() + "# other\n";
     std::fs::write(dir.path().join("growth.toml"), other).unwrap();
     assert!(ok(dir.path(), &run).contains("Written to"));

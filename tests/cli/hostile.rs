@@ -1,4 +1,4 @@
-//! Names, files and folders that are not what they seem. None of it needs a device.
+//! Hostile names, files and folders. No test needs a device.
 
 use super::{ok, published, splitsum, stderr, stdout};
 use std::path::Path;
@@ -56,7 +56,7 @@ fn a_folder_where_a_file_belongs_is_bad_input() {
 
 #[cfg(target_os = "linux")]
 #[test]
-fn nothing_is_published_where_nothing_can_be_made() {
+fn nothing_is_published_if_the_folder_cannot_be_created() {
     let root = tempfile::tempdir().unwrap();
     published(root.path(), "run");
     let output = splitsum(root.path(), &["answers", "run", "--publish", "/proc/splitsum"]);

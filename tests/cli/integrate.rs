@@ -1,4 +1,4 @@
-//! `splitsum integrate` through the binary: outside answers, every fault of a table, files left whole.
+//! `splitsum integrate` through the binary: independent answers, every fault of a table, outputs that stay complete.
 
 use super::{assert_refusals, entries, splitsum, stderr, stdout};
 use splitsum::table::csv::Table;
@@ -6,7 +6,7 @@ use std::path::Path;
 
 /// Relative accuracy of the golden queries.
 const QUERY_TOLERANCE: f64 = 2e-4;
-/// What `--tolerance` promises by default, 1e-5, and as much again for Schlick's part.
+/// The default `--tolerance` is 1e-5, and Schlick's part may add as much again.
 const BOUND: f64 = 2e-5;
 
 fn golden(name: &str) -> Table {
@@ -22,19 +22,19 @@ fn folder(queries: &str) -> tempfile::TempDir {
     dir
 }
 
-/// Answers to a table, read from the file that `--out` names; all of them reach their tolerance.
+/// Answers to a table, read from the file of `--out`; all reach their tolerance.
 fn answers(queries: &str, arguments: &[&str]) -> Table {
     let dir = folder(queries);
     let output = splitsum(dir.path(), &[&["integrate", "q.csv", "--out", "a.csv"], arguments].concat());
     let notes = stderr(&output);
-    // A slow machine shows how far it is.
+    // Shows the progress on a slow machine.
     assert!(output.status.success() && notes.lines().all(|line| line.ends_with(" left: integrating")), "{notes}");
     assert_eq!(stdout(&output), "");
     assert_eq!(entries(dir.path()), ["a.csv", "env_analytic.exr", "q.csv"]);
     Table::read(&dir.path().join("a.csv")).unwrap()
 }
 
-/// Some columns of a table as CSV under other names.
+/// Some columns of a table, renamed, as CSV.
 fn as_queries(table: &Table, columns: &[(&str, &str)]) -> String {
     let names: Vec<&str> = columns.iter().map(|(_, name)| *name).collect();
     let places: Vec<usize> = columns.iter().map(|(column, _)| table.column(column).unwrap()).collect();
@@ -46,7 +46,7 @@ fn numbers(table: &Table, column: &str) -> Vec<f64> {
     table.numbers(column).unwrap().into_iter().map(Option::unwrap).collect()
 }
 
-/// Three columns against three of a golden table, relative to the brightest channel, and the bounds of the answers.
+/// Compares three columns with three columns of a golden table, relative to the brightest channel, and checks the bounds of the answers.
 fn assert_golden(answers: &Table, ours: &str, golden: &Table, theirs: &str, tolerance: f64, bound: f64) {
     let channels = |table: &Table, name: &str| ["r", "g", "b"].map(|c| numbers(table, &format!("{name}{c}")));
     let (found, expected) = (channels(answers, &format!("{ours}_")), channels(golden, theirs));
@@ -76,7 +76,7 @@ const SURFACE: [(&str, &str); 10] = [
 ];
 
 #[test]
-fn golden_queries_are_met() {
+fn answers_match_golden_queries() {
     let golden = golden("queries.csv");
     let queries = as_queries(&golden, &[&[("f0", "f0")], &SURFACE[..]].concat());
     let found = answers(&queries, &["--kind", "shading"]);
@@ -94,7 +94,7 @@ fn golden_queries_are_met() {
 }
 
 #[test]
-fn golden_albedos_are_met() {
+fn answers_match_golden_albedos() {
     // Variants of the golden table as model and masking.
     let golden = golden("dfg.csv");
     let mut queries = String::from("brdf,masking,n_dot_v,alpha\n");
@@ -118,7 +118,7 @@ fn golden_albedos_are_met() {
 }
 
 #[test]
-fn golden_prefiltered_texels_are_met() {
+fn answers_match_golden_prefiltered_texels() {
     let golden = golden("prefilter.csv");
     let columns =
         [("rz", "rz"), ("ry", "ry"), ("rx", "rx"), ("alpha", "alpha"), ("model", "brdf"), ("env", "environment")];
@@ -143,7 +143,7 @@ fn diffuse_rungs_follow_from_irradiance_and_coefficients() {
     for (c, channel) in ["r", "g", "b"].iter().enumerate() {
         let of = |answers, name: &str| numbers(answers, &format!("{name}_{channel}"))[0];
         let coefficient = |k: usize| golden[k][c].as_f64().unwrap();
-        // E/π at -y: of the nine functions only Y00, Y1-1, Y20 and Y22 are not 0.
+        // E/π at -y: only Y00, Y1-1, Y20 and Y22 of the nine functions are not 0.
         let linear = 0.282094792 * coefficient(0) - 2.0 / 3.0 * 0.488602512 * coefficient(1);
         let truncated = linear - 0.25 * (0.315391565 * coefficient(6) + 0.546274215 * coefficient(8));
         for (name, right) in [
@@ -207,7 +207,7 @@ fn wrong_tables_are_refused() {
         ("rows.csv", format!("{HEADER}\n{}\n", rows.join("\n"))),
         ("slip.csv", format!("{}\n{row}\n", HEADER.replace("alpha", "alhpa"))),
         ("columns.csv", format!("{HEADER},n_dot_v,masking,masking,colour\n{row},1,a,b,red\n")),
-        // A column too many does not hide the rows.
+        // An extra column does not hide the faults of rows.
         ("colour.csv", format!("{HEADER},colour\n{row},red\n")),
         ("empty.csv", String::new()),
         ("header.csv", format!("{HEADER}\n\n")),
@@ -246,7 +246,7 @@ fn wrong_tables_are_refused() {
 }
 
 #[test]
-fn spreadsheets_and_editors_leave_their_marks() {
+fn marks_of_spreadsheets_and_editors_are_ignored() {
     // A byte order mark, CRLF, blanks around cells, quotes and a blank line change nothing.
     let plain = answers("id,brdf,alpha,n_dot_v\na,ggx,0.5,0.25\nb,phong,0.1,0.9\n", &["--kind", "dfg"]);
     let marked = "\u{feff}id,brdf, alpha ,n_dot_v\r\na,ggx,0.5,0.25\r\n\r\n\"b\",\"phong\", 0.1,0.9\r\n";

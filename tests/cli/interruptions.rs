@@ -1,5 +1,5 @@
-//! Runs that are killed, that fill the disk, that meet each other: what is done is kept, and the end is the same. On whatever Vulkan
-//! device there is; without one the tests skip with a line.
+//! Runs that are killed, that fill the disk, or that share a folder: finished work is kept, and the result is the same.
+//! They use any Vulkan device; without one they skip with a line.
 
 use super::end_to_end::folder;
 use super::{assert_ends, command, ok, splitsum, stderr};
@@ -17,7 +17,7 @@ fn table(dir: &Path, out: &str, name: &str) -> Vec<u8> {
     std::fs::read(dir.join(out).join(name)).unwrap()
 }
 
-/// Every file of the run but those that tell of its invocations.
+/// Every file of the run except the files that describe its invocations.
 fn files(dir: &Path) -> Vec<String> {
     let mut names = Vec::new();
     for entry in std::fs::read_dir(dir).unwrap().map(Result::unwrap) {
@@ -38,7 +38,7 @@ fn a_run_killed_at_twenty_moments_ends_with_the_same_tables() {
     let started = Instant::now();
     run_to(dir.path(), "whole");
     let whole = started.elapsed();
-    // Moments spread over the time of a whole run by the golden ratio, so that they fall into every phase of it.
+    // Moments spread over the duration of a run by the golden ratio, so that they hit every phase.
     for kill in 0..KILLS {
         let moment = whole.mul_f64((0.05 + kill as f64 * 0.618_034).fract());
         let mut child = command(dir.path(), &["run", "tiny.toml", "--out", "killed"])
@@ -60,7 +60,7 @@ fn a_run_killed_at_twenty_moments_ends_with_the_same_tables() {
     assert_eq!(files(&dir.path().join("killed")), files(&dir.path().join("whole")));
 }
 
-/// A small file system of its own, gone at the end of the test. `None` where mounting is not allowed.
+/// A small file system, removed at the end of the test. `None` if mounting is not allowed.
 struct SmallDisk(std::path::PathBuf);
 
 impl SmallDisk {
@@ -88,7 +88,7 @@ impl Drop for SmallDisk {
 
 #[cfg(target_os = "linux")]
 #[test]
-fn a_closed_standard_error_stops_no_run() {
+fn a_closed_standard_error_does_not_stop_a_run() {
     let Some(dir) = folder() else { return };
     let full = || std::fs::OpenOptions::new().write(true).open("/dev/full").unwrap();
     let run = command(dir.path(), &["run", "tiny.toml", "--out", "run"]).stderr(full()).status().unwrap();
@@ -106,7 +106,7 @@ fn a_full_disk_below_the_caches_costs_a_warning() {
         eprintln!("skipped: a small file system cannot be mounted (needs root)");
         return;
     };
-    // Full to the last page, so that the driver's index of shaders has none.
+    // Full to the last page, so that no page is left for the driver's shader cache.
     let _ = std::fs::write(dir.path().join("disk/fill"), vec![0; 1 << 16]);
     let mut command = command(dir.path(), &["run", "tiny.toml", "--out", "run"]);
     let output = command.env("XDG_CACHE_HOME", dir.path().join("disk")).output().unwrap();

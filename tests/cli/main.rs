@@ -30,7 +30,7 @@ fn splitsum(dir: &Path, arguments: &[&str]) -> Output {
 fn command(dir: &Path, arguments: &[&str]) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_splitsum"));
     command.current_dir(dir).args(arguments);
-    // One cache for all tests, as a user has one for all runs, and not the user's.
+    // One cache for all tests, as one user's runs share one, but not the user's own.
     command.env("XDG_CACHE_HOME", &*CACHE_HOME).env_remove("LOCALAPPDATA").env_remove("HOME");
     command
 }
@@ -46,14 +46,14 @@ fn stderr(output: &Output) -> String {
     String::from_utf8_lossy(&output.stderr).into_owned()
 }
 
-/// What a command that must succeed prints.
+/// The output of a command that must succeed.
 fn ok(dir: &Path, arguments: &[&str]) -> String {
     let output = splitsum(dir, arguments);
     assert!(output.status.success(), "{}", stderr(&output));
     stdout(&output)
 }
 
-/// An exit code, parts of the message, and no panic.
+/// Checks exit code and parts of the message, and that there is no panic.
 fn assert_ends(output: &Output, code: i32, parts: &[&str]) {
     let message = stderr(output);
     assert_eq!(output.status.code(), Some(code), "{message}");
@@ -71,7 +71,7 @@ fn entries(dir: &Path) -> Vec<String> {
     names
 }
 
-/// Runs commands that must be refused: none panics or changes the folder. The snapshot has their exit codes and messages.
+/// Runs commands that must be refused. No command panics or changes the folder. The snapshot has exit codes and messages.
 fn assert_refusals(name: &str, dir: &Path, commands: &[&str]) {
     let files = || {
         let of = |name: &String| std::fs::metadata(dir.join(name)).map(|of| (of.len(), of.modified().ok())).ok();
@@ -92,7 +92,7 @@ fn assert_refusals(name: &str, dir: &Path, commands: &[&str]) {
     assert_snapshot(name, &shown.collect::<Vec<_>>().join("\n"));
 }
 
-/// A copy of a published run in a folder of that name.
+/// A copy of a published run, in a folder of the same name.
 fn published(root: &Path, name: &str) -> PathBuf {
     let (from, dir) = (Path::new(env!("CARGO_MANIFEST_DIR")).join("results/timing"), root.join(name));
     std::fs::create_dir(&dir).unwrap();

@@ -1,5 +1,4 @@
-//! One experiment by several processes in one folder, on whatever Vulkan device there is; without one the tests skip with a
-//! line.
+//! One experiment by several processes in one folder, on any Vulkan device; without one the tests skip with a line.
 
 use super::end_to_end::{EXPERIMENT, folder};
 use super::{assert_ends, command, entries, ok, splitsum, stderr};
@@ -15,7 +14,7 @@ fn shards_make_the_run_of_one_process() {
     let again = "splitsum run shared/experiment.toml --out shared --shard 2/2";
     let missing = ["are missing:", &format!("shard 2/2, never started: {again}")];
     assert_ends(&splitsum(dir, &["merge", "shared"]), 4, &missing);
-    // From another folder.
+    // The second shard starts in another folder.
     std::fs::create_dir(dir.join("elsewhere")).unwrap();
     let text =
         ok(&dir.join("elsewhere"), &["run", "../shared/experiment.toml", "--shard", "2/2", "--out", "../shared"]);
@@ -29,7 +28,7 @@ fn shards_make_the_run_of_one_process() {
     assert_eq!(entries(&dir.join("shared/images")), entries(&dir.join("whole/images")));
 }
 
-/// Elsewhere than on a terminal work says every few seconds that it goes on.
+/// Without a terminal, long work prints a line every few seconds.
 #[test]
 fn long_work_shows_signs_of_life() {
     let Some(dir) = folder() else { return };
@@ -40,7 +39,7 @@ fn long_work_shows_signs_of_life() {
     child.kill().unwrap();
     child.wait().unwrap();
     assert!(found.is_some_and(|line| line.contains("second")), "no line");
-    // Short work says nothing.
+    // Short work prints no progress.
     let begun = std::time::Instant::now();
     let output = splitsum(dir.path(), &["render", "--size", "8x8", "--method", "split-sum", "--out", "x.exr"]);
     let is_short = begun.elapsed().as_secs_f64() < 1.0;

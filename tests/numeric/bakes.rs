@@ -1,4 +1,4 @@
-//! Tables of other tools: their files against closed forms, what is hostile, and how the parts of a bake are found.
+//! Tables of other tools: files against closed forms, hostile files, and the search for the parts of a bake.
 
 pub mod files;
 mod make;
@@ -14,7 +14,7 @@ use splitsum::bakes::source::{Reading, read};
 use splitsum::pixels::{GrayImage, RgbImage, exr};
 use std::path::Path;
 
-/// A texel of a format that stands for small whole numbers of its own, and what it stands for.
+/// A texel of a format, and the small whole numbers that it encodes.
 fn encoded(texel: &Texel, [r, g, b]: [u32; 3]) -> (Vec<u8>, [f32; 3]) {
     let channels = [r, g, b, 1].map(|value| value as f32);
     let count = match texel.name {
@@ -39,12 +39,12 @@ fn encoded(texel: &Texel, [r, g, b]: [u32; 3]) -> (Vec<u8>, [f32; 3]) {
     }
 }
 
-/// Where a texel stands, as a colour: face and level, column, row.
+/// The place of a texel as a colour: face and level, column, row.
 fn place(face: u32, level: u32, x: u32, y: u32) -> [u32; 3] {
     [1 + face + 8 * level, 1 + x, 1 + y]
 }
 
-/// A cube of 4 with its levels, each texel of its own colour; as bytes and as what they stand for.
+/// A cube of 4 with its levels, each texel of its own colour: as bytes, and as decoded colours.
 fn marker(texel: &Texel, faces: u32) -> (Vec<Level>, Vec<Vec<RgbImage>>) {
     let sides = [4, 2, 1];
     let bytes = |level: u32, face: u32| {
@@ -82,7 +82,7 @@ fn every_pixel_format_is_read_from_every_container() {
 
 /// [Vulkan13]: floats of 11 and 10 bits have 6 and 5 bits of mantissa, an exponent of bias 15, and denormals.
 #[test]
-fn packed_floats_are_their_formulas() {
+fn packed_floats_follow_their_formulas() {
     let one = |name: &str, word: u32| {
         let texel = TEXELS.iter().find(|texel| texel.name == name).unwrap();
         let file = files::ktx2(texel, 1, &[vec![word.to_le_bytes().to_vec()]], false);
@@ -117,7 +117,7 @@ fn hostile_files_are_refused_with_the_fact() {
         changed[at..at + 4].copy_from_slice(&word.to_le_bytes());
         changed
     };
-    // Width, height, depth, layers, faces, levels stand from byte 20 on; the level index from 80.
+    // Width, height, depth, layers, faces and levels begin at byte 20, the level index at 80.
     refused("x.ktx2", &with(&good, 20, 8), "its faces are 8x4");
     let huge = with(&with(&good, 20, 1 << 30), 24, 1 << 30);
     refused("x.ktx2", &huge, "which take");
@@ -127,10 +127,10 @@ fn hostile_files_are_refused_with_the_fact() {
     refused("x.ktx2", &with(&with(&good, 20, 2), 24, 2), "3 levels of 2x2");
     let first = u32::from_le_bytes(good[80..84].try_into().unwrap());
     refused("x.ktx2", &with(&good, 104, first), "share bytes");
-    refused("x.ktx2", &good[..good.len() - 1], "not a complete KTX 2 file");
+    refused("x.ktx2", &good[..good.len() - 1], "expected a complete KTX 2 file");
     refused("x.ktx2", &with(&good, 12, 37), "R8G8B8A8_UNORM");
 
-    // Of 64 MiB of zeros a few kilobytes; the header says 4 x 4 texels.
+    // 64 MiB of zeros pack into a few kilobytes; the header claims 4 x 4 texels.
     let mut bomb = levels.clone();
     bomb[0] = vec![vec![0; 1 << 26]];
     let bomb = with(&files::ktx2(texel, 4, &bomb, true), 36, 6);

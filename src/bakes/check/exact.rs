@@ -1,4 +1,4 @@
-//! What the texels of a level should be.
+//! Exact texels of a level.
 
 use super::directions::Directions;
 use super::{Truth, has_width};

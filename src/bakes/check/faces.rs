@@ -64,7 +64,7 @@ pub fn slip(truth: &Truth, directions: &Directions, found: &[DVec3], exact: &[DV
     Some((words(held)?, left / own))
 }
 
-/// Describes what each face holds: which face, and its turn. `None` for a black face.
+/// Finds which face each face holds, and its turn. `None` for a black face.
 fn words(held: [Option<(usize, usize)>; FACE_COUNT]) -> Option<String> {
     let moved = |face: usize| held[face] != Some((face, 0));
     let odd: Vec<usize> = (0..FACE_COUNT).filter(|face| moved(*face)).collect();

@@ -1,6 +1,6 @@
 //! Effect of given tables on an image, rung by rung, each compared with the exact integral.
 //!
-//! The surfaces are those of the scene `design` ([`design::frame`]). With A and B the exact directional albedo and
+//! The surfaces come from the scene `design` ([`design::frame`]). With A and B the exact directional albedo and
 //! `m(r, alpha)` exact prefiltered radiance:
 //!
 //! 1. the split sum, `(f0 A + B) m(r, alpha)`;
@@ -8,8 +8,7 @@
 //! 3. the map: m from the given texels;
 //! 4. the table: A and B from the given texels.
 //!
-//! If the split sum errs far more than the tables, rungs barely move, so the last rung is also compared with the
-//! first.
+//! If the split sum errs far more than the tables, rungs barely move, so the last rung is also compared with the first.
 
 use super::level::level_of;
 use super::{Truth, has_width, relative_square};

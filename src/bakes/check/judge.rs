@@ -8,7 +8,7 @@ use super::sh::{self, ShScore};
 use super::table::{self, TableScore};
 use super::{GOOD, Truth};
 use crate::bakes::convention::{Axes, Convention, PRESETS, Preset};
-use crate::bakes::parts::{Bake, Told};
+use crate::bakes::parts::{Bake, Stated};
 use crate::brdf::{Brdf, Ggx, MaskingShadowing};
 use crate::environment::Environment;
 use crate::precompute::prefilter::{Kernel, WEIGHTS, Weight};
@@ -36,7 +36,7 @@ pub struct Judged {
     pub table_way: Option<String>,
     /// Finest level first.
     pub levels: Vec<LevelScore>,
-    /// What the widths of all levels say of the chain, if it is not the assumed one.
+    /// Verdict on the chain from the widths of all levels, unless it is the assumed chain.
     pub chain: Option<String>,
     pub irradiance: Option<LevelScore>,
     pub dfg: Option<TableScore>,
@@ -51,15 +51,15 @@ pub struct Judged {
 pub const IRRADIANCE: &str = "irradiance map";
 
 impl Judging {
-    /// Judges GGX by the conventions that the files state, else by those of `splitsum bake`. Fails on an unknown name.
-    pub fn stated(told: &Told) -> Result<Self, String> {
-        let preset = told.preset.as_deref().map_or(Ok(&PRESETS[0]), Preset::parse)?;
+    /// Judges GGX by the conventions that the files state, else by the conventions of `splitsum bake`. Fails on an unknown name.
+    pub fn stated(stated: &Stated) -> Result<Self, String> {
+        let preset = stated.preset.as_deref().map_or(Ok(&PRESETS[0]), Preset::parse)?;
         let mut convention = preset.convention();
-        convention.alphas = told.alphas.clone();
-        if let Some(name) = &told.masking {
+        convention.alphas = stated.alphas.clone();
+        if let Some(name) = &stated.masking {
             convention.masking = *MaskingShadowing::parse(name)?;
         }
-        let weight = told.weight.as_deref().map_or(Ok(&WEIGHTS[0]), Weight::parse)?;
+        let weight = stated.weight.as_deref().map_or(Ok(&WEIGHTS[0]), Weight::parse)?;
         Ok(Self { brdf: &Ggx, weight, convention, is_guessed: false, has_image: false })
     }
 
@@ -81,7 +81,7 @@ impl Judging {
         let kernel = Kernel::new(self.brdf, self.weight, convention.masking);
         let alphas = bake.specular.as_ref().map_or(Ok(Vec::new()), |map| convention.alphas(map.levels.len()))?;
         doing("integrating the exact maps");
-        // The surfaces of an image have widths of their own.
+        // The surfaces of an image have their own widths.
         let truth = &Truth::judging(environment, kernel, &[&alphas[..], &image::ALPHAS].concat());
         doing("comparing the axes");
         let mut axes = Vec::new();
@@ -168,7 +168,7 @@ impl Judged {
         })
     }
 
-    /// Names each part and what is wrong with it, neighbouring levels of one verdict together.
+    /// Lists each part with its verdict; neighbouring levels of one verdict share a line.
     pub fn parts(&self) -> Vec<(String, &str)> {
         let mut parts: Vec<(String, &str)> = Vec::new();
         let mut first = 0;
@@ -188,7 +188,7 @@ impl Judged {
         parts
     }
 
-    /// Says in one line what is wrong, the cause of the most levels first; `None` if nothing is.
+    /// Summarises the faults in one line, the cause of the most levels first; `None` without faults.
     pub fn wrong(&self) -> Option<String> {
         let doubt = self.axes.iter().find_map(|(what, fits)| self.doubt(what, fits));
         if let Some(cause) = doubt.or_else(|| self.chain.clone()) {

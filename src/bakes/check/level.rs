@@ -34,7 +34,7 @@ pub struct LevelScore {
     pub worst: Worst,
     /// Set if the level is not [`GOOD`].
     pub fit: Option<Fit>,
-    /// What explains the error, if not the fit.
+    /// Slip that explains the error, if the fit does not.
     pub slip: Option<Slip>,
     pub verdict: String,
 }
@@ -53,7 +53,7 @@ pub fn score(truth: &Truth, map: &Map, convention: &Convention) -> Result<Vec<Le
         let level =
             |of_cut| slip::Level { truth, of_cut, directions: &directions, found: &found, exact: &exact, alpha };
         let slip = is_wrong.then(|| level(&of_cut).slip()).flatten();
-        // Width and gain explain what they explain as well.
+        // A slip must explain clearly more than width and gain do.
         let slip = slip.filter(|slip| fit.is_none_or(|fit| slip.left < 0.5 * fit.left));
         let between = has_width(alpha).then(|| between_texels(truth, map.layout, faces, convention, alpha));
         let verdict = match &slip {

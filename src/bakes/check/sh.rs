@@ -27,7 +27,7 @@ pub struct ShScore {
     pub verdict: String,
 }
 
-/// Scores coefficients; `axes` are those of the bake's maps.
+/// Scores coefficients; `axes` are the axes of the bake's maps.
 pub fn score(truth: &Truth, found: &Coefficients, axes: Axes) -> ShScore {
     let image = &truth.environment.image;
     let exact = project_bilinear(&EquirectQuadrature::new(image.width, image.height, |x, y| image.get(x, y)));

@@ -13,7 +13,7 @@ use glam::{DMat3, DVec3, Vec3Swizzles};
 /// A slip that explains a level.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Slip {
-    /// What is wrong; if there is one, the flag or setting that corrects it.
+    /// The slip; if there is one, the flag or setting that corrects it.
     pub words: String,
     /// relMSE that remains over the level's own.
     pub left: f64,
@@ -77,7 +77,7 @@ fn log_luv(x: DVec3) -> DVec3 {
     DVec3::new(x / sum, y / sum, (log - (255.0 * log.fract()).floor() / 255.0) / 255.0)
 }
 
-/// A level, and what it should be.
+/// A level with its exact values.
 pub struct Level<'a> {
     pub truth: &'a Truth<'a>,
     /// The truth of the same map, cut at 1.
@@ -102,7 +102,7 @@ impl Level<'_> {
         let slips = slips.chain(sample.turn()).chain(
             faces::slip(self.truth, self.directions, self.found, self.exact).map(|(words, left)| Slip { words, left }),
         );
-        // Of another map, a slip that flattens the level leaves a small part of a huge error.
+        // For another map, a slip that flattens the level leaves a small part of a huge error.
         let is_close = |slip: &Slip| slip.left <= EXPLAINED && slip.left * sample.own <= CLOSE;
         slips.filter(is_close).min_by(|a, b| a.left.total_cmp(&b.left))
     }

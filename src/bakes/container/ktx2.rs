@@ -13,8 +13,7 @@ use std::borrow::Cow;
 use std::io::Read;
 
 pub fn read(bytes: &[u8]) -> Result<Texture, Fault> {
-    let no_file =
-        |error: ParseError| Fault::new(format!("is not a complete KTX 2 file ({error})"), "a complete KTX 2 file");
+    let no_file = |error: ParseError| Fault::new(format!("cannot be read ({error})"), "a complete KTX 2 file");
     let whole = |found: Option<_>| found.ok_or(ParseError::UnexpectedEnd).map_err(no_file);
     // The crate's own reader panics at unexpected data format descriptors.
     let header = bytes.first_chunk().ok_or(ParseError::UnexpectedEnd).and_then(Header::from_bytes).map_err(no_file)?;

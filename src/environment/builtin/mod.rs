@@ -61,14 +61,6 @@ pub(super) fn nearest(word: &str) -> Option<&'static str> {
     spelling::nearest(word, &BUILTINS.iter().map(|builtin| builtin.name).collect::<Vec<_>>())
 }
 
-fn hint(word: &str, names: &[&'static str]) -> String {
-    match spelling::nearest(word, names) {
-        Some(name) => format!("did you mean {name:?}? Known: {}", names.join(", ")),
-        None if names.is_empty() => "it has no parameters".to_owned(),
-        None => format!("known: {}", names.join(", ")),
-    }
-}
-
 /// Makes the map of `formula` (`NAME` or `NAME:PARAMETER=VALUE,...`), which is `spec` without its prefix.
 pub(super) fn make(spec: &str, formula: &str, size: [u32; 2]) -> Result<RgbImage, EnvironmentError> {
     let bad = |parameter: &str, value: &str, expected: String| {
@@ -77,7 +69,7 @@ pub(super) fn make(spec: &str, formula: &str, size: [u32; 2]) -> Result<RgbImage
     let (name, assignments) = formula.split_once(':').unwrap_or((formula, ""));
     let builtin = BUILTINS.iter().find(|builtin| builtin.name == name).ok_or_else(|| {
         let names: Vec<_> = BUILTINS.iter().map(|builtin| builtin.name).collect();
-        unusable(spec, format!("there is no builtin {name:?}; {}", hint(name, &names)))
+        unusable(spec, spelling::not_one_of("built-in environment", name, &names, ""))
     })?;
     let texels = u64::from(size[0]) * u64::from(size[1]);
     if texels == 0 || texels > ENVIRONMENT_TEXELS_MAX {
@@ -94,7 +86,7 @@ pub(super) fn make(spec: &str, formula: &str, size: [u32; 2]) -> Result<RgbImage
         let (key, text) = (key.trim(), text.trim());
         let parameter = builtin.parameters.iter().find(|p| p.name == key).ok_or_else(|| {
             let names: Vec<_> = builtin.parameters.iter().map(|p| p.name).collect();
-            unusable(spec, format!("builtin {name} has no parameter {key:?}; {}", hint(key, &names)))
+            unusable(spec, spelling::not_one_of(&format!("parameter of {name}"), key, &names, ""))
         })?;
         if given.contains(&key) {
             return Err(bad(key, text, "one value for each parameter".to_owned()));

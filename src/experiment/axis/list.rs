@@ -1,4 +1,4 @@
-//! The list of all axes but those of tables, which are in [`super::tables`].
+//! The list of all axes except the axes of tables ([`super::tables`]).
 
 use super::plain::{LEVELS, PLAIN, first};
 use super::tables::{DFG, IRRADIANCE, MIPS, PREFILTER, SH9, TABLE_AXES};

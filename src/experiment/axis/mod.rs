@@ -24,10 +24,10 @@ use crate::shade::{DIFFUSE, Diffuse, METHODS, Method, Shading};
 use crate::tonemap::ToneCurve;
 use std::ops::{Index, IndexMut};
 
-/// What the values of an axis distinguish.
+/// The role of an axis: which things its values distinguish.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Part {
-    /// What is seen and its light. The reference takes the same value.
+    /// Scene and light. The reference has the same value.
     Case,
     /// Ways to compute a term.
     Method,

@@ -4,7 +4,7 @@ use super::{AXES, Axis, Symbol};
 use crate::experiment::value::{Kind, Raw, Value};
 use crate::spelling::{in_words, nearest, suggestion};
 
-/// A second name of an axis, with values of its own.
+/// A second name of an axis, with its own values.
 #[derive(Clone, Copy, Debug)]
 pub struct Spelling {
     pub name: &'static str,
@@ -100,7 +100,7 @@ impl Named {
         self.spelling.map_or(self.entry().kind, |spelling| spelling.kind)
     }
 
-    /// Parses a value of this name; the error says what was expected.
+    /// Parses a value of this name; the error names the expected values.
     pub fn parse(self, raw: &Raw) -> Result<Value, String> {
         self.kind().parse(raw).map(|value| self.of_axis(value))
     }
@@ -128,7 +128,7 @@ pub fn fields(axis: usize, value: &Value) -> impl Iterator<Item = String> + use<
     [value.to_string()].into_iter().chain(of_second.map(|value| value.to_string()))
 }
 
-/// Names that users try, with what to write instead.
+/// Names that users try, with the correction.
 const AMBIGUOUS: &[(&str, &str)] =
     &[("roughness", "write perceptual_roughness (what materials store), or alpha, which is its square")];
 

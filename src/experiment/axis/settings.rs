@@ -1,4 +1,4 @@
-//! What the values of a point mean to the renderer.
+//! Turns the values of a point into settings of the renderer.
 
 use crate::bakes::given::{Given, OWN};
 use crate::cost::child::Job;
@@ -41,7 +41,7 @@ pub struct View {
     pub antialias: bool,
     pub lights: Vec<Light>,
     pub seed: u32,
-    /// Samples of a reference diffuse term beside another specular method.
+    /// Samples of a reference diffuse term if the specular method is not a reference.
     pub reference_samples: u32,
     /// Stops a reference earlier: largest relative standard error of each term.
     pub reference_error: Option<f64>,
@@ -102,7 +102,7 @@ impl Settings {
     }
 }
 
-/// What an experiment measures against.
+/// The image that an experiment compares with.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Reference {
     pub method: String,
@@ -118,7 +118,7 @@ pub enum Terms {
     /// The terms that the cell has.
     #[default]
     Cell,
-    /// Always specular and diffuse, so a cell without a term is scored on what it lacks.
+    /// Always specular and diffuse, so the score of a cell includes a term that it lacks.
     All,
 }
 

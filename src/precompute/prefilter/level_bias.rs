@@ -1,10 +1,9 @@
 //! Level biases of well-known prefilters: offsets to the level whose texel covers the solid angle of a sample.
 //!
-//! The level of filtered importance sampling is `l = 1/2 log2(omega_s / omega_p) + b` \[Colbert07\], with `omega_s = 1
-//! / (N pdf)` the solid angle of a sample and `omega_p` the one of a texel of level 0. Programs with another `omega_p`
-//! or an added constant have a bias `b`. Programs whose offset varies over the map are excluded. All belong to
-//! prefilters of about a thousand samples per texel, so they are names on the axis of the prefiltered map, not of
-//! per-pixel sampling.
+//! The level of filtered importance sampling is `l = 1/2 log2(omega_s / omega_p) + b` \[Colbert07\], with `omega_s = 1 / (N pdf)`
+//! the solid angle of a sample and `omega_p` the one of a texel of level 0. Programs with another `omega_p` or an added constant
+//! have a bias `b`. Programs whose offset varies over the map are excluded. All belong to prefilters of about a thousand samples
+//! per texel, so they are names on the axis of the prefiltered map, not of per-pixel sampling.
 
 #[derive(Clone, Copy, Debug)]
 pub struct LevelBias {

@@ -35,7 +35,7 @@ pub fn map(gpu: &Gpu, layout: &MapLayout, size: [u32; 2], level_count: u32) -> R
     gpu.faced_image("prefiltered map", size, layout.face_count, level_count, Format::Rgba32Float)
 }
 
-/// What the levels of a map contain.
+/// Contents of the levels of a map.
 #[derive(Clone, Copy, Debug)]
 pub struct Recipe {
     pub kernel: Kernel,

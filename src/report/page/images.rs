@@ -1,7 +1,7 @@
 //! Chooses the images of the page: all of them whole if they fit the budget, else a window of native texels of each. Images are never
 //! reduced: averaging texels would hide noise.
 
-use super::told::Told;
+use super::page_run::PageRun;
 use crate::experiment::axis::SCENE;
 use crate::experiment::value::Value;
 use crate::metrics::{Comparison, Epsilon};
@@ -74,7 +74,7 @@ pub struct ImageSet {
     pub images: Vec<EmbeddedImage>,
     /// Base64 texts.
     pub payloads: Vec<String>,
-    /// What was omitted or cropped, one sentence each.
+    /// Omissions and crops, one sentence each.
     pub notes: Vec<String>,
     /// By run and file name.
     pub index: BTreeMap<(usize, String), usize>,
@@ -93,7 +93,7 @@ pub struct CropError {
 }
 
 /// Collects the images of all runs. An unreadable file becomes a note; a crop outside of all images is an error.
-pub fn collect(runs: &[Told], choice: Choice, budget: usize) -> Result<ImageSet, CropError> {
+pub fn collect(runs: &[PageRun], choice: Choice, budget: usize) -> Result<ImageSet, CropError> {
     let mut set = ImageSet::list(runs);
     match choice {
         Choice::None => {
@@ -133,7 +133,7 @@ pub fn collect(runs: &[Told], choice: Choice, budget: usize) -> Result<ImageSet,
                 set.embed_windows(runs, budget, bytes_per_texel, &wanted);
             }
             if wanted.len() < set.images.len() {
-                let note = "Not all images fit the page: only those of the first point set are embedded; the EXR files of all are \
+                let note = "Not all images fit the page: only the images of the first point set are embedded; the EXR files of all are \
                             linked.";
                 set.notes.insert(0, note.to_owned());
             }
@@ -149,7 +149,7 @@ pub fn collect(runs: &[Told], choice: Choice, budget: usize) -> Result<ImageSet,
     Ok(set)
 }
 
-fn designs(runs: &[Told]) -> HashSet<Value> {
+fn designs(runs: &[PageRun]) -> HashSet<Value> {
     let scenes: HashSet<&Value> =
         runs.iter().flat_map(|run| &run.finished.cells).map(|cell| &cell.point[SCENE]).collect();
     scenes.into_iter().filter(|scene| is_design(&scene.to_string())).cloned().collect()
@@ -160,13 +160,13 @@ type Prepared = (EmbeddedImage, [Option<String>; 2]);
 
 impl ImageSet {
     /// The images of the cells, each once, without pixels and without designs.
-    fn list(runs: &[Told]) -> Self {
+    fn list(runs: &[PageRun]) -> Self {
         let mut set = Self::default();
         let designs = designs(runs);
-        for (run, told) in runs.iter().enumerate() {
+        for (run, page_run) in runs.iter().enumerate() {
             let is_picture = |cell: &&FinishedCell| !designs.contains(&cell.point[SCENE]);
-            for cell in told.finished.cells.iter().filter(is_picture) {
-                let (Some(files), light) = (&cell.images, told.finished.epsilon(&cell.point)) else { continue };
+            for cell in page_run.finished.cells.iter().filter(is_picture) {
+                let (Some(files), light) = (&cell.images, page_run.finished.epsilon(&cell.point)) else { continue };
                 let reference = set.add(run, &files.reference, None, light);
                 set.add(run, &files.radiance, Some(reference), light);
             }
@@ -195,10 +195,10 @@ impl ImageSet {
     }
 
     /// References, and images of the first point set or without one.
-    fn of_first_point_set(&self, runs: &[Told]) -> BTreeSet<usize> {
+    fn of_first_point_set(&self, runs: &[PageRun]) -> BTreeSet<usize> {
         let mut found: BTreeSet<usize> = self.references().collect();
-        for (run, told) in runs.iter().enumerate() {
-            let cells = &told.finished.cells;
+        for (run, page_run) in runs.iter().enumerate() {
+            let cells = &page_run.finished.cells;
             let set = |cell: &FinishedCell| cell.point.get("point_set").clone();
             let first = cells.iter().map(set).find(|value| *value != Value::Unset).unwrap_or(Value::Unset);
             let own = cells.iter().filter(|cell| [&first, &Value::Unset].contains(&&set(cell)));
@@ -210,7 +210,7 @@ impl ImageSet {
 
     /// Embeds the window of each image (`None`: nothing), if the image contains it. If the images exceed the budget, the error is the bytes
     /// per texel.
-    fn embed(&mut self, runs: &[Told], budget: usize, window: impl Fn(usize) -> Option<Window>) -> Result<(), f64> {
+    fn embed(&mut self, runs: &[PageRun], budget: usize, window: impl Fn(usize) -> Option<Window>) -> Result<(), f64> {
         (self.payloads, self.notes) = (Vec::new(), Vec::new());
         for image in &mut self.images {
             (image.window, image.payload, image.mask) = (None, None, None);
@@ -250,7 +250,7 @@ impl ImageSet {
     }
 
     /// Reads an image and encodes the window.
-    fn prepare(&self, runs: &[Told], index: usize, wanted: Window) -> Result<Prepared, String> {
+    fn prepare(&self, runs: &[PageRun], index: usize, wanted: Window) -> Result<Prepared, String> {
         let mut image = self.images[index].clone();
         let decoded = read_image(runs, &image)?;
         image.size = [decoded.rgb.width, decoded.rgb.height];
@@ -283,7 +283,7 @@ impl ImageSet {
     }
 
     /// Embeds windows of one size, where the methods of each reference err most.
-    fn embed_windows(&mut self, runs: &[Told], budget: usize, bytes_per_texel: f64, wanted: &BTreeSet<usize>) {
+    fn embed_windows(&mut self, runs: &[PageRun], budget: usize, bytes_per_texel: f64, wanted: &BTreeSet<usize>) {
         let texels = budget as f64 * AIM / bytes_per_texel / wanted.len() as f64;
         let side = (texels.sqrt() as u32 / WINDOW_STEP * WINDOW_STEP).max(WINDOW_SIDE_MIN);
         let references: Vec<usize> = self.references().collect();
@@ -302,7 +302,7 @@ impl ImageSet {
     }
 
     /// The window of a reference with the largest sum of relative errors of its images; `None` if it cannot be read.
-    fn worst_window(&self, runs: &[Told], reference: usize, side: u32) -> Option<Window> {
+    fn worst_window(&self, runs: &[PageRun], reference: usize, side: u32) -> Option<Window> {
         let truth = read_image(runs, &self.images[reference]).ok()?;
         let [width, height] = [truth.rgb.width, truth.rgb.height];
         let window = Window { x: 0, y: 0, width: side.min(width), height: side.min(height) };
@@ -336,7 +336,7 @@ pub fn read(dir: &Path, file: &str) -> Result<Decoded, String> {
     exr::read(&images.join(file)).map_err(|error| error.to_string())
 }
 
-fn read_image(runs: &[Told], image: &EmbeddedImage) -> Result<Decoded, String> {
+fn read_image(runs: &[PageRun], image: &EmbeddedImage) -> Result<Decoded, String> {
     read(&runs[image.run].finished.dir, &image.file)
 }
 

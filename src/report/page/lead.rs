@@ -2,7 +2,7 @@
 
 use super::images::{mask_of, read};
 use super::model::{PageAxis, Role};
-use super::told::Told;
+use super::page_run::PageRun;
 use crate::experiment::axis::{AXES, METHOD, SCENE, SIZE};
 use crate::metrics::Comparison;
 use crate::pixels::png::encode_rgb8;
@@ -23,12 +23,12 @@ const SIDE: u32 = 512;
 const SAMPLES: f64 = 16.0;
 
 /// The index of the first answer that does not depend on times of a CPU driver.
-pub fn leading(told: &Told) -> Option<usize> {
-    told.answers.iter().position(|answer| !answer.question.rests_on_cpu_times(told.finished))
+pub fn leading(page_run: &PageRun) -> Option<usize> {
+    page_run.answers.iter().position(|answer| !answer.question.rests_on_cpu_times(page_run.finished))
 }
 
 /// Pictures of the case in which a method without samples errs most visibly; `None` without its images.
-pub fn pictures(told: &Told, frame: &Frame, axes: &[PageAxis]) -> Option<Json> {
+pub fn pictures(page_run: &PageRun, frame: &Frame, axes: &[PageAxis]) -> Option<Json> {
     let role = |row: &Row| Method::by_name(&row.text(METHOD)).and_then(Method::role);
     let is_fixed = |row: &Row| row.samples().is_none() && !row.has_no_method();
     let worst = |wanted: &dyn Fn(&Row) -> bool| worst_picture(frame, wanted);
@@ -47,12 +47,12 @@ pub fn pictures(told: &Told, frame: &Frame, axes: &[PageAxis]) -> Option<Json> {
     let sampled = sampled.min_by(|a, b| distance(a.0).total_cmp(&distance(b.0)));
     let other = corrected.or(sampled).map(|(own, ..)| own).filter(|own| own.cell.id != row.cell.id);
 
-    let reference = read(&told.finished.dir, &files.reference).ok().filter(|image| is_radiance(&image.rgb))?;
+    let reference = read(&page_run.finished.dir, &files.reference).ok().filter(|image| is_radiance(&image.rgb))?;
     let (mask, curve) = (mask_of(&reference), row.cell.point.settings().curve);
     let of_method = |own: &Row| {
         let image =
-            read(&told.finished.dir, &own.cell.images.as_ref()?.radiance).ok().filter(|i| is_radiance(&i.rgb))?;
-        let epsilon = told.finished.epsilon(&own.cell.point);
+            read(&page_run.finished.dir, &own.cell.images.as_ref()?.radiance).ok().filter(|i| is_radiance(&i.rgb))?;
+        let epsilon = page_run.finished.epsilon(&own.cell.point);
         let comparison = Comparison::new(&image.rgb, &reference.rgb, &mask, curve, epsilon).ok()?;
         let method = Method::by_name(&own.text(METHOD))?;
         let samples = own.samples().map(|count| count.to_string());
@@ -93,15 +93,15 @@ fn worst_picture<'r, 'f>(frame: &'r Frame<'f>, wanted: &dyn Fn(&Row) -> bool) ->
     scored.max_by(|a, b| order(&a.1, &b.1)).map(|(row, _)| row)
 }
 
-/// What a picture shows: "sky · alpha 0.5 (roughness 0.71)".
+/// Describes a picture: "sky · alpha 0.5 (roughness 0.71)".
 fn words(row: &Row, axes: &[PageAxis]) -> String {
     let word = |axis: &PageAxis| {
         let text = axis.text(row.cell)?;
         let place = axis.values.iter().position(|value| *value == text)?;
         Some(axis.words[place].clone())
     };
-    let told = axes.iter().filter(|axis| axis.role == Role::Scene && axis.name != AXES[SIZE].name);
-    told.filter_map(word).collect::<Vec<_>>().join(" · ")
+    let named = axes.iter().filter(|axis| axis.role == Role::Scene && axis.name != AXES[SIZE].name);
+    named.filter_map(word).collect::<Vec<_>>().join(" · ")
 }
 
 /// A picture as a data URL.

@@ -1,6 +1,6 @@
-//! The data of the Live view: the tables of [`LIVE_FILE`], as far as they fit, and what else its shaders need.
+//! The data of the Live view: the tables of [`LIVE_FILE`], as far as they fit, and other inputs of its shaders.
 
-use super::told::Told;
+use super::page_run::PageRun;
 use crate::brdf::MaskingShadowing;
 use crate::environment::orientation;
 use crate::experiment::axis::ENVIRONMENT_ORIENTATION;
@@ -20,7 +20,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 /// Most bytes of base64 of the tables of a page.
 pub const BUDGET_BYTES: usize = 4 << 20;
-/// An environment is not reduced below so many texels to keep another one.
+/// Texels below which an environment is not reduced to keep another one.
 const ENVIRONMENT_TEXELS_MIN: u32 = 1 << 15;
 /// Largest file, bytes.
 const FILE_BYTES_MAX: u64 = 64 << 20;
@@ -98,7 +98,7 @@ pub struct Orientation {
 }
 
 impl Orientation {
-    fn all(runs: &[Told]) -> Vec<Self> {
+    fn all(runs: &[PageRun]) -> Vec<Self> {
         let cells = runs.iter().flat_map(|run| &run.finished.cells);
         let of_cells = cells.filter_map(|cell| match cell.point[ENVIRONMENT_ORIENTATION] {
             Value::Count(k) => Some(k),
@@ -112,7 +112,7 @@ impl Orientation {
 
 impl Light {
     /// The tables of the first run that has some, within `budget` bytes.
-    pub fn collect(runs: &[Told], budget: usize) -> Self {
+    pub fn collect(runs: &[PageRun], budget: usize) -> Self {
         let mut notes = Vec::new();
         let record = runs.iter().find_map(|run| match read(run) {
             Ok(record) => {
@@ -195,7 +195,7 @@ impl Light {
 }
 
 /// The record of a run; `None` if it has none.
-fn read(run: &Told) -> Result<Option<LiveRecord>, String> {
+fn read(run: &PageRun) -> Result<Option<LiveRecord>, String> {
     let path = run.finished.dir.join(LIVE_FILE);
     let text = match read_regular(&path, FILE_BYTES_MAX) {
         Ok(text) => text,

@@ -5,11 +5,11 @@ pub mod images;
 mod lead;
 pub mod live;
 pub mod model;
+pub mod page_run;
 pub mod render;
 mod sections;
-pub mod told;
 
-pub use told::Told;
+pub use page_run::PageRun;
 
 use crate::pixels::{PixelsError, write_atomically};
 use crate::study::finished::Finished;
@@ -42,7 +42,7 @@ impl PageOptions {
 pub struct Written {
     pub path: PathBuf,
     pub bytes: usize,
-    /// What was omitted, one sentence each.
+    /// Omissions, one sentence each.
     pub notes: Vec<String>,
 }
 
@@ -79,7 +79,7 @@ pub fn check_out(path: &Path) -> Result<(), PageError> {
 }
 
 /// Writes the page of one or more runs.
-pub fn write(options: &PageOptions, runs: &[Told]) -> Result<Written, PageError> {
+pub fn write(options: &PageOptions, runs: &[PageRun]) -> Result<Written, PageError> {
     check_out(&options.out)?;
     let first = runs.first().ok_or(PageError::NoRun)?;
     let here = options.out.parent().unwrap_or(Path::new(""));
@@ -88,45 +88,45 @@ pub fn write(options: &PageOptions, runs: &[Told]) -> Result<Written, PageError>
     let metrics = model::metrics(runs);
     let light = live::Light::collect(runs, live::BUDGET_BYTES);
     let mut section_count = 0;
-    let shown = runs.iter().zip(&frames).enumerate().map(|(index, (told, frame))| {
-        let lead = lead::leading(told);
+    let shown = runs.iter().zip(&frames).enumerate().map(|(index, (page_run, frame))| {
+        let lead = lead::leading(page_run);
         let has_pictures = options.images != Choice::None;
-        let sections = sections::sections(told, index, section_count, here);
+        let sections = sections::sections(page_run, index, section_count, here);
         section_count += sections.len();
         json!({
-            "label": told.label,
-            "name": told.finished.text("/name"),
-            "link": told::link(here, &told.finished.dir),
+            "label": page_run.label,
+            "name": page_run.finished.text("/name"),
+            "link": page_run::link(here, &page_run.finished.dir),
             "anchor": format!("run-{}", index + 1),
             "index": index,
-            "device": told.device(),
-            "date": told.date(),
-            "warnings": told.warnings(),
-            "cpu_warning": told.cpu_warning(),
-            "shared": model::shared(&model::axes(std::slice::from_ref(told))),
+            "device": page_run.device(),
+            "date": page_run.date(),
+            "warnings": page_run.warnings(),
+            "cpu_warning": page_run.cpu_warning(),
+            "shared": model::shared(&model::axes(std::slice::from_ref(page_run))),
             "lead": lead,
-            "pictures": has_pictures.then(|| lead::pictures(told, frame, &axes)).flatten(),
+            "pictures": has_pictures.then(|| lead::pictures(page_run, frame, &axes)).flatten(),
             "sections": sections,
-            "provenance": told::provenance(told),
-            "failures": told.finished.failures,
-            "excluded": told.finished.provenance["excluded"],
-            "input_warnings": told.finished.provenance["input_warnings"],
-            "sheets": told.sheets(here),
-            "experiment": told.finished.experiment,
-            "whole": format!("{:#}", told.finished.provenance),
+            "provenance": page_run::provenance(page_run),
+            "failures": page_run.finished.failures,
+            "excluded": page_run.finished.provenance["excluded"],
+            "input_warnings": page_run.finished.provenance["input_warnings"],
+            "sheets": page_run.sheets(here),
+            "experiment": page_run.finished.experiment,
+            "whole": format!("{:#}", page_run.finished.provenance),
         })
     });
     let fixed = json!({
         "name": first.finished.text("/name"),
-        "heading": told::heading(runs),
+        "heading": page_run::heading(runs),
         "metric": frames[0].metric_name(),
-        "facts": told::facts(runs),
-        "repeats": told::repeats(runs),
+        "facts": page_run::facts(runs),
+        "repeats": page_run::repeats(runs),
         "metrics": first.finished.provenance["metrics"],
         "program_version": env!("CARGO_PKG_VERSION"),
         "runs": shown.collect::<Vec<Json>>(),
     });
-    let answers: Vec<Json> = runs.iter().enumerate().flat_map(|(run, told)| sections::model(told, run)).collect();
+    let answers: Vec<Json> = runs.iter().enumerate().flat_map(|(run, own)| sections::model(own, run)).collect();
     let others = [json_bytes(&light), json_bytes(&answers), json_bytes(&fixed), PROGRAM_BYTES].iter().sum::<usize>();
     let mut images = images::collect(runs, options.images, options.budget.saturating_sub(others + row_bytes(runs)))?;
     let payloads = std::mem::take(&mut images.payloads);
@@ -151,7 +151,7 @@ fn for_scripts(run: &Json) -> Json {
 }
 
 /// Size of the rows in the page, about, bytes.
-fn row_bytes(runs: &[Told]) -> usize {
+fn row_bytes(runs: &[PageRun]) -> usize {
     const ROW_BYTES: usize = 500;
     ROW_BYTES * runs.iter().map(|run| run.finished.cells.len()).sum::<usize>()
 }

@@ -1,7 +1,7 @@
 //! The data of the page's scripts: axes with their values in words, and every cell as one row.
 
 use super::images::{DESIGN, ImageSet};
-use super::told::{Told, score};
+use super::page_run::{PageRun, score};
 use crate::experiment::axis::{AXES, METHOD, Named, Part, SCENE, SIZE};
 use crate::experiment::value::{Kind, Value};
 use crate::metrics::{METRICS, Metric, verdict};
@@ -65,7 +65,7 @@ impl PageAxis {
 }
 
 /// The axis of runs, then the axes that some cell uses.
-pub fn axes(runs: &[Told]) -> Vec<PageAxis> {
+pub fn axes(runs: &[PageRun]) -> Vec<PageAxis> {
     let labels: Vec<String> = runs.iter().map(|run| run.label.clone()).collect();
     let role = if runs.len() > 1 { Role::Variant } else { Role::Fixed };
     let (values, words) = (labels.clone(), labels.clone());
@@ -75,7 +75,7 @@ pub fn axes(runs: &[Told]) -> Vec<PageAxis> {
     std::iter::once(of_runs).chain(axes).collect()
 }
 
-fn page_axis(runs: &[Told], names: &Names, index: usize) -> Option<PageAxis> {
+fn page_axis(runs: &[PageRun], names: &Names, index: usize) -> Option<PageAxis> {
     let cells = runs.iter().flat_map(|run| &run.finished.cells);
     let found = cells.clone().map(|cell| &cell.point.0[index]).filter(|value| **value != Value::Unset);
     // Distinct by text, by which a cell's value is looked up.
@@ -160,7 +160,7 @@ pub fn columns(axes: &[PageAxis], metrics: &[&'static Metric]) -> Vec<&'static s
 /// Rows are made while they are written, to save memory.
 pub struct Model<'a> {
     pub runs: Vec<Json>,
-    pub cells_of: &'a [Told<'a>],
+    pub cells_of: &'a [PageRun<'a>],
     pub axes: &'a [PageAxis],
     pub metrics: &'a [&'static Metric],
     pub headline: &'static Metric,
@@ -200,7 +200,7 @@ struct Rows<'a>(&'a Model<'a>);
 impl Serialize for Rows<'_> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let all = self.0.cells_of.iter().enumerate();
-        let cells = all.flat_map(|(run, told)| told.finished.cells.iter().map(move |cell| (run, cell)));
+        let cells = all.flat_map(|(run, page_run)| page_run.finished.cells.iter().map(move |cell| (run, cell)));
         serializer.collect_seq(cells.map(|(run, cell)| self.0.row(run, cell)))
     }
 }
@@ -247,7 +247,7 @@ pub fn field(cell: &Cell) -> Json {
 }
 
 /// Metrics with a score of some cell.
-pub fn metrics(runs: &[Told]) -> Vec<&'static Metric> {
+pub fn metrics(runs: &[PageRun]) -> Vec<&'static Metric> {
     let cells = runs.iter().flat_map(|run| &run.finished.cells);
     METRICS.iter().copied().filter(|metric| cells.clone().any(|cell| score(cell, metric).is_some())).collect()
 }

@@ -13,7 +13,7 @@ use std::path::Path;
 
 /// A finished run with its answers.
 #[derive(Clone)]
-pub struct Told<'a> {
+pub struct PageRun<'a> {
     /// Short and unique in the page.
     pub label: String,
     pub finished: &'a Finished,
@@ -21,7 +21,7 @@ pub struct Told<'a> {
     pub answers: &'a [Answer],
 }
 
-impl<'a> Told<'a> {
+impl<'a> PageRun<'a> {
     /// Labels runs by folder, numbered if two are equal.
     pub fn of_runs(runs: &'a [(Finished, Vec<Answer>)]) -> Vec<Self> {
         let name = |run: &Finished| {
@@ -31,12 +31,12 @@ impl<'a> Told<'a> {
         let names: Vec<String> = runs.iter().map(|(run, _)| name(run)).collect();
         let is_double = |name: &String| names.iter().filter(|other| *other == name).count() > 1;
         let label = |i: usize| if is_double(&names[i]) { format!("{} #{}", names[i], i + 1) } else { names[i].clone() };
-        let told = |(i, (finished, answers)): (usize, &'a (Finished, Vec<Answer>))| Self {
+        let page_run = |(i, (finished, answers)): (usize, &'a (Finished, Vec<Answer>))| Self {
             label: label(i),
             finished,
             answers,
         };
-        runs.iter().enumerate().map(told).collect()
+        runs.iter().enumerate().map(page_run).collect()
     }
 
     /// A text of the last session.
@@ -104,12 +104,12 @@ impl<'a> Told<'a> {
 }
 
 /// Device, commit and question of each run, and whether they differ.
-pub fn facts(runs: &[Told]) -> Vec<Json> {
+pub fn facts(runs: &[PageRun]) -> Vec<Json> {
     let facts = ["device", "commit", "question"].map(|what| {
-        let of = |told: &Told| match what {
-            "device" => told.device(),
-            "commit" => told.commit(),
-            _ => told.question(),
+        let of = |page_run: &PageRun| match what {
+            "device" => page_run.device(),
+            "commit" => page_run.commit(),
+            _ => page_run.question(),
         };
         let values: Vec<String> = runs.iter().map(of).collect();
         json!({ "what": what, "differs": values.iter().any(|value| *value != values[0]), "values": values })
@@ -118,8 +118,8 @@ pub fn facts(runs: &[Told]) -> Vec<Json> {
 }
 
 /// The heading of the page: one or two questions, else their number.
-pub fn heading(runs: &[Told]) -> String {
-    let mut questions: Vec<String> = runs.iter().map(Told::question).collect();
+pub fn heading(runs: &[PageRun]) -> String {
+    let mut questions: Vec<String> = runs.iter().map(PageRun::question).collect();
     let mut seen = BTreeSet::new();
     questions.retain(|question| seen.insert(question.clone()));
     match questions.len() {
@@ -129,11 +129,11 @@ pub fn heading(runs: &[Told]) -> String {
 }
 
 /// A sentence for every run that repeats an earlier one.
-pub fn repeats(runs: &[Told]) -> Vec<String> {
+pub fn repeats(runs: &[PageRun]) -> Vec<String> {
     let say = |later: usize| {
-        let told = &runs[later];
-        let earlier = runs[..later].iter().find(|earlier| is_same(earlier.finished, told.finished))?;
-        let (label, of, cells) = (&told.label, &earlier.label, told.finished.cells.len());
+        let page_run = &runs[later];
+        let earlier = runs[..later].iter().find(|earlier| is_same(earlier.finished, page_run.finished))?;
+        let (label, of, cells) = (&page_run.label, &earlier.label, page_run.finished.cells.len());
         Some(format!("{label} repeats {of}: all {cells} cells have the same scores."))
     };
     (0..runs.len()).filter_map(say).collect()
@@ -187,15 +187,15 @@ const FACTS: &[(&str, &str, &str)] = &[
 const COMMIT: &str = "~/commit/hash";
 
 /// The facts of a run by title, with the hashes of its inputs last.
-pub fn provenance(told: &Told) -> Vec<(&'static str, Vec<(String, String)>)> {
-    let run = told.finished;
+pub fn provenance(page_run: &PageRun) -> Vec<(&'static str, Vec<(String, String)>)> {
+    let run = page_run.finished;
     let words = |value: &Json| match value {
         Json::String(text) => text.clone(),
         Json::Array(all) => all.iter().filter_map(Json::as_str).collect::<Vec<_>>().join(" "),
         other => other.to_string(),
     };
     let value = |pointer: &str| match pointer.strip_prefix('~') {
-        _ if pointer == COMMIT => told.commit(),
+        _ if pointer == COMMIT => page_run.commit(),
         Some(rest) => run.provenance.pointer(&format!("{}{rest}", run.last_session())).map_or_else(String::new, words),
         None => run.provenance.pointer(pointer).map_or_else(String::new, words),
     };

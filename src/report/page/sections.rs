@@ -1,7 +1,7 @@
 //! The sections of the page: one per answer, with the SVG of `answers/`.
 
 use super::model::field;
-use super::told::{Told, link};
+use super::page_run::{PageRun, link};
 use crate::figure::svg::WIDTHS;
 use crate::report::write::drawing;
 use crate::run::store::ANSWERS_FOLDER;
@@ -11,13 +11,13 @@ use crate::study::table::{Table, shown};
 use serde_json::{Value as Json, json};
 use std::path::Path;
 
-/// A table with at most so many rows is shown if an answer has no digest.
+/// Most rows of a table that is shown if an answer has no digest.
 const DIGEST_ROWS: usize = 24;
-/// A digest with at most so many columns fits beside its figure.
+/// Most columns of a digest that fits next to its figure.
 const COLUMNS_BESIDE: usize = 6;
 
 /// The answers of a run as sections for the template; `first` is the index of the first among all runs.
-pub fn sections(told: &Told, run: usize, first: usize, here: &Path) -> Vec<Json> {
+pub fn sections(page_run: &PageRun, run: usize, first: usize, here: &Path) -> Vec<Json> {
     let section = |(i, answer): (usize, &Answer)| {
         let (key, finding) = (answer.question.name, &answer.finding);
         // For a desktop and for a phone.
@@ -39,18 +39,18 @@ pub fn sections(told: &Told, run: usize, first: usize, here: &Path) -> Vec<Json>
             "headline": headline.trim_end_matches('.'),
             "scope": scope,
             "row_count": finding.table.rows.len(),
-            "csv": link(here, &told.finished.dir.join(ANSWERS_FOLDER).join(format!("{key}.csv"))),
-            "is_cpu": answer.question.rests_on_cpu_times(told.finished),
+            "csv": link(here, &page_run.finished.dir.join(ANSWERS_FOLDER).join(format!("{key}.csv"))),
+            "is_cpu": answer.question.rests_on_cpu_times(page_run.finished),
             "is_split": figure.is_some() && is_narrow,
             "figure": figure,
             "digest": digest,
         })
     };
-    told.answers.iter().enumerate().map(section).collect()
+    page_run.answers.iter().enumerate().map(section).collect()
 }
 
 /// The whole tables of the answers, for the scripts.
-pub fn model(told: &Told, run: usize) -> Vec<Json> {
+pub fn model(page_run: &PageRun, run: usize) -> Vec<Json> {
     let entry = |answer: &Answer| {
         let table = &answer.finding.table;
         json!({
@@ -60,7 +60,7 @@ pub fn model(told: &Told, run: usize) -> Vec<Json> {
             "rows": table.rows.iter().map(|row| row.iter().map(field).collect()).collect::<Vec<Vec<Json>>>(),
         })
     };
-    told.answers.iter().map(entry).collect()
+    page_run.answers.iter().map(entry).collect()
 }
 
 /// A small table in words: heads with their alignment, and rows of texts.

@@ -1,6 +1,6 @@
 //! Predicts the time that a run still takes.
 //!
-//! The stated work that is left is scaled, kind by kind, by what earlier runs took and by how this run compares with them. A correction
+//! The remaining work is scaled, kind by kind, by the times of earlier runs and by how this run compares with them. A correction
 //! follows: seconds on the clock over predicted seconds of the finished part. It has full weight after a tenth of the work.
 
 use super::speeds::Speeds;

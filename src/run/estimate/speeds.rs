@@ -11,7 +11,7 @@ use std::path::Path;
 
 /// The file in a cache folder.
 pub const SPEEDS_FILE: &str = "speeds.json";
-/// Weight of earlier runs beside a new one.
+/// Weight of earlier runs relative to a new one.
 const OLD_SHARE: f64 = 0.5;
 
 /// Measured and stated seconds by kind.

@@ -10,12 +10,12 @@ use std::collections::{BTreeMap, BTreeSet, HashSet};
 
 /// First word of the kinds of timed frames and tables, before the kind of the same work untimed.
 pub const TIMED: &str = "timed ";
-/// What follows the last step.
+/// Work after the last step.
 pub const END: &str = "host end";
-/// Scores, which are computed beside the device.
+/// Scores, which are computed in parallel with the device.
 pub const SCORE: &str = "host score";
 
-/// Kind, ns per pixel, ns per sample. The first word alone stands for all others of that word.
+/// Kind, ns per pixel, ns per sample. A kind of one word covers all other kinds that begin with it.
 const STATED_NS: [(&str, f64, f64); 15] = [
     ("reference", 1500.0, 20.0),
     ("reference none", 1500.0, 28.0),

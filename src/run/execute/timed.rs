@@ -45,7 +45,7 @@ impl<'p> Run<'p> {
             match of_cell(timed.map_err(CellFault::from))? {
                 Ok(timed) => {
                     let device = renderer.device();
-                    // A process killed while writing must not leave old records beside new ones.
+                    // A process killed while writing must not leave a mix of old and new records.
                     block.iter().try_for_each(|job| self.store.remove_record(TIMINGS_FOLDER, &job.id))?;
                     for configuration in timed {
                         let (job, label) = (configuration.job.clone(), format!("timing {}", configuration.words()));

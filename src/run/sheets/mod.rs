@@ -79,7 +79,7 @@ fn magnification([width, _]: [u32; 2]) -> u32 {
     TILE_SIDE_MIN.div_ceil(width).max(1)
 }
 
-/// The size of images in a sheet with so many columns.
+/// The size of images in a sheet with this many columns.
 fn tile_size([width, height]: [u32; 2], columns: usize) -> [u32; 2] {
     let room = (GRID_WIDTH / columns as u32).saturating_sub(COLUMN_GAP).max(TILE_SIDE_MIN);
     let scale = magnification([width, height]);

@@ -17,20 +17,20 @@ struct Done {
     /// Hash over the program, the plan and every file: name, size and modification time.
     state: String,
     /// The summary that the run printed.
-    told: String,
+    printed: String,
 }
 
 impl Store {
-    /// Marks the run as finished; `told` is the summary that it printed.
-    pub fn mark_done(&self, plan: &Plan, told: &str) -> Result<(), StoreError> {
-        let done = Done { state: self.state(plan), told: told.to_owned() };
+    /// Marks the run as finished; `printed` is the summary that it printed.
+    pub fn mark_done(&self, plan: &Plan, printed: &str) -> Result<(), StoreError> {
+        let done = Done { state: self.state(plan), printed: printed.to_owned() };
         self.write_json(&self.dir().join(DONE_FILE), &done)
     }
 
     /// The summary of a finished run of this plan, if nothing has changed since.
-    pub fn told_when_done(&self, plan: &Plan) -> Option<String> {
+    pub fn printed_when_done(&self, plan: &Plan) -> Option<String> {
         let done: Done = self.read(&self.dir().join(DONE_FILE)).ok()??;
-        (!self.is_under_way() && done.state == self.state(plan)).then_some(done.told)
+        (!self.is_under_way() && done.state == self.state(plan)).then_some(done.printed)
     }
 
     fn state(&self, plan: &Plan) -> String {

@@ -38,12 +38,12 @@ impl<'a> Buffers<'a> {
             let fault = |what: String| format!("buffer {}: {what}", buffer.index());
             let bytes = match buffer.source() {
                 Source::Bin => {
-                    Cow::Borrowed(blob.ok_or_else(|| fault("no URI, and the file has no binary part".to_owned()))?)
+                    Cow::Borrowed(blob.ok_or_else(|| fault("has no URI, and the file has no binary part".to_owned()))?)
                 }
                 Source::Uri(uri) => Cow::Owned(resource(uri, path, files).map_err(fault)?),
             };
             if bytes.len() < buffer.length() {
-                return Err(fault(format!("{} bytes, expected {}", bytes.len(), buffer.length())));
+                return Err(fault(format!("has {} bytes; expected {}", bytes.len(), buffer.length())));
             }
             bytes_left = bytes_left
                 .checked_sub(bytes.len())
@@ -57,7 +57,7 @@ impl<'a> Buffers<'a> {
         let buffer = &self.0[view.buffer().index()];
         let end = view.offset().checked_add(view.length());
         end.and_then(|end| buffer.get(view.offset()..end)).ok_or_else(|| {
-            format!("view {}: {} bytes at {} of {}", view.index(), view.length(), view.offset(), buffer.len())
+            format!("view {}: {} bytes from byte {} of {}", view.index(), view.length(), view.offset(), buffer.len())
         })
     }
 
@@ -73,7 +73,8 @@ impl<'a> Buffers<'a> {
         let end = (count - 1).checked_mul(stride).and_then(|last| last.checked_add(offset)?.checked_add(size));
         let Some(bytes) = end.filter(|_| stride >= size).and_then(|end| bytes.get(offset..end)) else {
             let all = bytes.len();
-            return Err(format!("view {}: {count} x {size} bytes at {offset}, {stride} apart, of {all}", view.index()));
+            let elements = format!("{count} elements of {size} bytes, {stride} apart");
+            return Err(format!("view {}: {elements}, from byte {offset} of {all}", view.index()));
         };
         Ok((0..count).map(move |i| &bytes[i * stride..][..size]))
     }
@@ -82,7 +83,7 @@ impl<'a> Buffers<'a> {
     fn packed(&self, accessor: &Accessor, most: usize) -> Result<Vec<u8>, String> {
         let (count, size) = (accessor.count(), accessor.size());
         if count == 0 || count > most {
-            return Err(format!("{count} elements, expected 1 to {most}"));
+            return Err(format!("has {count} elements; expected 1 to {most}"));
         }
         let mut packed = match accessor.view() {
             Some(view) => self.elements(&view, accessor.offset(), count, size)?.collect::<Vec<_>>().concat(),
@@ -99,7 +100,7 @@ impl<'a> Buffers<'a> {
         for (place, value) in places.zip(self.elements(&values.view(), values.offset(), replaced, size)?) {
             let place = place.iter().rev().fold(0, |number, &byte| number << 8 | usize::from(byte));
             let slot = packed.chunks_exact_mut(size).nth(place);
-            slot.ok_or_else(|| format!("sparse index {place} of {count}"))?.copy_from_slice(value);
+            slot.ok_or_else(|| format!("sparse index {place}; expected below {count}"))?.copy_from_slice(value);
         }
         Ok(packed)
     }
@@ -109,7 +110,7 @@ impl<'a> Buffers<'a> {
         let fault = |what: String| format!("accessor {}: {what}", accessor.index());
         let floats = [Dimensions::Scalar, Dimensions::Vec2, Dimensions::Vec3, Dimensions::Vec4][N - 1];
         if accessor.dimensions() != floats {
-            return Err(fault(format!("{:?}, expected {floats:?}", accessor.dimensions())));
+            return Err(fault(format!("is {:?}; expected {floats:?}", accessor.dimensions())));
         }
         let packed = self.packed(accessor, most).map_err(fault)?;
         // The most negative integer is -1 as well.
@@ -121,7 +122,7 @@ impl<'a> Buffers<'a> {
             DataType::I16 => pairs().map(|pair| part(i16::from_le_bytes(*pair).into(), 32767.0)).collect(),
             DataType::U8 => packed.iter().map(|byte| part(f32::from(*byte), 255.0)).collect(),
             DataType::I8 => packed.iter().map(|byte| part(byte.cast_signed().into(), 127.0)).collect(),
-            other => return Err(fault(format!("{other:?}, expected floats or integers of 8 or 16 bits"))),
+            other => return Err(fault(format!("holds {other:?}; expected floats or integers of 8 or 16 bits"))),
         };
         Ok(numbers.as_chunks::<N>().0.to_vec())
     }
@@ -138,7 +139,7 @@ impl<'a> Buffers<'a> {
                 Ok(packed.as_chunks().0.iter().map(|b| u16::from_le_bytes(*b).into()).collect())
             }
             (Dimensions::Scalar, DataType::U8) => Ok(packed.iter().map(|byte| (*byte).into()).collect()),
-            (dimensions, data) => Err(fault(format!("{dimensions:?} of {data:?}, expected indices"))),
+            (dimensions, data) => Err(fault(format!("is {dimensions:?} of {data:?}; expected indices"))),
         }
     }
 }

@@ -85,10 +85,10 @@ impl<'a> Materials<'a> {
         match mappings.iter().find(|mapping| **mapping != first) {
             None => Ok(first),
             Some((set, _)) if *set != first.0 => Err(format!(
-                "the maps of its material read the texture coordinates {} and {set}, expected one set",
+                "the maps of its material read the texture coordinates {} and {set}; expected one set",
                 first.0
             )),
-            Some(_) => Err("the maps of its material have several KHR_texture_transform, expected one".to_owned()),
+            Some(_) => Err("the maps of its material have several KHR_texture_transform; expected one".to_owned()),
         }
     }
 

@@ -53,7 +53,7 @@ pub(super) fn load(spec: &str, path: &Path, files: &dyn SceneFiles) -> Result<Sc
         reader.materials.read(&reader.buffers, path, files, &mut maps, &mut reader.unread).map_err(fault)?;
     reader.meshes.retain(|mesh| !mesh.indices.is_empty());
     if reader.meshes.is_empty() {
-        return Err(fault("its scene has no triangle with an area, expected at least one".to_owned()));
+        return Err(fault("its scene has no triangle with an area; expected at least one".to_owned()));
     }
     for name in document.extensions_used().filter(|name| !EXTENSIONS.contains(name)) {
         reader.unread.insert(printable(name));
@@ -106,11 +106,11 @@ fn parse(bytes: &[u8]) -> Result<(Document, Option<&[u8]>), String> {
     };
     let weight = |byte: &u8| usize::from(*byte == b'"') + 16 * usize::from(*byte == b'{');
     if text.iter().map(weight).sum::<usize>() > MAX_TEXT_WEIGHT {
-        return Err(format!("its JSON has more than {} objects, expected fewer", MAX_TEXT_WEIGHT / 32));
+        return Err(format!("its JSON has more than {} objects; expected fewer", MAX_TEXT_WEIGHT / 32));
     }
     let head: Head = serde_json::from_slice(text).map_err(|error| format!("not glTF: {error}"))?;
     if !head.asset.version.starts_with("2.") {
-        return Err(format!("glTF version {:?}, expected 2.0", head.asset.version));
+        return Err(format!("glTF version {:?}; expected 2.0", head.asset.version));
     }
     let unread = |names: &[String]| {
         names.iter().filter(|name| !EXTENSIONS.contains(&name.as_str())).cloned().collect::<Vec<_>>()
@@ -123,7 +123,7 @@ fn parse(bytes: &[u8]) -> Result<(Document, Option<&[u8]>), String> {
             return Err(format!("it requires the extensions {names}, which are not read; export it without"));
         }
     }
-    // Extensions may hold what is missing elsewhere.
+    // Extensions may hold the missing part.
     let used = unread(&head.used).join(", ");
     let wrong =
         |error| if used.is_empty() { wrong(error) } else { format!("{}; it uses {used}, not read", wrong(error)) };
@@ -137,7 +137,7 @@ fn parse(bytes: &[u8]) -> Result<(Document, Option<&[u8]>), String> {
     // The crate follows these indices unchecked.
     let accessors = json.meshes.iter().flat_map(|mesh| &mesh.primitives).flat_map(|part| part.attributes.values());
     if let Some(missing) = accessors.map(|index| index.value()).find(|index| *index >= json.accessors.len()) {
-        return Err(format!("accessor {missing} of {}", json.accessors.len()));
+        return Err(format!("there is no accessor {missing}; the file has {}", json.accessors.len()));
     }
     // The crate unwraps these fields unchecked.
     let has_source = |image: &::gltf::json::Image| match image.buffer_view {
@@ -145,7 +145,7 @@ fn parse(bytes: &[u8]) -> Result<(Document, Option<&[u8]>), String> {
         None => image.uri.is_some(),
     };
     if let Some(index) = json.images.iter().position(|image| !has_source(image)) {
-        return Err(format!("image {index}: neither a URI nor a view with its mimeType"));
+        return Err(format!("image {index}: has neither a URI nor a view with its mimeType"));
     }
     Ok((Document::from_json(json).map_err(wrong)?, blob))
 }
@@ -180,13 +180,13 @@ struct Reader<'a> {
 impl<'a> Reader<'a> {
     fn nodes(&mut self, document: &'a Document) -> Result<(), String> {
         let scene = document.default_scene().or_else(|| document.scenes().next());
-        let scene = scene.ok_or("it has no scene, expected at least one")?;
+        let scene = scene.ok_or("it has no scene; expected at least one")?;
         let mut is_visited = vec![false; document.nodes().len()];
         let mut open: Vec<(Node<'a>, DMat4)> = scene.nodes().map(|node| (node, DMat4::IDENTITY)).collect();
         open.reverse();
         while let Some((node, parent)) = open.pop() {
             if std::mem::replace(&mut is_visited[node.index()], true) {
-                return Err(format!("node {} is reached twice, expected a tree", node.index()));
+                return Err(format!("node {} is reached twice; expected a tree", node.index()));
             }
             let to_world = parent * matrix(node.transform());
             if node.skin().is_some() {
@@ -247,7 +247,7 @@ impl<'a> Reader<'a> {
             None => (0..count as u32).collect(),
         };
         if let Some(index) = indices.iter().find(|index| **index as usize >= count) {
-            return Err(format!("index {index}, expected below its {count} positions"));
+            return Err(format!("index {index}; expected below its {count} positions"));
         }
 
         // Cofactors are the inverse transpose times the determinant; they exist even for singular transforms.

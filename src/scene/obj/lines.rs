@@ -109,7 +109,7 @@ fn statement(obj: &mut Obj, logical: &str, totals: [usize; 3]) -> Result<(), Str
             if !(3..=CORNERS_MAX).contains(&count) {
                 let more = if count > CORNERS_MAX { "more than " } else { "" };
                 let count = count.min(CORNERS_MAX);
-                return Err(format!("a face of {more}{count} corners, expected 3 to {CORNERS_MAX}"));
+                return Err(format!("a face of {more}{count} corners; expected 3 to {CORNERS_MAX}"));
             }
             for word in values.split_whitespace() {
                 run.corners.push(corner(word, counts, totals)?);
@@ -132,8 +132,7 @@ pub fn split_keyword(logical: &str) -> (&str, &str) {
     (keyword, rest.trim())
 }
 
-/// Parses the first values of a `v`, `vt` or `vn`, at least `least`; ignores others (w, colours, the third texture
-/// coordinate).
+/// Parses the first values of a `v`, `vt` or `vn`, at least `least`; ignores others (w, colours, the third texture coordinate).
 fn element<const N: usize>(keyword: &str, values: &str, least: usize) -> Result<[f32; N], String> {
     let mut element = [0.0; N];
     let mut count = 0;
@@ -144,14 +143,13 @@ fn element<const N: usize>(keyword: &str, values: &str, least: usize) -> Result<
         }
         count += 1;
     }
-    if count < least { Err(format!("{keyword}: {count} values, expected {least}")) } else { Ok(element) }
+    if count < least { Err(format!("{keyword}: {count} values; expected {least}")) } else { Ok(element) }
 }
 
 /// Parses a corner as indices from 1, 0 for a missing one. Negative indices count back from the elements so far
-/// (`counts`);
-/// positive ones may reach all of the file's (`totals`).
+/// (`counts`); positive ones may reach all of the file's (`totals`).
 fn corner(word: &str, counts: [usize; 3], totals: [usize; 3]) -> Result<[usize; 3], String> {
-    let malformed = || format!("face corner \"{word}\", expected v, v/vt, v//vn or v/vt/vn with integers");
+    let malformed = || format!("face corner \"{word}\"; expected v, v/vt, v//vn or v/vt/vn with integers");
     let mut corner = [0; 3];
     for (k, part) in word.split('/').enumerate() {
         let Some(index) = corner.get_mut(k) else {

@@ -31,7 +31,7 @@ pub(super) fn load(spec: &str, path: &Path, files: &dyn SceneFiles) -> Result<Sc
         } else {
             format!("{} positions and no face", obj.positions.len())
         };
-        return Err(file_error(format!("{what}, expected at least one face")));
+        return Err(file_error(format!("{what}; expected at least one face")));
     }
 
     let mut warnings = Vec::new();
@@ -171,7 +171,7 @@ fn assemble(
     }
     meshes.retain(|mesh| !mesh.indices.is_empty());
     if meshes.is_empty() {
-        return Err(file_error("no face has an area, expected at least one".to_owned()));
+        return Err(file_error("no face has an area; expected at least one".to_owned()));
     }
     if degenerate_count > 0 {
         warnings.push(format!("skipped {degenerate_count} triangles without area"));

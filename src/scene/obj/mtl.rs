@@ -140,7 +140,7 @@ fn color(values: &str) -> Result<[f32; 3], String> {
     match numbers[..] {
         [grey] => Ok([grey; 3]),
         [r, g, b] => Ok([r, g, b]),
-        _ => Err(format!("{} values, expected 3", numbers.len())),
+        _ => Err(format!("{} values; expected 3", numbers.len())),
     }
 }
 

@@ -1,4 +1,4 @@
-//! The diffuse methods: names, what changes their results, f64 twins.
+//! The diffuse methods: names, parameters, f64 twins.
 
 mod fresnel_inside;
 mod irradiance_map;
@@ -20,7 +20,7 @@ pub struct Diffuse {
     pub name: &'static str,
     /// One sentence for `splitsum list`.
     pub about: &'static str,
-    /// What the device tests compare its frames with.
+    /// Twin that device tests compare its frames with.
     pub twin: DiffuseTwin,
     /// Whether the size and sample count of the irradiance map change its result.
     pub uses_irradiance_map: bool,

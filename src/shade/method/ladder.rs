@@ -1,7 +1,6 @@
 //! The rungs between the specular integral and the split sum: each replaces one exact step by its approximation.
 //!
-//! With `<K, L> = ∫ K L dl / ∫ K dl` over the l above the horizon, and A, B the exact directional albedo at (n·v,
-//! alpha):
+//! With `<K, L> = ∫ K L dl / ∫ K dl` over the l above the horizon, and A, B the exact directional albedo at (n·v, alpha):
 //!
 //! | rung | estimator | replaces |
 //! |---|---|---|

@@ -1,4 +1,4 @@
-//! The specular methods: names, what changes their results, f64 twins.
+//! The specular methods: names, parameters, f64 twins.
 
 pub mod ladder;
 pub mod own;
@@ -22,7 +22,7 @@ use glam::DVec3;
 
 /// A way to compute the specular term. Names are the stems of shader files (with `-` for `_`).
 ///
-/// The flags say what changes its result: along an axis that a method ignores, an experiment has one cell.
+/// The flags name the axes that change its result: along any other axis an experiment has one cell.
 #[derive(Clone, Copy, Debug)]
 pub struct Method {
     pub name: &'static str,
@@ -30,7 +30,7 @@ pub struct Method {
     pub title: &'static str,
     /// One sentence for `splitsum list`.
     pub about: &'static str,
-    /// What the device tests compare its frames with.
+    /// Twin that device tests compare its frames with.
     pub twin: SpecularTwin,
     pub uses_samples: bool,
     /// Reads the points of a sequence and set (`math::sequence`).
@@ -201,7 +201,7 @@ listed!(
     }
 );
 
-/// What a method is beside others: the colours of figures and captions follow it.
+/// Role of a method, which sets its colour in figures and captions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Role {

@@ -11,7 +11,7 @@ use crate::shade::twin::Twin;
 pub const METHOD: Method = Method {
     name: "sampled-vndf",
     title: "Sampling of visible normals",
-    about: "as sampled, by visible normals: of GGX in a bounded spherical cap, of Beckmann by inversion; Phong draws those of GGX",
+    about: "as sampled, by visible normals: GGX in a bounded spherical cap, Beckmann by inversion, Phong as GGX",
     twin: Twin::Estimator(|surface, light, samples| estimate(surface, light, samples, true, BY_VNDF)),
     ..sampled::METHOD
 };

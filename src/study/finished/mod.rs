@@ -46,7 +46,7 @@ pub struct Bin {
     /// RGB mean of the reference; `None` in runs of older programs, which also lack the noise floors.
     pub reference_mean: Option<f64>,
     pub scores: MetricValues,
-    /// Of metrics whose bins determine the whole.
+    /// Only for metrics whose bins determine the whole.
     pub noise_floors: MetricValues,
 }
 

@@ -1,6 +1,6 @@
 //! Means and medians with their uncertainty.
 //!
-//! Environments are the unit of evidence: rows under one environment share what makes light hard, and models and widths are near-copies of
+//! Environments are the unit of evidence: rows under one environment share its difficult lights, and models and widths are near-copies of
 //! each other. So rows are first averaged within their environment, and an interval comes from these numbers alone. Below [`CLUSTERS_MIN`]
 //! environments there is no interval.
 //!

@@ -116,7 +116,7 @@ impl<'f> Frame<'f> {
         own.into_iter().filter(|axis| *axis != METHOD).collect()
     }
 
-    /// The axes of answer tables: those of cases, and the ones that matter most, swept or not.
+    /// The axes of answer tables: axes of cases, and the most important axes even with one value.
     pub fn table_axes(&self) -> Vec<usize> {
         let (own, always) = (self.case_axes(), [ENVIRONMENT, BRDF, ALPHA, F0]);
         (0..AXES.len()).filter(|axis| own.contains(axis) || always.contains(axis)).collect()
@@ -147,8 +147,8 @@ impl<'f> Frame<'f> {
             AXES.iter().zip(&row.point.0).filter(|(axis, _)| axis.changes_radiance()).map(|(_, v)| v.clone()).collect()
         };
         let mut images: Vec<&Row<'f>> = Vec::new();
-        let is_told = |row: &&Row| row.cell.scores.is_some() && !silent.contains(&row.point[SCENE]);
-        for row in self.rows.iter().filter(is_told) {
+        let is_counted = |row: &&Row| row.cell.scores.is_some() && !silent.contains(&row.point[SCENE]);
+        for row in self.rows.iter().filter(is_counted) {
             match places.get(&linear(row)) {
                 Some(&place) if row.has_plain_curve() => images[place] = row,
                 Some(_) => {}
@@ -260,10 +260,10 @@ pub fn pair<'r, 'f>(rows: &[&'r Row<'f>], axis: usize, base: &Value) -> Vec<(&'r
         (0..AXES.len()).all(|i| {
             let (x, y) = (&a.point.0[i], &b.point.0[i]);
             let may_default = AXES[i].part != Part::Count;
-            let stands_for = |unset: &Value, of: &Row| {
+            let replaces = |unset: &Value, of: &Row| {
                 may_default && *unset == Value::Unset && usual(i, of) == Some(of.point.0[i].clone())
             };
-            i == axis || !AXES[i].changes_radiance() || x == y || stands_for(x, b) || stands_for(y, a)
+            i == axis || !AXES[i].changes_radiance() || x == y || replaces(x, b) || replaces(y, a)
         })
     };
     let bases: Vec<&&Row> = rows.iter().filter(|row| row.point.0[axis] == *base).collect();
@@ -325,7 +325,7 @@ fn distinct(run: &Finished) -> Vec<Row<'_>> {
     let mut rows: Vec<Row> = Vec::new();
     for cell in &run.cells {
         let light = run.light(&cell.point);
-        // Without methods it is unknown what changes the pixels.
+        // Without methods, any parameter may change the pixels.
         let is_whole = [METHOD, DIFFUSE_METHOD].iter().all(|&axis| cell.point[axis] != Value::Unset);
         let mut point = if is_whole { cell.point.of_pixels(true) } else { cell.point.clone() };
         if let Some(light) = light {

@@ -3,8 +3,7 @@
 //! In a case let e(N) be the error of a sampling method with N samples (geometric mean over point sets) and f the error
 //! of the method without samples. The *break-even* is the smallest tried N with e(M) < f for every tried M >= N: a win
 //! at one count and a loss at a larger one was luck. The *crossing* is where log e over log N meets log f, interpolated
-//! between two tried counts. The reference's noise adds to f and to
-//! the samples' error alike, so it moves no crossing.
+//! between two tried counts. The reference's noise adds to f and to the samples' error alike, so it moves no crossing.
 //!
 //! Every pair of methods has its answer, by alpha, model, F0 and each value of swept tables and parameters: the median
 //! crossing over environments, rounded up to a tried count. Its interval is rounded likewise, so it may cover more than
@@ -27,15 +26,15 @@ pub const QUESTION: Question = Question {
         SAMPLED,
         column(
             "break_even",
-            "Tried count from which sampling errs less, median over environments; empty above the largest tried.",
+            "Sample count from which sampling errs less, median over environments; empty if above the largest tried count.",
         ),
         column(
             "break_even_lo",
-            "Lower end of its 95 % interval over environments, rounded up to a tried count; empty above the largest tried, or below six environments.",
+            "Lower end of its 95 % interval over environments, rounded up to a tried count; empty if above the largest one, or with fewer than six environments.",
         ),
         column("break_even_hi", super::UPPER),
         column("n", "Number of environments."),
-        column("largest_tried", "Largest sample count that was tried in every case."),
+        column("largest_tried", "Largest sample count tried in every case."),
     ],
     lacks,
     answer,
@@ -123,7 +122,7 @@ fn pairs(frame: &Frame) -> Vec<Pair> {
     };
     let mut found = Vec::new();
     for ([sampled, fixed], cases) in grouped(all, |case| case.names()) {
-        // Formulas do not count beside enough measured environments of the pair.
+        // Formulas do not count if the pair has enough measured environments.
         let numbers = Numbers::new(cases.iter().map(|case| (case.fixed, 0.0)), Middle::Median);
         let mut keys = distinct_in_order(cases.iter().map(condition));
         keys.sort_by_key(order);

@@ -14,7 +14,7 @@ fn lookups(row: &Row) -> Option<f64> {
     Method::by_name(&row.text(METHOD))?.lookups_of_pixel(row.samples()).map(f64::from)
 }
 
-/// The images with their error over that of the base in the same case, and the base: the first method with a
+/// The images with their error over the base's in the same case, and the base: the first method with a
 /// prefiltered map. `None` without a base.
 fn ratios<'r, 'f>(frame: &Frame, images: &[&'r Row<'f>]) -> Option<(Vec<(&'r Row<'f>, f64)>, Value)> {
     let axes = frame.case_axes();
@@ -31,9 +31,8 @@ fn ratios<'r, 'f>(frame: &Frame, images: &[&'r Row<'f>]) -> Option<(Vec<(&'r Row
     Some((images.iter().filter_map(ratio).collect(), base))
 }
 
-/// One panel per value of [`Frame::row_axis`]; of other swept surfaces the first. A sampling method is a line over its
-/// counts. Another method is a dot at its lookups, from which a dashed line leads to the right: sampling wins where its
-/// line is below.
+/// One panel per value of [`Frame::row_axis`]; of other swept surfaces the first. A sampling method is a line over its counts.
+/// Another method is a dot at its lookups, from which a dashed line leads to the right: sampling wins where its line is below.
 pub fn figure(frame: &Frame) -> Option<Figure> {
     let images = frame.images();
     let (all, base) = ratios(frame, &images)?;

@@ -1,6 +1,6 @@
 //! How does the error fall with the sample count, and where does it stop?
 //!
-//! In a case let e(N) be the error of a sampling method with N samples per pixel (geometric mean over point sets). The *slope* is that of the
+//! In a case let e(N) be the error of a sampling method with N samples per pixel (geometric mean over point sets). The *slope* belongs to the
 //! least-squares line of ln e over ln N: -1 for plain Monte Carlo in squared error; bias draws it towards 0. Only resolved points count. Its
 //! standard error comes from the residuals, so a curve that bends has a large one. Doubling the samples divides the error by 2^-slope.
 //!

@@ -24,7 +24,7 @@ pub const QUESTION: Question = Question {
 
 const WAYS: [Part; 3] = [Part::Method, Part::Parameter, Part::Table];
 /// Most axes in the sentence.
-const TOLD_MAX: usize = 2;
+const SENTENCES_MAX: usize = 2;
 
 fn lacks(shape: &Shape) -> Option<&'static str> {
     // A sampling method has no partner without samples.
@@ -39,7 +39,7 @@ fn lacks(shape: &Shape) -> Option<&'static str> {
     }
 }
 
-/// An image compared with the one that has the base.
+/// An image, compared with the image of the base.
 struct Effect<'r, 'f> {
     value: Value,
     row: &'r Row<'f>,
@@ -66,7 +66,7 @@ impl<'r, 'f> OfAxis<'r, 'f> {
     }
 
     /// The resolved ratios, by value.
-    fn told(&self) -> Vec<(Value, Numbers<'r, 'f>)> {
+    fn resolved(&self) -> Vec<(Value, Numbers<'r, 'f>)> {
         let resolved = self.effects.iter().filter(|effect| effect.is_resolved);
         let numbers = |(value, own): (Value, Vec<&Effect<'r, 'f>>)| {
             (value, Numbers::ratios(own.iter().map(|effect| (effect.row, effect.ratio))))
@@ -82,7 +82,7 @@ impl<'r, 'f> OfAxis<'r, 'f> {
 
     /// The best value except the base.
     fn best(&self) -> Option<Best<'r, 'f>> {
-        let rivals = self.told().into_iter().filter_map(|(value, own)| Some((value, own.estimate()?, own)));
+        let rivals = self.resolved().into_iter().filter_map(|(value, own)| Some((value, own.estimate()?, own)));
         let best = rivals.reduce(|a, b| if b.1.value < a.1.value { b } else { a });
         best.map(|(value, ratio, own)| (value, own, ratio))
     }
@@ -103,14 +103,14 @@ fn answer(frame: &Frame) -> Option<Finding> {
         table.row([effect.row.cells(&axes), own].concat());
     }
     let lead = all.first()?;
-    let told = lead.effects.iter().filter(|effect| effect.is_resolved).map(|effect| (effect.row, effect.ratio));
-    let scope = Numbers::ratios(told).scope(frame);
+    let resolved = lead.effects.iter().filter(|effect| effect.is_resolved).map(|effect| (effect.row, effect.ratio));
+    let scope = Numbers::ratios(resolved).scope(frame);
     let (mut named, mut sentences): (Vec<(usize, Value)>, Vec<String>) = (Vec::new(), Vec::new());
     for of in &all {
         let best = of.best();
         let winner = best.as_ref().filter(|(.., ratio)| ratio.value < 1.0).map_or(&of.base, |(value, ..)| value);
         let goes = |row: &Row| named.iter().all(|(axis, value)| [value, &Value::Unset].contains(&&row.point[*axis]));
-        if sentences.len() < TOLD_MAX && images.iter().any(|row| row.point[of.axis] == *winner && goes(row)) {
+        if sentences.len() < SENTENCES_MAX && images.iter().any(|row| row.point[of.axis] == *winner && goes(row)) {
             sentences.push(sentence(frame, of, best.as_ref()));
             named.push((of.axis, winner.clone()));
         }
@@ -142,7 +142,7 @@ fn sentence(frame: &Frame, of: &OfAxis, best: Option<&Best>) -> String {
         [0, n] => format!("; more under each of {n} {}{}", AXES[ENVIRONMENT].plural, of.unresolved(n)),
         [wins, n] => format!("; less under {wins} of {n} {}{}", AXES[ENVIRONMENT].plural, of.unresolved(n)),
     };
-    let tried = of.told().len();
+    let tried = of.resolved().len();
     let among = format!("Of the {}", AXES[of.axis].plural);
     match tried {
         1 => format!("{name} has **{times} times**{interval} the `{metric}` of {base}{wins}."),
@@ -160,8 +160,8 @@ fn sentence(frame: &Frame, of: &OfAxis, best: Option<&Best>) -> String {
 /// By [`Frame::row_axis`] and environment for a single value; else one row per value.
 fn digest(frame: &Frame, all: &[OfAxis]) -> Table {
     let words = &with_interval;
-    let told: Vec<_> = all.iter().map(|of| (of, of.told())).collect();
-    if let [(_, only)] = &told[..]
+    let resolved: Vec<_> = all.iter().map(|of| (of, of.resolved())).collect();
+    if let [(_, only)] = &resolved[..]
         && let [(_, numbers)] = &only[..]
     {
         return numbers.digest(frame, words);
@@ -171,7 +171,7 @@ fn digest(frame: &Frame, all: &[OfAxis]) -> Table {
     let heads = widths.iter().map(|width| names.heading(along, width));
     let first = ["axis", "value", "base"].map(str::to_owned).into_iter().chain(heads);
     let mut table = Table::with_names(first.chain([ALL, "wins under"].map(str::to_owned)));
-    for (of, value, numbers) in told.iter().flat_map(|(of, own)| own.iter().map(move |(value, n)| (of, value, n))) {
+    for (of, value, numbers) in resolved.iter().flat_map(|(of, own)| own.iter().map(move |(value, n)| (of, value, n))) {
         let mut row = cells![AXES[of.axis].name, names.short(of.axis, value), names.short(of.axis, &of.base)];
         row.extend(widths.iter().map(|width| numbers.at(along, width).cell(frame, &|all| number(all.value))));
         row.push(numbers.pooled(frame).map(|all| words(&all)).into());
@@ -202,7 +202,7 @@ fn figure(frame: &Frame, of: &OfAxis) -> Option<Figure> {
         }
         (light, marks)
     };
-    let told = of.told();
+    let resolved = of.resolved();
     let summed = || {
         let line = |(value, own): &(Value, Numbers)| {
             let dots = widths.iter().flat_map(|width| {
@@ -212,9 +212,9 @@ fn figure(frame: &Frame, of: &OfAxis) -> Option<Figure> {
             });
             joined(dots.collect())
         };
-        std::iter::once(Mark::neutral(Form::HorizontalRule(1.0))).chain(told.iter().flat_map(line)).collect()
+        std::iter::once(Mark::neutral(Form::HorizontalRule(1.0))).chain(resolved.iter().flat_map(line)).collect()
     };
-    let lead = told.first().map_or_else(|| Numbers::ratios([]), |(_, own)| own.clone());
+    let lead = resolved.first().map_or_else(|| Numbers::ratios([]), |(_, own)| own.clone());
     let lights = grouped(&of.effects, |effect| effect.row.point[ENVIRONMENT].clone()).into_iter().map(panel).collect();
     Chart {
         title: &format!("Effect of {}", AXES[of.axis].name),

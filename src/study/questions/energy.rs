@@ -3,7 +3,7 @@
 //! A white furnace: a constant environment over a surface that reflects everything (F = 1, no metal, no diffuse rest), compared with a white
 //! Lambert surface, which shows exactly what arrives. With t the image and r that surface, the change of energy is Σ (t - r) / Σ r, the metric
 //! `bias_rel`: single scattering below 0 loses energy, above 0 it creates some. Its 95 % interval is ± 1.96 standard errors of the reference's
-//! noise (`bias_rel_noise_floor`). By n·v the extremes are those of the bins.
+//! noise (`bias_rel_noise_floor`). By n·v the extremes come from the bins.
 
 use super::prelude::*;
 use crate::study::frame::line::NORMAL_95;

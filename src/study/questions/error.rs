@@ -3,7 +3,7 @@
 //! The error of each method and sample count in each case: geometric mean over point sets, and over environments if these are averaged. For a
 //! mean square error such as relmse, 100 sqrt(error) is the root mean square error in percent of the reference ("rms"): 0.01 is 10 % rms.
 //!
-//! The *leading* method is the first without samples, which is what a renderer ships, else the first that samples, at its largest count.
+//! The *leading* method is the first without samples, as renderers ship it, else the first that samples, at its largest count.
 
 use super::prelude::*;
 use super::{ERROR, IS_RESOLVED, NOISE_FLOOR};

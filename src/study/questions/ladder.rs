@@ -30,10 +30,10 @@ pub const QUESTION: Question = Question {
         column("share_lo", "Lower end of its 95 % interval over environments; empty for one environment."),
         column("share_hi", "Upper end of that interval."),
         column("first_in", "`relmse` that the step adds if it comes first, after the steps that it needs."),
-        column("last_out", "`relmse` that goes if this step alone becomes exact, with the steps that need it."),
+        column("last_out", "`relmse` that vanishes if this step and the steps that need it become exact."),
         column(
             "shapley",
-            "Mean of the `relmse` that the step adds over all orders; the steps' numbers sum to the error.",
+            "Mean of the step's added `relmse` over all legal orders; the steps' numbers sum to the error.",
         ),
         column("error", "`relmse` after all steps. With `environment` all, all numbers are arithmetic means."),
         column("step_error", "Relative standard error of the step: see `steps.csv`."),
@@ -61,9 +61,9 @@ fn lacks(shape: &Shape) -> Option<&'static str> {
 }
 
 fn has_ladder(shape: &Shape) -> bool {
-    let is_told =
+    let has_steps =
         |value: &Value| Diffuse::by_name(&value.to_string()).is_some_and(|diffuse| of_diffuse(diffuse).is_some());
-    shape.methods().any(|method| method.has_ladder) || shape.values[DIFFUSE_METHOD].iter().any(is_told)
+    shape.methods().any(|method| method.has_ladder) || shape.values[DIFFUSE_METHOD].iter().any(has_steps)
 }
 
 /// Significant digits, as in `steps.csv`.
@@ -76,19 +76,19 @@ const NOTHING: &str = "No error is above the reference's noise: there is nothing
 
 /// One step of one image over a band of n·v.
 #[derive(Clone, Copy)]
-struct Told<'r, 'f> {
+struct Resolved<'r, 'f> {
     row: &'r Row<'f>,
     step: &'f StepRow,
     error: f64,
 }
 
-fn told<'r, 'f>(images: &[&'r Row<'f>]) -> Vec<Told<'r, 'f>> {
+fn resolved<'r, 'f>(images: &[&'r Row<'f>]) -> Vec<Resolved<'r, 'f>> {
     let of_image = |row: &'r Row<'f>| {
         let bands = grouped(&row.cell.steps, |step| step.seen.map(f64::to_bits));
         let of_band = |(_, steps): (_, Vec<&'f StepRow>)| {
             let error = steps.last().map_or(0.0, |last| last.rung_error);
             let is_resolved = steps.iter().all(|step| error > RESOLVED * step.noise);
-            steps.into_iter().filter(|_| is_resolved).map(|step| Told { row, step, error }).collect::<Vec<_>>()
+            steps.into_iter().filter(|_| is_resolved).map(|step| Resolved { row, step, error }).collect::<Vec<_>>()
         };
         bands.into_iter().flat_map(of_band).collect::<Vec<_>>()
     };
@@ -103,17 +103,17 @@ struct Group<'r, 'f> {
     /// "alpha 0.25 (roughness 0.5)".
     heading: String,
     seen: [f64; 2],
-    own: Vec<Told<'r, 'f>>,
+    own: Vec<Resolved<'r, 'f>>,
 }
 
 impl<'r, 'f> Group<'r, 'f> {
-    fn numbers(&self, step: &str, of: fn(&Told) -> f64) -> Numbers<'r, 'f> {
-        let own = self.own.iter().filter(|told| told.step.step == step);
-        Numbers::new(own.map(|told| (told.row, of(told))), Middle::Mean)
+    fn numbers(&self, step: &str, of: fn(&Resolved) -> f64) -> Numbers<'r, 'f> {
+        let own = self.own.iter().filter(|resolved| resolved.step.step == step);
+        Numbers::new(own.map(|resolved| (resolved.row, of(resolved))), Middle::Mean)
     }
 
     fn share(&self, step: &str) -> Option<Estimate> {
-        self.numbers(step, |told| told.step.share).estimate()
+        self.numbers(step, |resolved| resolved.step.share).estimate()
     }
 
     fn mean(&self, step: &str) -> f64 {
@@ -135,16 +135,16 @@ impl<'r, 'f> Group<'r, 'f> {
     }
 }
 
-fn groups<'r, 'f>(frame: &Frame, told: &[Told<'r, 'f>]) -> Vec<Group<'r, 'f>> {
+fn groups<'r, 'f>(frame: &Frame, resolved: &[Resolved<'r, 'f>]) -> Vec<Group<'r, 'f>> {
     let of = frame.row_axis();
     let others: Vec<usize> =
         frame.case_axes().into_iter().filter(|other| ![of, ENVIRONMENT, SCENE].contains(other)).collect();
-    let of_name = |(key, own): (Key, Vec<Told<'r, 'f>>)| {
+    let of_name = |(key, own): (Key, Vec<Resolved<'r, 'f>>)| {
         let name = frame.names.label(&others, &key);
-        let by_width = grouped_ascending(own, of, |told| told.row).into_iter();
+        let by_width = grouped_ascending(own, of, |resolved| resolved.row).into_iter();
         by_width.flat_map(move |(width, own)| {
             let group = |seen: [f64; 2]| {
-                let own: Vec<_> = own.iter().filter(|told| told.step.seen == seen).copied().collect();
+                let own: Vec<_> = own.iter().filter(|resolved| resolved.step.seen == seen).copied().collect();
                 let heading = frame.names.heading(of, &width);
                 Group { name: name.clone(), width: width.clone(), heading, seen, own }
             };
@@ -152,24 +152,24 @@ fn groups<'r, 'f>(frame: &Frame, told: &[Told<'r, 'f>]) -> Vec<Group<'r, 'f>> {
             all.filter(|group| !group.own.is_empty()).collect::<Vec<_>>()
         })
     };
-    grouped(told.iter().copied(), |told| told.row.key(&others)).into_iter().flat_map(of_name).collect()
+    grouped(resolved.iter().copied(), |resolved| resolved.row.key(&others)).into_iter().flat_map(of_name).collect()
 }
 
 fn answer(frame: &Frame) -> Option<Finding> {
     let images = frame.images();
-    let told = told(&images);
-    if told.is_empty() && images.iter().any(|row| !row.cell.steps.is_empty()) {
+    let resolved = resolved(&images);
+    if resolved.is_empty() && images.iter().any(|row| !row.cell.steps.is_empty()) {
         let table = Table::new(&frame.table_axes(), QUESTION.columns);
         return Some(Finding { sentence: NOTHING.to_owned(), table, digest: None, figure: None });
     }
-    let groups = groups(frame, &told);
-    let steps: Vec<&str> = distinct_in_order(told.iter().map(|told| told.step.step.as_str()));
+    let groups = groups(frame, &resolved);
+    let steps: Vec<&str> = distinct_in_order(resolved.iter().map(|resolved| resolved.step.step.as_str()));
     let axes = frame.table_axes();
     let mut table = Table::new(&axes, QUESTION.columns);
     // Each environment over all views; by view only without an average.
     for group in &groups {
-        let own = |told: &&Told| group.seen == ALL_VIEWS || !group.is_pooled(&told.step.step);
-        for Told { row, step, error } in group.own.iter().filter(own) {
+        let own = |resolved: &&Resolved| group.seen == ALL_VIEWS || !group.is_pooled(&resolved.step.step);
+        for Resolved { row, step, error } in group.own.iter().filter(own) {
             let interval = [Cell::Missing, Cell::Missing];
             let own = cells![step.seen[0], step.seen[1], step.step.as_str(), step.share];
             let rest = cells![step.first_in, step.last_out, step.shapley, *error, step.step_error];
@@ -186,24 +186,24 @@ fn answer(frame: &Frame) -> Option<Finding> {
             axes.iter().zip(&mut key).filter(|(of, _)| **of == ENVIRONMENT).for_each(|(_, value)| *value = ALL.into());
             let own = cells![group.seen[0], group.seen[1], *step, value, lo, hi];
             let rest = cells![
-                mean(|told| told.step.first_in),
-                mean(|told| told.step.last_out),
-                mean(|told| told.step.shapley),
-                mean(|told| told.error),
-                mean(|told| told.step.step_error)
+                mean(|resolved| resolved.step.first_in),
+                mean(|resolved| resolved.step.last_out),
+                mean(|resolved| resolved.step.shapley),
+                mean(|resolved| resolved.error),
+                mean(|resolved| resolved.step.step_error)
             ];
             table.row([axis_cells(&axes, &key), own, rest].concat());
         }
     }
     Some(Finding {
-        sentence: sentence(frame, &groups, &steps, &told)?,
+        sentence: sentence(frame, &groups, &steps, &resolved)?,
         digest: Some(digest(frame, &groups, &steps)),
         figure: figure(&groups, &steps),
         table,
     })
 }
 
-fn sentence(frame: &Frame, groups: &[Group], steps: &[&str], told: &[Told]) -> Option<String> {
+fn sentence(frame: &Frame, groups: &[Group], steps: &[&str], resolved: &[Resolved]) -> Option<String> {
     let subject = groups.first()?.subject();
     let at = |seen: [f64; 2]| groups.iter().filter(move |group| group.seen == seen && group.subject() == subject);
     let total = |step: &str| at(ALL_VIEWS).map(|group| group.mean(step)).sum::<f64>();
@@ -230,12 +230,12 @@ fn sentence(frame: &Frame, groups: &[Group], steps: &[&str], told: &[Told]) -> O
         let next = next.map_or(String::new(), |step| format!(", {} {}", step, percent(group.mean(step))));
         text += &format!(" At {} and {} it causes {least}{next}.", view(seen), group.place());
     }
-    let drawn = told.iter().filter(|told| told.step.seen == ALL_VIEWS).map(|told| told.step.share_error);
+    let drawn = resolved.iter().filter(|resolved| resolved.step.seen == ALL_VIEWS).map(|resolved| resolved.step.share_error);
     let noise = 2.0 * drawn.fold(0.0, f64::max);
     if noise > 0.0 {
         text += &format!(" Sampling noise changes no share over all views by more than {}.", percent(noise));
     }
-    let lights = Numbers::new(told.iter().map(|told| (told.row, 1.0)), Middle::GeometricMean);
+    let lights = Numbers::new(resolved.iter().map(|resolved| (resolved.row, 1.0)), Middle::GeometricMean);
     Some(text + &lights.scope(frame))
 }
 

@@ -15,7 +15,7 @@ use crate::experiment::axis::{AXES, ENVIRONMENT, METHOD, Part, SCENE};
 use crate::experiment::config::{Ask, Config};
 use crate::experiment::fault::ConfigError;
 use crate::figure::Figure;
-use crate::spelling::suggestion;
+use crate::spelling::not_one_of;
 
 const ERROR: Column = column("error", "Error in the metric of the question, geometric mean over point sets.");
 const NOISE_FLOOR: Column =
@@ -32,7 +32,7 @@ pub const SEEN_TO: Column = column("n_dot_v_to", "Upper end of n·v.");
 /// The first column of weighted answers.
 pub const WEIGHT: Column = column(
     "weight",
-    "What a view counts on the scene `design`: `picture` is 2 n·v, `uniform` all alike, a scene its own pixels. A picture's own rows have `picture`.",
+    "Weight of the views of the scene `design`: `picture` is 2 n·v, `uniform` is equal for all n·v, a scene's name takes the n·v of its pixels. Rows of pictures have `picture`.",
 );
 const UPPER: &str = "Upper end of that interval.";
 /// Declares and lists the modules of the questions.
@@ -69,7 +69,7 @@ pub struct Question {
     pub is_weighted: bool,
     /// Whether `by` can name the axis of the rows of its digest.
     pub has_rows: bool,
-    /// What an experiment lacks, as the end of "cannot be answered: ...".
+    /// Missing part of an experiment, as the end of "cannot be answered: ...".
     pub lacks: fn(&Shape) -> Option<&'static str>,
     /// `None` without suitable finished cells.
     pub answer: fn(&Frame) -> Option<Finding>,
@@ -157,7 +157,7 @@ pub fn check(config: &Config) -> Result<(), ConfigError> {
     }
     for Ask { question: name, place, by } in &config.asks {
         let Some(question) = question(name) else {
-            faults.add(place, format!("asks: {name:?} is not a question{}", suggestion(name, &names)));
+            faults.add(place, format!("asks: {}", not_one_of("question", name, &names, "")));
             continue;
         };
         if let Some(lack) = (question.lacks)(&shape) {

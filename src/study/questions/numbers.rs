@@ -172,9 +172,9 @@ impl<'r, 'f> Numbers<'r, 'f> {
 
     /// The average in words; for ratios on both sides of 1 their range.
     pub fn cell(&self, frame: &Frame, words: &dyn Fn(&Estimate) -> String) -> Cell {
-        let is_told = self.pooled(frame).is_some();
+        let is_pooled = self.pooled(frame).is_some();
         let both = || range(self.items.iter().map(|(_, number)| *number));
-        self.estimate().map(|all| if is_told { words(&all) } else { both() }).into()
+        self.estimate().map(|all| if is_pooled { words(&all) } else { both() }).into()
     }
 
     /// A digest with one row per value of [`Frame::row_axis`], else of the first swept axis of cases, and the columns of [`by_light`].

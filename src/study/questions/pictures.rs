@@ -1,8 +1,8 @@
 //! Which split sum makes the better pictures?
 //!
 //! A *picture* is a scene under one environment in one orientation. Each score of a picture is divided by the score of
-//! the classic split sum ([`BASE`]) in the same picture; the scores are [`PICTURE_SCORES`]. `bias_rel`, the error of
-//! mean brightness, has a sign: its ratios are of magnitudes, and its signed range stands beside them. Ratios are never
+//! the textbook's split sum ([`BASE`]) in the same picture; the scores are [`PICTURE_SCORES`]. `bias_rel`, the error of
+//! mean brightness, has a sign: its ratios are of magnitudes, and the table also has its signed range. Ratios are never
 //! averaged: a case has their median, the share of pictures that a method makes worse, and the worst picture. Pictures
 //! in which neither error is resolved do not count.
 //!
@@ -18,11 +18,11 @@ pub const QUESTION: Question = Question {
     asks: "Which split sum makes the better pictures?",
     columns: &[
         column("metric", "The score."),
-        column("base", "The classic split sum."),
+        column("base", "The textbook's split sum."),
         column("images", "Number of pictures."),
         column("median_ratio", "Score over the score of the base, the median picture; below 1 the method is better."),
         column("worse_fraction", "Share of the pictures with a ratio above 1."),
-        column("worst_ratio", "The ratio of the picture with the largest."),
+        column("worst_ratio", "The largest ratio of a picture."),
         column("median_lo", "Lower end of the 95 % interval of `median_ratio` over environments."),
         column("median_hi", super::UPPER),
         column(
@@ -51,7 +51,7 @@ pub const QUESTION: Question = Question {
     ..Question::PLAIN
 };
 
-/// The classic split sum.
+/// The textbook's split sum.
 const BASE: &str = "split-sum";
 const BRIGHTNESS: &str = PICTURE_SCORES[3];
 
@@ -113,7 +113,7 @@ fn worst<'r, 'f>(pictures: impl Iterator<Item = (&'r Row<'f>, f64)>) -> Option<(
     pictures.max_by(|a, b| a.1.total_cmp(&b.1).then_with(|| b.0.cell.id.cmp(&a.0.cell.id)))
 }
 
-/// These axes without the ones that tell pictures apart.
+/// These axes without the axes that distinguish pictures.
 fn of_cases(mut axes: Vec<usize>) -> Vec<usize> {
     axes.retain(|axis| ![ENVIRONMENT, ENVIRONMENT_ORIENTATION, ENVIRONMENT_ROTATION, SCENE].contains(axis));
     axes
@@ -155,7 +155,7 @@ fn groups<'r, 'f>(frame: &Frame, pairs: &[[&'r Row<'f>; 2]]) -> Vec<Group<'r, 'f
 }
 
 fn answer(frame: &Frame) -> Option<Finding> {
-    // Pictures whatever the metric: a metric of radiance leaves them out beside a design.
+    // Includes pictures for every metric: a metric of radiance leaves them out if there is a design.
     let pictures = frame.like(frame.run, DISPLAY_HEADLINE);
     let images: Vec<&Row> = pictures.images().into_iter().filter(|row| !is_design(&row.text(SCENE))).collect();
     let groups = groups(frame, &pairs(frame, &images));
@@ -299,9 +299,9 @@ fn figure(frame: &Frame, all: &[&Group]) -> Option<Figure> {
         (name, marks)
     };
     Chart {
-        title: "Pictures against the classic split sum",
+        title: "Pictures against the textbook's split sum",
         note: format!(
-            "{metric} over that of {BASE}, below 1 is better. Lines: the median picture; single marks: the worst one"
+            "{metric} over the {metric} of {BASE}; below 1 is better. Lines: the median picture; single marks: the worst picture"
         ),
         x: Along::values(frame, row_axis, &steps),
         y: Along::Log("ratio"),

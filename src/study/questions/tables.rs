@@ -4,14 +4,13 @@
 //! the truth an error of the tables may cancel one of the split. In each *condition* (environment, model, alpha, f0, and on the scene `design`
 //! each band of n·v: the split errs least facing the viewer, so tables matter most there):
 //!
-//! - `error`: the tables against the exact split, which is also what relative metrics divide by;
+//! - `error`: the tables against the exact split, by which relative metrics also divide;
 //! - `split_error`: the truth (method `reference`) against the exact split, in the same metric;
 //! - `share`: the first over the second.
 //!
 //! A *combination* is one value of each swept setting of tables. It is *enough* at an alpha if its share is at most [`enough`] in every
-//! condition: the split itself then causes the error. The answer is the combination with the fewest texels that is
-//! enough from some alpha on, down to the smallest alpha where one is; among equal ones the one with the fewest samples,
-//! then the smallest worst share.
+//! condition: the split itself then causes the error. The answer is the combination with the fewest texels that is enough from some
+//! alpha on, down to the smallest alpha where one is; among equal ones the one with the fewest samples, then the smallest worst share.
 
 use super::prelude::*;
 use crate::bakes::plain::SETTINGS;
@@ -32,8 +31,8 @@ pub const QUESTION: Question = Question {
             "Error of the tables against the split sum with exact factors, in the metric of the question; relative metrics divide by that split.",
         ),
         column("split_error", "Error of the truth against the same split: the cost of the split itself."),
-        column("share", "The first over the second."),
-        column("is_enough", "1 where the share is at most 0.1 of a mean square, 0.32 of a mean magnitude, else 0."),
+        column("share", "`error` over `split_error`."),
+        column("is_enough", "1 if the share is at most 0.1 of a mean square, 0.32 of a mean magnitude, else 0."),
         column("texels", "Texels of all levels and faces of the prefiltered map and of the DFG table."),
         column("is_resolved", "1 if the error is resolved against the reference's noise, else 0."),
     ],
@@ -169,7 +168,7 @@ fn chosen<'c, 't, 'r, 'f>(enough: f64, all: &'c [Combination<'t, 'r, 'f>]) -> Op
 }
 
 /// In percent; with a third digit if it is not enough, so that 10.5 % does not read as 10 %.
-fn told_share(enough: f64, share: f64) -> String {
+fn share_text(enough: f64, share: f64) -> String {
     if share > enough { format!("{} %", significant(100.0 * share, 3)) } else { percent(share) }
 }
 
@@ -231,7 +230,7 @@ fn sentence(frame: &Frame, parameters: &[usize], tails: &[Tail]) -> Option<Strin
         let worst = one.worst();
         let bound = if frame.is_resolved(worst.row) { "" } else { "at most " };
         let place = place(frame, worst, &distinct_in_order([ENVIRONMENT, frame.row_axis()]));
-        format!("{bound}{} ({place})", told_share(enough, worst.share()))
+        format!("{bound}{} ({place})", share_text(enough, worst.share()))
     };
     let shipped = |tail: &Tail| tail.all.iter().position(|one| one.worst().share() <= enough);
     let first = tails.iter().enumerate().find_map(|(place, tail)| Some((place, &tail.all[shipped(tail)?])));
@@ -241,7 +240,7 @@ fn sentence(frame: &Frame, parameters: &[usize], tails: &[Tail]) -> Option<Strin
         }
         Some((place, one)) => {
             let from = frame.names.heading(frame.row_axis(), &tails[place].from);
-            let share = told_share(enough, one.worst().share());
+            let share = share_text(enough, one.worst().share());
             let ship = format!("From {from} on, ship **{}**: at most {share} of the split's `{metric}`.", words(one));
             (format!("{ship} Below, the best, {}, reach {}.", words(best), reached(best)), one)
         }
@@ -281,11 +280,11 @@ fn digest(frame: &Frame, parameters: &[usize], scope: &[usize], tails: &[Tail]) 
     for Tail { from, all } in tails {
         let Some(best) = chosen(enough, all) else { continue };
         let worst = best.worst();
-        let told = |number| best.numbers(from, of, number).estimate().map(|mean| with_rms(frame, mean.value));
+        let mean_text = |number| best.numbers(from, of, number).estimate().map(|mean| with_rms(frame, mean.value));
         let tables = words(frame, parameters, &best.tables);
         let tables = if worst.share() <= enough { tables } else { format!("none; best {tables}") };
-        let errors = cells![told(|one| one.error), told(|one| one.split)];
-        let worst = cells![told_share(enough, worst.share()), self::place(frame, worst, scope)];
+        let errors = cells![mean_text(|one| one.error), mean_text(|one| one.split)];
+        let worst = cells![share_text(enough, worst.share()), self::place(frame, worst, scope)];
         let head = if *from == Value::Unset { all_head(&heads) } else { frame.names.head_of(of, from) };
         table.row([head, cells![tables], errors, worst].concat());
     }
@@ -321,7 +320,7 @@ fn figure(frame: &Frame, parameters: &[usize], all: &[&Tried]) -> Option<Figure>
     Chart {
         title: "Error of tables and of the split",
         note: format!(
-            "{} of tables over that of the split itself, in the worst condition; below the line the split dominates",
+            "{} of tables over the error of the split itself, in the worst condition; below the line the split dominates",
             frame.metric_name()
         ),
         x: Along::Log("texels"),

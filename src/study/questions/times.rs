@@ -28,7 +28,7 @@ pub const QUESTION: Question = Question {
         column("ratio", "Time of the frame over this method's, the median of the ratios round by round."),
         column("ratio_lo", "Lower end of its 95 % interval; empty below six rounds."),
         column("ratio_hi", super::UPPER),
-        column("host_check", "`ok` if the passes sum to 50 to 105 % of the host's own time, else what is wrong."),
+        column("host_check", "`ok` if the passes sum to 50 to 105 % of the host's own time, else the fault."),
         column("device", "The device that was timed."),
         column("device_type", "Its type; times of a `cpu` say nothing about a GPU."),
     ],

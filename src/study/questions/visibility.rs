@@ -11,10 +11,10 @@ pub const QUESTION: Question = Question {
     columns: &[
         column("n", "Number of environments."),
         column("flip", "Mean FLIP of an image, median over environments; from 0 (none) to 1."),
-        column("flip_least", "Mean FLIP of the image with the least."),
-        column("flip_most", "Mean FLIP of the image with the most."),
+        column("flip_least", "Smallest mean FLIP of an image."),
+        column("flip_most", "Largest mean FLIP of an image."),
         column("visible_from", "Mean FLIP of a visible difference, a convention of this project."),
-        column("visible", "Number of environments with at least that."),
+        column("visible", "Number of environments whose `flip` reaches `visible_from`."),
     ],
     has_rows: false,
     lacks,

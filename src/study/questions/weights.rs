@@ -20,8 +20,7 @@ pub fn own(frame: &Frame) -> &'static Weight {
     if is_of_designs(frame) { &Weight::Uniform } else { &Weight::Picture }
 }
 
-/// The run of a frame under each of its weights; none if its images are pictures, or their bins do not determine the
-/// metric.
+/// The run of a frame under each of its weights; none if its images are pictures, or their bins do not determine the metric.
 pub fn runs(frame: &Frame) -> Vec<Finished> {
     let has_bins = frame.run.cells.iter().any(|cell| !cell.bins.is_empty());
     let is_asked = has_bins && frame.metric.pooling != Pooling::None && is_of_designs(frame);

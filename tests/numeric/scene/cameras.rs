@@ -17,7 +17,7 @@ fn builtin(name: &str) -> Scene {
 
 /// Every built-in scene, camera kind and size.
 fn for_each_camera(mut check: impl FnMut(&Scene, &Camera, [u32; 2])) {
-    // The scene `design` has no picture to frame.
+    // The scene `design` is not a picture, so nothing is framed.
     for scene in SCENES.iter().map(|entry| builtin(entry.name)).filter(|scene| !scene.is_design) {
         for &kind in CameraKind::all() {
             for size in SIZES {
@@ -27,7 +27,7 @@ fn for_each_camera(mut check: impl FnMut(&Scene, &Camera, [u32; 2])) {
     }
 }
 
-/// The points that decide whether a scene is framed: mesh corners, and points of the spheres' surfaces.
+/// The points that determine whether a scene fits: mesh corners, and points on the spheres.
 fn points(scene: &Scene) -> Vec<DVec3> {
     let mut points: Vec<DVec3> = scene.meshes.iter().flat_map(|mesh| mesh.corners()).collect();
     for sphere in &scene.spheres {
@@ -43,7 +43,7 @@ fn points(scene: &Scene) -> Vec<DVec3> {
 }
 
 #[test]
-fn the_sphere_cameras_are_those_of_the_contract() {
+fn the_sphere_cameras_follow_the_conventions() {
     let sphere = builtin("sphere");
     let ortho = Camera::for_scene(CameraKind::Ortho, &sphere, [4, 4]);
     let (origin, direction) = ortho.ray(0, 0, [4, 4]);

@@ -7,7 +7,7 @@ use splitsum::scene::{Camera, CameraKind, MaterialOverride, Scene};
 use splitsum::spelling::Listed;
 use std::path::Path;
 
-/// Pixels whose centre is this near to the silhouette (in pixels) may differ between two exact renderers.
+/// Two exact renderers may differ in pixels whose centre is this near to the silhouette (in pixels).
 const RIM_PIXELS: f64 = 1e-3;
 
 fn xyz(texel: [f64; 4]) -> DVec3 {

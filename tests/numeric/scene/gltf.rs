@@ -39,7 +39,7 @@ fn vector(v: [f32; 3]) -> DVec3 {
     glam::Vec3::from_array(v).as_dvec3()
 }
 
-/// What a camera straight in front of the square sees of it and nothing else, a texel a pixel.
+/// The view of a camera straight in front of the square, a texel a pixel.
 pub fn seen(scene: &Scene, size: [u32; 2], toward_viewer: DVec3) -> Gbuffer<f64> {
     let front = Camera::for_scene(CameraKind::Ortho, &Scene::sphere(), size);
     let camera = Camera {
@@ -47,7 +47,7 @@ pub fn seen(scene: &Scene, size: [u32; 2], toward_viewer: DVec3) -> Gbuffer<f64>
         forward: -toward_viewer,
         up: DVec3::Y,
         right: DVec3::Y.cross(toward_viewer),
-        // Half of the height; the width follows from the image's shape, so the square is drawn as wide as the image.
+        // Half of the height; the width follows from the image's aspect, so the square is as wide as the image.
         projection: Projection::Ortho { half_height: 1.0 },
         ..front
     };
@@ -72,11 +72,11 @@ fn a_node_that_is_turned_is_the_model_turned() {
             let to_world = |p: DVec3| scale * (turn * p + DVec3::new(1.0, 2.0, 3.0)) + DVec3::new(0.5, -1.0, 2.0);
             let position = to_world(vector(before.positions[i]));
             assert!((vector(after.positions[i]) - position).length() < 5.0 * F32, "position {i}");
-            // A normal is what stays at right angles to the surface: divided by the scale, not multiplied.
+            // A normal stays perpendicular to the surface: it is divided by the scale, not multiplied.
             let normal = (turn * vector(before.normals[i]) / scale).normalize();
             assert!((vector(after.normals[i]) - normal).length() < F32, "normal {i}, scale {scale}");
         }
-        // The front stays the front, in a mirror too.
+        // The front stays the front, also after mirroring.
         for mesh in [before, after] {
             for triangle in mesh.triangles() {
                 let [a, b, c] = triangle.map(|i| vector(mesh.positions[i as usize]));
@@ -95,7 +95,7 @@ fn triangle_corners(mesh: &Mesh) -> Vec<[DVec3; 3]> {
     mesh.triangles().map(|triangle| triangle.map(|i| vector(mesh.positions[i as usize]))).collect()
 }
 
-/// Strips and fans turn every other corner around; bytes, strides and sparse elements are ways to write the same numbers.
+/// Strips and fans reverse every other triangle; bytes, strides and sparse elements are other encodings of the same numbers.
 #[test]
 fn every_form_of_a_mesh_gives_the_same_triangles() {
     let plain = quad();
@@ -115,12 +115,12 @@ fn every_form_of_a_mesh_gives_the_same_triangles() {
     let flat = &loaded(&bare).meshes[0];
     assert!(flat.normals.iter().all(|normal| *normal == [0.0, 0.0, 1.0]), "the triangles' own normals");
 
-    // What applications add under names of their own does not count.
+    // Application-specific attributes are ignored.
     let mut named = plain.clone();
     named["meshes"][0]["primitives"][0]["attributes"]["_FEATURE_ID_0"] = json!(0);
     assert_eq!(triangle_corners(&loaded(&named).meshes[0]), expected);
 
-    // Positions and normals side by side, and the last corner moved by a sparse element.
+    // Interleaved positions and normals; a sparse element moves the last corner.
     let bent = loaded(&sheet()).meshes.remove(0);
     let rows: Vec<f32> = (0..4).flat_map(|i| [bent.positions[i], bent.normals[i]].concat()).collect();
     let mut model = mesh(&[("POSITION", 3, &rows[..12]), ("NORMAL", 3, &rows[12..])], &[0, 1, 2, 0, 2, 3]);
@@ -144,7 +144,7 @@ fn every_form_of_a_mesh_gives_the_same_triangles() {
     assert!((vector(scene.meshes[0].normals[1]) - vector(bent.normals[1])).length() < F32);
 }
 
-/// `KHR_mesh_quantization`: integers stand for themselves, or for fractions of the largest one from -1 on.
+/// `KHR_mesh_quantization`: integers are plain numbers, or fractions of the largest one from -1 on.
 #[test]
 fn quantized_positions_are_decoded() {
     for (kind, width, largest, least) in
@@ -207,7 +207,7 @@ fn a_textured_square_has_the_texels_of_its_textures() {
     }
 }
 
-/// The vector that a texel of a normal map stands for.
+/// The vector that a texel of a normal map encodes.
 fn unpacked(texel: [u8; 3]) -> DVec3 {
     2.0 * DVec3::from_array(texel.map(|x| f64::from(x) / 255.0)) - 1.0
 }
@@ -240,7 +240,7 @@ fn a_normal_map_turns_the_normal_into_its_frame() {
     let mirrored = mesh(&attributes, &[0, 1, 2, 0, 2, 3]);
     expect("u to the left", normal_of(map(mirrored, 1.0), DVec3::Z), m * DVec3::new(-1.0, 1.0, 1.0));
 
-    // Tangents of the file instead of computed ones: a quarter turn, and the other hand.
+    // Tangents of the file instead of computed ones: a quarter turn, with the other handedness.
     let tangents = [0., 1., 0., -1.].repeat(4);
     let given = mesh(&[&attributes[..], &[("TANGENT", 4, &tangents)]].concat(), &[0, 1, 2, 0, 2, 3]);
     // The bitangent is -(z x y) = x.
@@ -249,7 +249,7 @@ fn a_normal_map_turns_the_normal_into_its_frame() {
     given["nodes"][0]["scale"] = json!([-1, 1, 1]);
     expect("given, mirrored", normal_of(given, DVec3::Z), DVec3::new(-m.y, m.x, m.z));
 
-    // Turned about y by a quarter, the square looks to +x; mirrored in x, its picture is.
+    // After a quarter turn about y the square faces +x; mirrored in x, its picture is mirrored.
     let half = std::f64::consts::FRAC_1_SQRT_2;
     let mut turned = map(quad(), 1.0);
     turned["nodes"][0]["rotation"] = json!([0, half, 0, half]);
@@ -259,7 +259,7 @@ fn a_normal_map_turns_the_normal_into_its_frame() {
     expect("mirrored", normal_of(flipped, DVec3::Z), m * DVec3::new(-1.0, 1.0, 1.0));
 }
 
-/// A map that says (0.5, 0.5, 1) everywhere is no map; 8 bits have no such number, so its texels are set.
+/// A constant map of (0.5, 0.5, 1) has no effect; 8 bits have no such number, so its texels are set directly.
 #[test]
 fn a_flat_normal_map_changes_nothing() {
     let plain = sheet();
@@ -277,7 +277,7 @@ fn a_flat_normal_map_changes_nothing() {
 }
 
 #[test]
-fn factors_are_what_the_axes_set() {
+fn axes_replace_factors() {
     let mut model = quad();
     model["materials"] = json!([{
         "pbrMetallicRoughness": { "baseColorFactor": [0.9, 0.5, 0.1, 1], "metallicFactor": 0.375, "roughnessFactor": 0.5 },
@@ -293,7 +293,7 @@ fn factors_are_what_the_axes_set() {
     for (a, b) in all(&images[0]).iter().flatten().zip(all(&images[1]).iter().flatten()) {
         assert!((a - b).abs() < 1e-7, "{a}, {b}");
     }
-    // Without a word of it a material is a rough white metal; what an axis sets takes the place of the map.
+    // A material without properties is a rough white metal; a value of an axis replaces the map.
     let default = &loaded(&quad()).materials[0];
     assert_eq!((default.albedo, default.metallic, default.alpha, default.f0), ([1.0; 3], 1.0, 1.0, [0.04; 3]));
     let material = json!({ "pbrMetallicRoughness": { "metallicRoughnessTexture": { "index": 0 } } });
@@ -309,7 +309,7 @@ fn factors_are_what_the_axes_set() {
 }
 
 #[test]
-fn backs_are_seen_of_double_sided_materials_only() {
+fn only_double_sided_materials_show_their_back() {
     let mut model = quad();
     let hits = |model: &Value, toward| seen(&loaded(model), [3, 3], toward).mask().data.iter().sum::<f32>();
     assert_eq!([hits(&model, DVec3::Z), hits(&model, DVec3::NEG_Z)], [9.0, 9.0]);
@@ -386,16 +386,16 @@ fn unsupported_and_broken_files_are_refused() {
 }
 
 #[test]
-fn features_left_out_are_a_warning() {
+fn ignored_features_cause_a_warning() {
     let mut model = quad();
     model["materials"] = json!([{ "emissiveFactor": [1, 0, 0], "alphaMode": "MASK" }]);
     model["extensionsUsed"] = json!(["KHR_lights_punctual"]);
     assert_eq!(loaded(&model).warnings, ["not read: KHR_lights_punctual, emission, transparency"]);
 }
 
-/// A `.glb` that ends early, or whose lengths lie, is told so.
+/// A truncated `.glb`, or one with wrong lengths, is reported as such.
 #[test]
-fn a_cut_container_is_refused() {
+fn a_truncated_container_is_refused() {
     let glb = glb(&quad());
     let folder = tempfile::tempdir().unwrap();
     let read = |bytes: &[u8]| {

@@ -1,4 +1,4 @@
-//! Maps of materials: their levels, their edges, and where texture coordinates are moved to.
+//! Maps of materials: their levels, their edges, and transforms of texture coordinates.
 
 use super::gltf::{loaded, quad, seen};
 use crate::gltf_files::{load, png, textured};
@@ -14,7 +14,7 @@ use splitsum::scene::{Scene, Texture};
 /// Rounding of f32 numbers of order 1.
 const F32: f64 = 1e-6;
 
-/// The square with a map of base colour, turned by `transform` and continued as `sampler` says.
+/// The square with a map of base colour, transformed by `transform` and continued by `sampler`.
 fn square(transform: Value, sampler: Value, image: Value) -> Scene {
     let info = json!({ "index": 0, "extensions": { "KHR_texture_transform": transform } });
     let material = json!({ "doubleSided": true, "pbrMetallicRoughness": { "baseColorTexture": info } });
@@ -28,7 +28,7 @@ fn square(transform: Value, sampler: Value, image: Value) -> Scene {
     scene
 }
 
-/// What the square shows, a texel a pixel, of a map of `count` squared texels: the column and the row of each texel seen.
+/// The picture of the square with a map of `count` squared texels, a texel a pixel: column and row of each visible texel.
 fn texels(scene: &Scene, size: [u32; 2], count: u32) -> Vec<[u32; 2]> {
     let linear: Vec<f64> = (0..count).map(|i| srgb_decode((40 * i) as f32 / 255.0).into()).collect();
     let nearest = |value: f64| linear.iter().position(|x| (x - value).abs() < F32).expect("a texel of the map") as u32;
@@ -56,7 +56,7 @@ fn a_texture_transform_shows_the_quadrant_of_its_specification() {
     for (uv, expected) in scene.meshes[0].uvs.iter().zip(expected) {
         assert!((0..2).all(|c| (f64::from(uv[c]) - expected[c]).abs() < F32), "{uv:?} for {expected:?}");
     }
-    // The set of coordinates that the transform names counts, and the maps of a material must agree.
+    // The transform selects the set of coordinates, and the maps of a material must agree.
     let with = |normal: Value| {
         let material =
             json!({ "normalTexture": normal, "pbrMetallicRoughness": { "baseColorTexture": { "index": 0 } } });
@@ -76,7 +76,7 @@ fn a_texture_transform_shows_the_quadrant_of_its_specification() {
 
 /// Twice the width and the height of a map of three texels, from two texels before it and from one row above it.
 #[test]
-fn maps_go_on_as_their_samplers_say() {
+fn maps_continue_by_their_samplers() {
     for (wrap, columns) in [(33071, [0, 0, 0, 1, 2, 2]), (33648, [1, 0, 0, 1, 2, 2]), (10497, [1, 2, 0, 1, 2, 0])] {
         let transform = json!({ "offset": [-2.0 / 3.0, -1.0 / 3.0], "scale": [2, 2] });
         let scene = square(transform, json!({ "wrapS": wrap, "wrapT": 10497 }), png(3, 3, places));
@@ -87,7 +87,7 @@ fn maps_go_on_as_their_samplers_say() {
 }
 
 #[test]
-fn a_far_map_is_the_mean_of_what_a_pixel_covers() {
+fn a_distant_map_is_the_mean_over_a_pixel() {
     let black_and_white = |x: u32, y: u32| [if (x + y).is_multiple_of(2) { 255 } else { 0 }; 3];
     let far = json!({ "scale": [16, 16] });
     // 64 texels a pixel each way: more than the map has.
@@ -95,7 +95,7 @@ fn a_far_map_is_the_mean_of_what_a_pixel_covers() {
     for texel in &seen(&scene, [4, 4], DVec3::Z).albedo_metallic.data {
         assert!(texel[..3].iter().all(|x| (x - 0.5).abs() < F32), "{texel:?}");
     }
-    // On a white texel the first level is 1 and every other a half, so between one and two texels a pixel the blend tells the level.
+    // On a white texel the first level is 1 and every other level 1/2, so between one and two texels a pixel the blend gives the level.
     for texels in [0.5f64, 1.0, 1.25, 1.7, 3.0] {
         let scale = texels / 16.0;
         let offset = 4.5 / 16.0 - 0.5 * scale;
@@ -116,7 +116,7 @@ fn a_far_map_is_the_mean_of_what_a_pixel_covers() {
     }
 }
 
-/// Where no side is a power of two the mean stays, and a texel is the mean of the part of the image that it covers.
+/// If no side is a power of two, the mean is kept, and a texel is the mean of the part of the image that it covers.
 #[test]
 fn levels_keep_the_mean() {
     let value = |x: u32, y: u32| [(x * x + 3 * y) as f32, (x as f32).sin(), 1.0 / (1.0 + y as f32)];
@@ -160,9 +160,9 @@ fn edges_have_the_symmetries_of_their_names() {
     }
 }
 
-/// 2^25 texels fit; with one more map each side of the longer one is halved, whichever comes first.
+/// 2^25 texels fit; with one more map each side of the larger one is halved, in either order.
 #[test]
-fn maps_that_are_too_many_are_coarser() {
+fn too_many_maps_are_made_coarser() {
     let [large, small] = [[8192, 4096], [4, 4]].map(|[width, height]| {
         let mut file = std::io::Cursor::new(Vec::new());
         let halves =

@@ -70,7 +70,7 @@ fn every_form_of_a_face_gives_the_same_square() {
     }
 }
 
-/// Positions, faces, materials: each wrong line is named with what was expected.
+/// Positions, faces, materials: each wrong line is reported with the expected form.
 #[test]
 fn wrong_files_are_refused_with_the_line() {
     let scenes = [
@@ -92,7 +92,7 @@ fn wrong_files_are_refused_with_the_line() {
         "v 0 0 0\nf 1 -9223372036854775808 1\n",
         "v 0 0 0\nvt 0 0\nvn 0 0 1\nf 1/1/1/1 1 1\n",
         "v 0 0 0\nf 1 \\\n1\n",
-        // The first wrong line is the one that is named.
+        // The first wrong line is reported.
         "v 0 0 0\nf 1 1 7\nf 1 1 0\n",
         "usemtl\n",
         "v 0 0 0\nf 1 1 1\n",
@@ -138,7 +138,7 @@ fn materials_and_groups_keep_their_faces() {
         ["1 x l", "missing.mtl: cannot read", "a.mtl:2: Kd 1 2 0.5 is outside", "material \"nowhere\" is not defined"];
     assert_eq!(scene.warnings.len(), expected.len(), "{:?}", scene.warnings);
     assert!(scene.warnings.iter().zip(expected).all(|(warning, part)| warning.contains(part)), "{:?}", scene.warnings);
-    // Whoever prints them puts the scene's name before each.
+    // Callers put the scene's name before each warning.
     assert!(scene.warnings.iter().all(|warning| !warning.contains("scene.obj")), "{:?}", scene.warnings);
 }
 
@@ -151,7 +151,7 @@ fn warnings_of_one_cause_are_counted_after_the_fifth() {
     assert!(warnings[4].contains("\"m0004\" is not defined") && warnings[5] == "and 1995 more of the last kind");
 }
 
-/// Joining by copies took the square of the number of lines: minutes here.
+/// Joining by copies took time quadratic in the number of lines: minutes here.
 #[test]
 fn a_statement_of_a_million_lines_is_read_at_once() {
     let start = cpu_time();
@@ -176,7 +176,7 @@ fn a_circle_of_rounded_corners_is_filled() {
     assert!((area - DVec3::Z * std::f64::consts::PI).length() < 1e-5, "{area}");
 }
 
-/// Twice the texels of the largest map that is read, in 100 bytes: refused by its header.
+/// Twice the texels of the largest accepted map, in 100 bytes: refused by its header.
 #[test]
 fn a_map_too_large_for_memory_is_left_out_by_its_header() {
     let mut header = b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR\0\0\x40\0\0\0\x20\0\x08\x02\0\0\0".to_vec();
@@ -189,7 +189,7 @@ fn a_map_too_large_for_memory_is_left_out_by_its_header() {
         ("bomb.png", &header),
     ]);
     let warnings = scene.expect("a readable file").warnings;
-    assert!(warnings[0].contains("16384x8192 texels, expected at most 67108864"), "{warnings:?}");
+    assert!(warnings[0].contains("16384x8192 texels; expected at most 67108864"), "{warnings:?}");
 }
 
 /// The checksum of PNG chunks.
@@ -283,7 +283,7 @@ fn polygons_of_any_shape_keep_their_area() {
             let (text, area) = star(n, DVec3::new(1.0, 2.0, -1.0), a, b);
             let scene = loaded(&text);
             let areas = areas(&scene.meshes[0]);
-            // All triangles face one way and together have the area: none overlaps another and none is missing.
+            // All triangles face one way and their areas sum to the polygon's: none overlaps and none is missing.
             let total: f64 = areas.iter().map(|area| area.length()).sum();
             assert!((total - area).abs() < F32_ROUNDING * n as f64, "{n} corners: {total}, expected {area}");
             assert!(areas.iter().all(|area| area.dot(a.cross(b)) > 0.0), "{n} corners, {a} {b}");
@@ -361,7 +361,7 @@ fn computed_normals_of_a_sphere_point_along_its_radii() {
     assert!(count > 1000);
 }
 
-/// The order of corners decides nothing: triangles are wound to agree with the normals of the file.
+/// The order of corners does not matter: triangles are wound to agree with the normals of the file.
 #[test]
 fn winding_follows_given_normals() {
     let front = loaded(&format!("{QUAD}vn 0 0 1\nf 1//1 2//1 3//1 4//1\n"));

@@ -1,11 +1,11 @@
-//! Finished runs read from their files: what is whole, what is damaged.
+//! Finished runs read from their files, complete and damaged.
 
 use crate::run::runs::{finished, plan};
 use crate::run::whole::EXPERIMENT;
 use splitsum::study::finished::Finished;
 use std::path::{Path, PathBuf};
 
-/// A run of one case: the split sum beside three counts.
+/// A run of one case: the split sum and three counts.
 fn whole(dir: &Path) -> PathBuf {
     let text = "name = \"x\"\nsize = [16, 16]\nreference = { samples = 32 }\n[axes]\nmethod = [\"split-sum\", \"sampled\"]\n\
                 samples = [1, 4, 16]\ndiffuse = [\"none\"]\n";
@@ -35,8 +35,8 @@ fn damaged_tables_are_refused_by_name() {
         ("errors.csv", lines(&errors, 1), "the table is truncated"),
         ("errors.csv", lines(&errors, 4), "3 rows, but the folder has records of 4 cells"),
         ("errors.csv", errors[..errors.len() - 3].to_owned(), "ends within a row"),
-        ("errors.csv", lines(&errors, 2) + "0009,sampled,1\n", "found record with 3 fields"),
-        ("errors.csv", errors.replacen("verdict", "verdicts", 1), "no column \"verdict\""),
+        ("errors.csv", lines(&errors, 2) + "0009,sampled,1\n", "line 3: the row has 3 cells"),
+        ("errors.csv", errors.replacen("verdict", "verdicts", 1), "\"verdict\" is not a column"),
         ("errors.csv", errors.replacen(score, "3e-l", 1), "\"3e-l\" is not a number"),
         ("errors.csv", errors.replacen(cells[1], cells[0], 1), "4 rows of 3 cells"),
         ("errors_by_n_dot_v.csv", String::new(), "the file is empty"),
@@ -59,7 +59,7 @@ fn unreadable_records_are_ignored() {
     let run = whole(dir.path());
     std::fs::write(run.join("cells/0009.json"), "{").unwrap();
     assert!(Finished::read(&run).is_ok());
-    // A published folder has no records, and no rows of a run that drew something.
+    // A published folder has no records. A table without rows is a fault.
     std::fs::remove_dir_all(run.join("cells")).unwrap();
     assert!(Finished::read(&run).is_ok());
     let errors = std::fs::read_to_string(run.join("errors.csv")).unwrap();

@@ -48,7 +48,7 @@ pub fn shader_name(permutation: &str, stem: &str) -> String {
     parts.join(":")
 }
 
-/// Returns the first error of a compiler's log, as `PATH:LINE: message`. The file causes those of the pass around it.
+/// Returns the first error of a compiler's log, as `PATH:LINE: message`. Errors in the pass around the file count as errors of the file.
 fn first_error(log: &str, path: &Path) -> String {
     let first = log.lines().find_map(|line| line.trim().strip_prefix("ERROR: ")).unwrap_or_else(|| log.trim());
     if !first.starts_with("shaders/") {

@@ -1,7 +1,7 @@
 //! Methods in files of the user: GLSL that defines `vec3 specular_radiance(Surface s)` like the files of
 //! `shaders/shade/method/`, compiled when it is named.
 //!
-//! It may include what these include (`lib/split_sum.glsl`, `lib/filtering.glsl`, `selected/brdf.glsl`, ...). The
+//! It may include the same files (`lib/split_sum.glsl`, `lib/filtering.glsl`, `selected/brdf.glsl`, ...). The
 //! bindings that it reads determine which parameters it depends on.
 
 #[cfg(feature = "gpu")]
