@@ -1,5 +1,5 @@
 #!/bin/sh
-# Runs other bakers and renderers beside splitsum, and writes tables of CPU seconds and errors:
+# Runs other bakers and renderers and splitsum, and writes tables of CPU seconds and errors:
 #
 #     sh scripts/bench-peers.sh [--peers NAME,NAME...] [--out FOLDER] [MAP.hdr...]
 #
@@ -64,7 +64,7 @@ wants() {
     case ",$peers," in *",$1,"*) ;; *) return 1 ;; esac
 }
 missing=
-# Says that a peer is not there, with the end of what its installer said.
+# Reports a missing peer, with the end of its installer's output.
 lacks() { # peer, log
     missing="$missing $1"
     say "NOT INSTALLED: $1 does not run. $(tail -n 2 "$2" | tr '\n' ' ')"

@@ -1,5 +1,5 @@
 #!/bin/sh
-# Fetches the second set of maps, on which nothing was chosen or fitted:
+# Fetches the second set of maps, held out: nothing was chosen or fitted on them:
 #
 #     scripts/second-maps.sh
 #     splitsum run experiments/pictures.toml --clamp-invalid --set environment=experiments/environments/second/lab.exr,...

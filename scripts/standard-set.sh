@@ -5,7 +5,7 @@
 #
 # Runs go to runs/standard/NAME (gitignored), the small files of each to results/NAME, and the answers of all published
 # runs to results/README.md; a run of an earlier plan is replaced. Run the script again to resume. Takes up to 50 minutes
-# on two quiet cores with a software driver.
+# on two idle cores with a software driver.
 # Answers about light rest on the ten measured maps of experiments/environments.csv, which are not part of the repository:
 # save each as experiments/environments/NAME_1k.hdr. If one is missing or is another file, the set says so and runs
 # without it.

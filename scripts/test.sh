@@ -1,8 +1,8 @@
 #!/bin/sh
 # Installs what is missing, then checks formatting, lints and runs every test; docs/testing.md has the parts.
 #
-# A part that fails does not keep the next one from running. The last line says PASSED, or FAILED and which parts
-# failed. With CI set, the parts that a plain user is spared run too: they install more, or fetch from npm and PyPI.
+# After a failed part the next one still runs. The last line is PASSED, or FAILED and the parts that
+# failed. With CI set, more parts run, which install more or fetch from npm and PyPI.
 set -eu
 cd "$(dirname "$0")/.."
 . scripts/setup.sh

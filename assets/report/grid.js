@@ -79,7 +79,7 @@ function notesOf(hasPictures) {
   const averages = model.designs.length
     ? ` Answers average the scene ${model.designs.join(", ")}, which has no pictures.`
     : "";
-  const own = `Numbers under a picture are of that picture alone.${averages} Click a picture to compare it.`;
+  const own = `Numbers under a picture belong to that picture alone.${averages} Click a picture to compare it.`;
   const sheets = model.runs.flatMap((run) => run.sheets);
   const links = sheets.map(([name, link], i) => [i ? " · " : "", h("a", { href: link }, name)]);
   return [

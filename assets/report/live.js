@@ -199,12 +199,12 @@ class Live {
     const { errors, done, view, isJudged } = render;
     const isWhole = (way) => done[way] === render.total(way) || (way === "reference" && isJudged);
     const counted = (way) => `, ${done[way]}${isWhole(way) ? "" : ` of ${render.total(way)}`} samples a pixel`;
-    const told = (way) => this.titleOf(way) + (render.total(way) > 1 ? counted(way) : "");
-    const error = `${mode === "signed" ? "signed error" : "error"} of ${told(method)} against ${told(against)}`;
-    const what = mode === "image" ? told(seen) : error;
-    showSides(this.parts, what, told(against), render.isStarted(against) ? wipe : null);
+    const labelled = (way) => this.titleOf(way) + (render.total(way) > 1 ? counted(way) : "");
+    const error = `${mode === "signed" ? "signed error" : "error"} of ${labelled(method)} against ${labelled(against)}`;
+    const what = mode === "image" ? labelled(seen) : error;
+    showSides(this.parts, what, labelled(against), render.isStarted(against) ? wipe : null);
     const value = errors && (isJudged ? "" : "so far about ") + number(errors.own, isJudged ? 3 : 1);
-    const score = `relMSE of ${this.titleOf(method)} against ${told(against)}: ${value ?? "not yet known"}`;
+    const score = `relMSE of ${this.titleOf(method)} against ${labelled(against)}: ${value ?? "not yet known"}`;
     const noise = errors?.noise ? `; noise of the reference itself: ${number(errors.noise, 2)}` : "";
     say(this.parts.score, `${score}${noise}.`);
     const numbers = { relmse: errors?.own ?? "", noise: errors?.noise ?? "" };

@@ -10,7 +10,7 @@ use std::time::{Duration, Instant};
 
 /// Names that distributions give the browser.
 const NAMES: [&str; 4] = ["chromium", "chromium-browser", "google-chrome", "google-chrome-stable"];
-/// A machine under load is slow; a browser that hangs must not hang the tests.
+/// A loaded machine is slow; a hanging browser must not hang the tests.
 const PATIENCE: Duration = Duration::from_secs(60);
 
 /// One browser serves every test; it starts with the first.
@@ -22,10 +22,10 @@ struct Browser {
     _profile: tempfile::TempDir,
 }
 
-/// One test at a time has the browser: times are measured, and it takes more than one core.
+/// One test at a time uses the browser, because it needs more than one core and times are measured.
 static BROWSER: Mutex<Option<Browser>> = Mutex::new(None);
 
-/// A page in a context of its own: nothing that another test stored or cached.
+/// A page in its own context: no storage or cache of another test.
 pub struct Page {
     browser: MutexGuard<'static, Option<Browser>>,
     context: Value,
@@ -36,7 +36,7 @@ pub struct Page {
     pub errors: Vec<String>,
 }
 
-/// A new page; `None` (with a line) where there is no browser.
+/// Opens a page; returns `None` and prints a line without a browser.
 pub fn open() -> Option<Page> {
     let mut browser = BROWSER.lock().unwrap_or_else(PoisonError::into_inner);
     if browser.is_none() {
@@ -63,7 +63,8 @@ fn start() -> Option<Browser> {
         return None;
     };
     let profile = tempfile::tempdir().unwrap();
-    // The protocol's pipes are descriptors 3 (in) and 4 (out). When the tests end they close, the browser ends, and its profile goes.
+    // The protocol uses the descriptors 3 (in) and 4 (out). They close when the tests end; then the browser ends and
+    // its profile is deleted.
     let mut child = Command::new("sh")
         .args(["-c", r#"profile=$1; shift; "$@" 3<&0 4>&1 </dev/null >/dev/null 2>&1; rm -rf "$profile""#, "sh"])
         .arg(profile.path())
@@ -97,7 +98,7 @@ impl Drop for Page {
             self.session = None;
             self.call("Target.disposeBrowserContext", json!({ "browserContextId": self.context }));
         } else if let Some(mut browser) = self.browser.take() {
-            // The browser may be why the test failed: the next one gets another. It ends when its pipe is closed.
+            // The browser may have caused the failure, so the next test starts another one. A browser ends when its pipe is closed.
             drop(browser.input);
             let asked = Instant::now();
             while matches!(browser.child.try_wait(), Ok(None)) && asked.elapsed() < Duration::from_secs(10) {
@@ -125,7 +126,7 @@ impl Page {
                 assert!(answer["error"].is_null(), "{method}: {}", answer["error"]);
                 return answer["result"].clone();
             }
-            // Another test's page may still say something.
+            // Messages of another test's page may still arrive.
             if answer["sessionId"].as_str() == self.session.as_deref() {
                 self.note(&answer);
             }
@@ -163,19 +164,19 @@ impl Page {
         self.eval("Number(document.body.dataset.ready)").as_f64().unwrap()
     }
 
-    /// Leads the open page to a hash, as its own links do, and waits for the view.
+    /// Changes the hash of the open page, as its own links do, and waits for the view.
     pub fn follow(&mut self, hash: &str) {
         let view = hash[1..].split('?').next().unwrap();
         self.eval(&format!("location.hash = {}", json!(hash)));
         self.wait(&format!("document.body.dataset.view === {}", json!(view)));
     }
 
-    /// Runs a script before those of every page that is opened from now on.
+    /// Runs a script before the scripts of every page opened from now on.
     pub fn before_load(&mut self, script: &str) {
         self.call("Page.addScriptToEvaluateOnNewDocument", json!({ "source": script }));
     }
 
-    /// The value of an expression, promises awaited.
+    /// Evaluates an expression and awaits promises.
     pub fn eval(&mut self, expression: &str) -> Value {
         let parameters = json!({ "expression": expression, "awaitPromise": true, "returnByValue": true });
         let answer = self.call("Runtime.evaluate", parameters);
@@ -192,13 +193,13 @@ impl Page {
         }
     }
 
-    /// A text of the page.
+    /// Returns a text of the page.
     pub fn text(&mut self, selector: &str) -> String {
         let value = self.eval(&format!("document.querySelector({}).textContent", json!(selector)));
         value.as_str().unwrap().to_owned()
     }
 
-    /// Presses a key; [`Page::release`] lets it go.
+    /// Presses a key; [`Page::release`] releases it.
     pub fn press(&mut self, key: &str) {
         let text = if key.chars().count() == 1 { key } else { "" };
         self.call("Input.dispatchKeyEvent", json!({ "type": "keyDown", "key": key, "text": text }));
@@ -208,7 +209,7 @@ impl Page {
         self.call("Input.dispatchKeyEvent", json!({ "type": "keyUp", "key": key }));
     }
 
-    /// Presses a key and lets it go.
+    /// Presses and releases a key.
     pub fn key(&mut self, key: &str) {
         self.press(key);
         self.release(key);

@@ -1,4 +1,4 @@
-//! The comparison of images: its pixels are the renderer's, keys flip and wipe, an address restores what was seen.
+//! The comparison of images: its pixels equal the renderer's, keys flip and wipe, an address restores the view.
 
 use crate::chromium::Page;
 use crate::fake::{ERROR_AT_ONE, SPLIT_SUM_ERROR};
@@ -49,7 +49,7 @@ fn pixels_and_errors_are_the_renderers() {
     let (x, y) = (9, 14);
     open(&mut page, &report, &format!("cell={id}&texel={x},{y}"));
     let truth = stored(&report, &id, x, y);
-    // The page's shader includes the renderer's tone curve; one code of rounding is left to the device.
+    // The page's shader includes the renderer's tone curve; the device may round by one code.
     let near = |drawn: &[u64], wanted: [u8; 3]| drawn.iter().zip(wanted).all(|(a, b)| a.abs_diff(u64::from(b)) <= 1);
     for (stops, contrast) in [(0.0f32, 1.0), (2.0, 2.0)] {
         for (id, value) in [("exposure", stops), ("contrast", contrast)] {
@@ -89,7 +89,7 @@ fn pixels_and_errors_are_the_renderers() {
 }
 
 #[test]
-fn keys_flip_in_place_and_an_address_restores_what_was_seen() {
+fn keys_flip_in_place_and_an_address_restores_the_view() {
     let Some((mut page, report, _dir)) = report(Choice::Automatic) else { return };
     let of = |method: &str, samples: &str| cell(&report, [method, samples, "0.1", "ggx", "1"]);
     open(&mut page, &report, &format!("cell={}", of("sampled", "1")));
@@ -119,7 +119,7 @@ fn keys_flip_in_place_and_an_address_restores_what_was_seen() {
     assert!(page.text("#announcer").contains("texel (14, 11)"));
     assert_eq!(shown(&mut page), before);
 
-    // An address restores what was seen.
+    // An address restores the view.
     let [first, next] = ["0.1", "0.5"].map(|alpha| cell(&report, ["sampled", "4", alpha, "ggx", "1"]));
     open(&mut page, &report, &format!("cell={first}&split=0.5&texel=11,13&mode=signed"));
     for key in ["]", "]", "+", "+", "c"] {
@@ -140,7 +140,7 @@ fn keys_flip_in_place_and_an_address_restores_what_was_seen() {
     page.key("ArrowDown");
     page.wait(&format!("location.hash.includes('cell={next}')"));
     assert_eq!(page.eval("['texel=11', 'split=0.5'].every((part) => location.hash.includes(part))"), json!(true));
-    // An address asks for no more than the controls reach, and nonsense is not a number.
+    // Addresses are limited to the range of the controls; texts that are not numbers are ignored.
     for (address, wanted) in [
         ("contrast=-3&ev=99&zoom=1e6&x=-500&split=7", json!(["0.1", "14", "96×", "100%"])),
         ("contrast=x&ev=&cell=%&zoom=NaN", json!(["1", "0"])),

@@ -1,4 +1,4 @@
-//! A finished run of the renderer made of formulas, under names that would run if they were not inert, and its report in a browser.
+//! A synthetic finished run, with names that would run as code if the page did not escape them, and its report in a browser.
 
 use crate::chromium::{self, Page};
 use crate::fake::{Log, Silent, fakes};
@@ -7,7 +7,7 @@ use serde_json::json;
 use splitsum::experiment::Plan;
 use splitsum::pixels::exr;
 use splitsum::report::page::images::Choice;
-use splitsum::report::page::{PageOptions, Told, write};
+use splitsum::report::page::{PageOptions, PageRun, write};
 use splitsum::run::{RunOptions, run};
 use splitsum::study::finished::Finished;
 use splitsum::study::questions::{Answer, answers};
@@ -17,14 +17,14 @@ use std::path::{Path, PathBuf};
 use std::rc::Rc;
 use std::sync::atomic::AtomicBool;
 
-/// A name that would run, close elements or start a formula if it were not inert.
+/// A name that would run as code, close elements or start a formula if it were not escaped.
 pub const HOSTILE: &str = r#"=1+1, "quoted"
 </script><script>window.pwned = 1</script><img src=x onerror='window.pwned = 2'> {{ 7 * 7 }}"#;
 /// The same for a folder, whose name becomes a label and part of links.
 pub const HOSTILE_FOLDER: &str = r#"le'ft "<b>#1?%41"#;
 pub const SIDE: u32 = 24;
 
-/// A finished run of the renderer made of formulas; the folder's name is hostile too.
+/// A synthetic finished run of the renderer; the folder's name is hostile too.
 pub fn finished_run(dir: &Path, name: &str, broken: Option<&'static str>) -> PathBuf {
     let axes = "environment = [\"builtin:constant\"]\nbrdf = [\"ggx\", \"phong\"]\nalpha = [0.1, 0.5]\n\
                 method = [\"sampled\", \"split-sum\"]\nsamples = [1, 4, 16]\nexposure = [1, 10]";
@@ -33,12 +33,12 @@ pub fn finished_run(dir: &Path, name: &str, broken: Option<&'static str>) -> Pat
     run_of(&dir.join(name), axes, &rest, Log { broken_method: broken, ..Log::default() })
 }
 
-/// The report of a finished run of an experiment whose axes are given.
+/// The report of a finished run with the given axes.
 pub fn report_of(dir: &Path, axes: &str, rest: &str) -> PathBuf {
     page_of(&run_of(&dir.join("run"), axes, rest, Log::default()), Choice::Automatic)
 }
 
-/// A finished run in `dir` of an experiment whose axes are given.
+/// A finished run in `dir` with the given axes.
 pub fn run_of(dir: &Path, axes: &str, rest: &str, log: Log) -> PathBuf {
     let question = json!(HOSTILE);
     let head =
@@ -53,7 +53,7 @@ pub fn run_of(dir: &Path, axes: &str, rest: &str, log: Log) -> PathBuf {
     options.dir
 }
 
-/// The text of the file that a button saves; `button` is an expression.
+/// The text of the file that a button saves; `button` is a JavaScript expression.
 pub fn saved(page: &mut Page, button: &str) -> String {
     let script = format!(
         "(() => {{ const make = URL.createObjectURL; let saved; URL.createObjectURL = (blob) => {{ saved = blob; return 'data:,'; }}; \
@@ -62,7 +62,7 @@ pub fn saved(page: &mut Page, button: &str) -> String {
     page.eval(&script).as_str().unwrap().to_owned()
 }
 
-/// Writes the report of finished runs with what they answer.
+/// Writes the report of finished runs with their answers.
 pub fn write_page(dirs: &[PathBuf], options: &PageOptions) -> PathBuf {
     let answered = |dir: &PathBuf| -> (Finished, Vec<Answer>) {
         let run = Finished::read(dir).unwrap_or_else(|error| panic!("{error}"));
@@ -70,7 +70,7 @@ pub fn write_page(dirs: &[PathBuf], options: &PageOptions) -> PathBuf {
         (run, answers)
     };
     let runs: Vec<_> = dirs.iter().map(answered).collect();
-    write(options, &Told::of_runs(&runs)).unwrap_or_else(|error| panic!("{error}")).path
+    write(options, &PageRun::of_runs(&runs)).unwrap_or_else(|error| panic!("{error}")).path
 }
 
 /// Writes the report of a finished run into its folder.
@@ -78,7 +78,7 @@ pub fn page_of(run: &Path, images: Choice) -> PathBuf {
     write_page(&[run.to_owned()], &PageOptions { images, ..PageOptions::in_folder(run) })
 }
 
-/// The page with the report of a finished run.
+/// Opens the report of a finished run.
 pub fn report(choice: Choice) -> Option<(Page, PathBuf, tempfile::TempDir)> {
     let page = chromium::open()?;
     let dir = tempfile::tempdir().unwrap();
@@ -98,7 +98,7 @@ pub fn cell(report: &Path, wanted: [&str; 5]) -> String {
     rows(report).into_iter().find(|row| row[1..] == wanted).unwrap_or_else(|| panic!("no {wanted:?}"))[0].clone()
 }
 
-/// The texel that the renderer wrote, as the page must hold it.
+/// The texel that the renderer wrote, in the encoding of the page.
 pub fn stored(report: &Path, cell: &str, x: u32, y: u32) -> [f32; 3] {
     let table = Table::read(&report.with_file_name("images.csv")).unwrap();
     let row = table.rows.iter().find(|row| row[table.column("cell").unwrap()] == cell).unwrap();

@@ -1,4 +1,4 @@
-//! The live view: its controls, its link, its reference, what it says where it cannot be shown.
+//! The live view: its controls, its link, its reference, and its message if it cannot be shown.
 
 use crate::chromium::Page;
 use crate::fixture::{assert_clean, page_of, report};
@@ -8,12 +8,12 @@ use splitsum::table::colormap::{OFF_MASK_COLOR, RELATIVE_ERROR, SIGNED_ERROR};
 use splitsum::tonemap::ToneCurve;
 use std::path::Path;
 
-/// Waits until the view is at rest with every sample.
+/// Waits until the view has drawn every sample.
 pub fn rest(page: &mut Page) {
     page.wait("document.querySelector('.live-stage canvas')?.dataset.ready === '1'");
 }
 
-/// Opens the view with a stage of `size` and makes it reachable as `live`.
+/// Opens the view with a canvas of `size` and exposes it as `live`.
 pub fn open(page: &mut Page, report: &Path, hash: &str, size: [u32; 2]) {
     page.go(report, hash);
     page.eval(&format!(
@@ -25,7 +25,7 @@ pub fn open(page: &mut Page, report: &Path, hash: &str, size: [u32; 2]) {
     rest(page);
 }
 
-/// Linear RGB of a method, with all of its samples where the view has none, or of the reference; and 1 on the surface.
+/// Linear RGB of a method, with all its samples if the view has none, or of the reference; alpha is 1 on the surface.
 pub fn linear(page: &mut Page, way: &str) -> Vec<[f64; 4]> {
     let draw = format!("live.render.done['{way}'] || live.render.drawSamples('{way}', live.render.total('{way}'))");
     let values = page.eval(&format!("{draw}, Array.from(live.render.linear('{way}'))"));
@@ -48,7 +48,7 @@ fn near(a: [u8; 3], b: [u8; 3]) -> bool {
 }
 
 #[test]
-fn keys_sliders_the_reference_and_the_link_of_the_live_view() {
+fn keys_sliders_reference_and_link_of_the_live_view() {
     let Some((mut page, report, _dir)) = report(Choice::None) else { return };
     page.resize(1200, 800, "light");
     let size = [80, 60];
@@ -60,7 +60,7 @@ fn keys_sliders_the_reference_and_the_link_of_the_live_view() {
         ));
         rest(page);
     };
-    // It begins with the case of the split sum that errs most visibly, under the wipe.
+    // The view opens on the case in which the split sum errs most visibly, under the wipe.
     let worst = page.eval("import('report/data').then(({ firstRow }) => Number(firstRow(() => true).axes.alpha))");
     assert!((value(&mut page, "live.settings.roughness").powi(2) - worst.as_f64().unwrap()).abs() < 1e-9);
     assert_eq!(
@@ -82,7 +82,7 @@ fn keys_sliders_the_reference_and_the_link_of_the_live_view() {
     page.key("e");
     rest(&mut page);
     let [test, truth] = ["split-sum", "reference"].map(|way| linear(&mut page, way)[middle]);
-    // Under light of mean luminance 1.
+    // The light has mean luminance 1.
     let relative: [f64; 3] = std::array::from_fn(|c| (test[c] - truth[c]) / (truth[c].powi(2) + 1e-2).sqrt());
     let error = (relative.iter().map(|e| e * e).sum::<f64>() / 3.0).sqrt();
     let bytes = drawn(&mut page, "error", size[0] / 2, size[1] / 2);
@@ -90,13 +90,13 @@ fn keys_sliders_the_reference_and_the_link_of_the_live_view() {
     let bytes = drawn(&mut page, "signed", size[0] / 2, size[1] / 2);
     assert!(near(bytes, SIGNED_ERROR.color(relative.iter().sum::<f64>() / 3.0)), "{bytes:?}");
     assert_eq!(drawn(&mut page, "error", 1, 1), OFF_MASK_COLOR);
-    // Half of the reference's samples agree with all: noise far below the error, or all samples.
+    // Half of the samples agree with all samples: the noise is far below the error, or the reference is complete.
     let done = value(&mut page, "live.render.done.reference");
     let [shown, noise] =
         ["relmse", "noise"].map(|name| value(&mut page, &format!("Number(live.canvas.dataset.{name})")));
     assert!(noise <= 0.01 * shown || done == 4096.0, "{noise} beside {shown} after {done}");
 
-    // Keys turn, flip and hold.
+    // Keys turn the camera, flip the halves and hold.
     page.eval("live.set({ yaw: 0 }).then(() => null)");
     for key in ["ArrowRight", "ArrowRight", "ArrowUp"] {
         page.key(key);
@@ -106,7 +106,7 @@ fn keys_sliders_the_reference_and_the_link_of_the_live_view() {
         page.key(key);
         page.wait(&format!("`${{live.canvas.dataset.method}} ${{live.canvas.dataset.mode}}` === '{shown}'"));
     }
-    // A drag turns.
+    // Dragging turns the camera.
     let before = value(&mut page, "live.settings.yaw");
     page.eval(
         "(() => { const c = live.canvas, b = c.getBoundingClientRect(); const at = (type, x) => c.dispatchEvent(new PointerEvent(type, \

@@ -22,31 +22,31 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
-/// A smooth sky with a Gaussian sun, and an edge between radiances of which one is beyond the half floats.
+/// A smooth sky with a Gaussian sun, and an edge between two radiances; one exceeds half floats.
 const ENVIRONMENTS: [&str; 2] =
     ["tests/golden/env_analytic.exr", "builtin:cap:radiance=200000,ambient=50000,half_angle_deg=40"];
 const PREFILTER_SAMPLES: u32 = 32;
-/// The run's own turn, level bias and brightness, with which its live view begins.
+/// The run's own rotation, level bias and brightness, which its live view starts with.
 const ORIENTATIONS: [u32; 2] = [0, 9];
 const ROTATION: f64 = 35.0;
 const BIAS: f64 = 0.5;
 const BRIGHTNESS: f32 = 2.5;
-/// Exact spheres of their own materials, and triangles.
+/// Exact spheres with their own materials, and triangles.
 const SCENES: [&str; 3] = ["sphere", "spheres", "plane"];
-/// Sides of the run's images, of which the camera knows the shape.
+/// Sides of the run's images; the camera knows their aspect.
 const RUN_SIZE: [u32; 2] = [16, 16];
 
 /// The metric of the page's errors.
 const METRIC: &str = "relmse";
 /// Samples of the renderer's reference.
 const REFERENCE_SAMPLES: u32 = 1024;
-/// What the noise of both references may change of the error.
+/// Largest change of the error by the noise of both references.
 const REFERENCE_SHARE: f64 = 0.1;
 
-/// What half floats may change of the root of relMSE between two methods: the sum of what they change of each.
+/// Largest change of the root of relMSE between two methods by half floats: the sum of both methods' changes.
 const PAIR_ERROR: f64 = 3.2 / 2048.0;
 
-/// A device; `None` (with a line) where there is none.
+/// Opens a device; returns `None` and prints a line without one.
 pub fn pipeline() -> Option<Pipeline> {
     match Pipeline::new(Options::default()) {
         Err(PipelineError::Gpu(error @ (GpuError::NoLoader(_) | GpuError::NoDevice))) => {
@@ -57,8 +57,8 @@ pub fn pipeline() -> Option<Pipeline> {
     }
 }
 
-/// The plan of a small run in both environments. Its maps are octahedral: the shader filters them itself, whereas the browser's device
-/// weighs texels of a cube by so few bits that pixels move by 0.5 %.
+/// The plan of a small run in both environments. Its maps are octahedral, because the shader filters them. The
+/// browser's device filters cubes with weights of so few bits that pixels move by 0.5 %.
 fn plan() -> Plan {
     let text = format!(
         "name = \"live\"\nsize = {RUN_SIZE:?}\ncamera = \"perspective\"\nreference = {{ samples = 32 }}\n[axes]\n\
@@ -94,7 +94,7 @@ fn bench() -> Option<Bench> {
     Some(Bench { page, pipeline, plan, report, _dir: dir })
 }
 
-/// Settings as the page's scripts name them, and what the renderer is asked for.
+/// Settings as the page's scripts name them, and the same request to the renderer.
 #[derive(Clone, Copy, Debug, Serialize)]
 struct Setting {
     env: usize,
@@ -112,7 +112,7 @@ struct Setting {
     turn: f64,
 }
 
-/// What is `None` is the scene's own.
+/// `None` keeps the scene's own value.
 #[derive(Clone, Copy, Debug, Serialize)]
 struct Surface {
     albedo: Option<[f32; 3]>,
@@ -150,7 +150,7 @@ impl Setting {
         format!("live.set({values}).then(() => null)")
     }
 
-    /// The run's camera on its way about the middle of the scene.
+    /// The run's camera, turned about the middle of the scene.
     fn camera(&self, scene: &Scene, size: [u32; 2]) -> Camera {
         let camera = Camera::for_scene(CameraKind::Perspective, scene, RUN_SIZE);
         // A tall image fits the width. Distance widens the view.
@@ -185,13 +185,14 @@ impl Setting {
     }
 }
 
-/// Whether the page may differ from the renderer by `error`, relative: its maps are half floats (11 significant bits), one of them for
-/// the sampled methods, the prefiltered map and the DFG table for the split sum, and places, levels and weights of taps.
+/// Relative difference that the page may have from the renderer. Its maps are half floats (11 significant bits): one
+/// map for sampled methods, the prefiltered map and the DFG table for the split sum, and places, levels and weights of
+/// taps.
 fn is_storage_error(method: &str, error: f64) -> bool {
     const HALF: f64 = 1.0 / 2048.0;
     let method = Method::listed(method);
     let halves = match (method.tap_table, method.lookups) {
-        // Halves turn a tap by up to 1.5e-3.
+        // Half floats move a tap by up to 1.5e-3.
         (Some(_), _) => 8.0,
         (None, 0) => 1.2,
         (None, _) => 2.0,
@@ -200,7 +201,7 @@ fn is_storage_error(method: &str, error: f64) -> bool {
 }
 
 #[test]
-fn pixels_and_errors_are_those_of_the_renderer() {
+fn pixels_and_errors_equal_the_renderers() {
     let Some(Bench { mut page, mut pipeline, plan, report, _dir }) = bench() else { return };
     let size = [32, 24];
     open(&mut page, &report, "#live", size);
@@ -223,7 +224,7 @@ fn pixels_and_errors_are_those_of_the_renderer() {
             turn: -115.0,
             ..first
         },
-        // More than a frame takes, on the scene's own materials.
+        // More samples than a frame takes, on the scene's own materials.
         Setting { model: 1, surface: Surface::OF_SCENE, n: 1024, yaw: 15.0, ..first },
         // Triangles.
         Setting { model: 2, surface: Surface::at(0.0, 0.6), pitch: 20.0, yaw: 15.0, ..first },
@@ -241,10 +242,10 @@ fn pixels_and_errors_are_those_of_the_renderer() {
             assert_eq!(shown.len(), truth.radiance.data.len());
             let is_same = |i: &usize| shown[*i][3] == f64::from(truth.mask.data[*i]);
             let alike: Vec<usize> = (0..shown.len()).filter(is_same).collect();
-            // Outlines round otherwise, and edges of triangles lie between 16-bit places.
+            // Outlines round differently, and edges of triangles lie between 16-bit positions.
             let others = shown.len() - alike.len();
             assert!(others <= 5, "{setting:?}: {others} pixels of another surface");
-            // The background is the environment as the tables have it.
+            // The background shows the environment of the tables.
             for i in alike.into_iter().filter(|&i| truth.mask.data[i] == 1.0) {
                 for (a, b) in shown[i].iter().zip(truth.radiance.data[i].map(f64::from)) {
                     let error = (a - b).abs() / b.max(1e-3);
@@ -256,7 +257,7 @@ fn pixels_and_errors_are_those_of_the_renderer() {
             }
             frames.push(truth);
         }
-        // The page's numbers are the metric: of one method against another, and of the split sum against the renderer's own reference.
+        // The page's numbers equal the metric: one method against another, and the split sum against the renderer's reference.
         let number =
             |page: &mut Page, name: &str| page.eval(&format!("Number(live.canvas.dataset.{name})")).as_f64().unwrap();
         let relmse = |test: &Frame, truth: &Frame| {

@@ -1,4 +1,4 @@
-//! Answers, images and tables: what is shown is what the run says, everybody can use it, and names are only names.
+//! Answers, images and tables: the page shows the data of the run, passes axe-core, and escapes names.
 
 use crate::chromium::{self, Page};
 use crate::fake::Log;
@@ -15,7 +15,7 @@ const VIEWS: [&str; 6] = ["answer", "images", "compare", "live", "tables", "run"
 /// Where scripts/check-page.sh installs axe-core.
 const AXE: &str = "target/page-tools/node_modules/axe-core/axe.min.js";
 
-/// The script of axe-core; `None` (with a line) if it is not installed.
+/// Loads axe-core; returns `None` and prints a line if it is not installed.
 fn axe() -> Option<String> {
     let text = std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join(AXE)).ok();
     if text.is_none() {
@@ -25,7 +25,7 @@ fn axe() -> Option<String> {
     text
 }
 
-/// The faults of the view that is shown: rule, element and what is wrong.
+/// The faults of the shown view: rule, element and message.
 fn faults(page: &mut Page) -> Vec<String> {
     let found = page.eval(
         "axe.run(document, { resultTypes: ['violations'] }).then(({ violations }) => violations.flatMap((rule) => \
@@ -66,7 +66,7 @@ fn every_view_fits_every_width_and_passes_axe() {
             "axe finds no fault that was made: {found}"
         );
     }
-    // The link over the menu is the first stop of the keyboard, and leads to the view.
+    // The skip link is the first stop of the keyboard and leads to the view.
     page.go(&report, "");
     page.key("Tab");
     assert_eq!(page.eval("document.activeElement.id"), json!("skip"));
@@ -101,7 +101,7 @@ fn designs_are_measured_but_not_shown() {
     assert_eq!(page.eval("document.querySelectorAll('.scene').length"), json!(2));
     assert_eq!(page.eval("document.querySelectorAll('.thumb').length"), json!(2 * 4));
     assert!(page.text("#view-images").contains("average the scene design"));
-    // The views open on the picture of the split sum that errs most visibly, and so does the page.
+    // The views open on the picture in which the split sum errs most visibly, and so does the page.
     page.follow("#compare");
     page.wait("document.querySelector('.viewer-stage canvas').dataset.shown !== undefined");
     let worst = page.eval(
@@ -119,7 +119,7 @@ fn marks_are_reached_by_keyboard_and_lead_to_their_cells() {
     let Some((mut page, report, _dir)) = report(Choice::Automatic) else { return };
     page.resize(1366, 800, "light");
     page.go(&report, "");
-    // One mark of a figure is a stop of the keyboard; arrows reach every other one, each with its words.
+    // A figure is one stop of the keyboard; arrows reach each mark, each with its words.
     let walked = page.eval(
         "[...document.querySelectorAll('.desk svg')].map((svg) => { const marks = [...svg.querySelectorAll('.mark')], seen = new Set(); \
          const stops = svg.querySelectorAll('.mark[tabindex=\"0\"]').length; marks[0].focus(); let words = 0; \
@@ -188,7 +188,7 @@ fn joined_runs_keep_their_own_answers_and_images() {
     // The second repeats the first; the first screen shows how the runs differ.
     assert!(page.text("#view-answer > .warning").contains("again repeats one"));
     assert_eq!(page.text("#apart tbody th").trim(), "device");
-    // A mark leads to the images of its own run.
+    // A mark leads to the images of its run.
     page.click("#run-2 .desk .mark[data-cell] path");
     page.wait("location.hash.includes('run=1')");
     page.wait("document.querySelector('.viewer-stage canvas')?.dataset.ready !== undefined");

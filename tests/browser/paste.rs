@@ -1,4 +1,4 @@
-//! The code of docs/paste.md in WebGL 2, by the filters of its device, against `render`.
+//! The code of docs/paste.md in WebGL 2, with the filters of its device, against `render`.
 
 use crate::chromium;
 use crate::live_pixels::pipeline;
@@ -20,7 +20,7 @@ use splitsum::spelling::Listed;
 use std::path::Path;
 
 const SIDE: u32 = 48;
-/// A texture of half floats as the script below takes it.
+/// A texture of half floats in the format of the script below.
 fn packed<const N: usize>(levels: &[Pixels<[f32; N]>], face_count: u32) -> serde_json::Value {
     let words = |level: &Pixels<[f32; N]>| {
         let texel = |texel: &[f32; N]| [0, 1, 2, 3].map(|c| f16::from_f32(texel.get(c).copied().unwrap_or(1.0)));
@@ -30,7 +30,7 @@ fn packed<const N: usize>(levels: &[Pixels<[f32; N]>], face_count: u32) -> serde
     levels.iter().map(words).collect()
 }
 
-/// A sphere in a canvas, linear, row 0 at the bottom: `textures` by name, one uniform of numbers by name.
+/// A sphere in a canvas, linear, row 0 at the bottom. Textures and uniforms of numbers, each by name.
 const DRAW: &str = "(text, textures, values, side) => {
     const canvas = Object.assign(document.createElement('canvas'), { width: side, height: side });
     const gl = canvas.getContext('webgl2');
@@ -84,8 +84,8 @@ fn pasted_lines_draw_a_sphere_as_render_does() {
     let environment =
         Environment::load("tests/golden/env_analytic.exr", Path::new(""), &LoadOptions::default()).unwrap();
     let environment = std::sync::Arc::new(environment);
-    // Relative errors of single pixels: the browser filters cubes by weights of 8 bits, and tables are half floats. The
-    // errors of several taps average out.
+    // Relative errors of single pixels: the browser filters cubes with 8-bit weights, and tables are half floats.
+    // Errors of several taps average out.
     for (method, kind, within) in [
         ("split-sum-two", Some(TapCount::Two), 1e-3),
         ("split-sum-four", Some(TapCount::Four), 1e-3),

@@ -8,10 +8,10 @@ use splitsum::shade::{Diffuse, Method};
 use splitsum::spelling::Listed;
 use std::f64::consts::PI;
 
-/// Under constant light a grey sphere has one colour, and its edge pixels lie between that and the background; before black, the image adds
-/// up to the area of the disc.
+/// Under constant light a grey sphere has one colour, and its edge pixels lie between that colour and the background.
+/// On black, the image sums to the area of the disc.
 #[test]
-fn edges_have_the_radiance_of_what_they_cover() {
+fn edges_mix_the_radiance_of_the_covered_surfaces() {
     with_pipeline(|pipeline| {
         let white = constant_environment([1.0; 3]);
         let size = [24, 24];
@@ -39,13 +39,13 @@ fn edges_have_the_radiance_of_what_they_cover() {
         let area: f64 = black.radiance.data.iter().map(|texel| f64::from(texel[0] / level)).sum();
         let disc = PI / (4.0 * half_side * half_side) * f64::from(size[0] * size[1]);
         assert!((area / disc - 1.0).abs() < 2e-3, "{area} pixels of {disc}");
-        // What is half covered is not scored, and all that is whole is.
+        // Partly covered pixels are not scored; fully covered ones are.
         let scored: f32 = black.mask.data.iter().sum();
         assert!(f64::from(scored) < disc && f64::from(scored) > disc - PI * f64::from(size[0]), "{scored} of {disc}");
     });
 }
 
-/// A dark ball before a bright one: among the bright one's pixels, the colours add up to the area of the dark disc.
+/// A dark ball in front of a bright one: among the bright one's pixels, the colours sum to the area of the dark disc.
 #[test]
 fn edges_between_two_surfaces_are_antialiased_too() {
     with_pipeline(|pipeline| {
@@ -67,7 +67,7 @@ fn edges_between_two_surfaces_are_antialiased_too() {
         let plain = pipeline.render(&RenderRequest { antialias: false, ..own.clone() }).unwrap();
         let frame = pipeline.render(&own).unwrap();
         let (dark, bright) = (plain.radiance.get(26, 23)[0], plain.radiance.get(8, 24)[0]);
-        // The middle of the image, where no point misses the bright ball.
+        // The middle of the image, where every point hits the bright ball.
         let inner = (0..48 * 48).filter(|i| (12..36).contains(&(i % 48)) && (12..36).contains(&(i / 48)));
         let covered: f64 =
             inner.clone().map(|i| f64::from((bright - frame.radiance.data[i][0]) / (bright - dark))).sum();

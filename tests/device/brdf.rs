@@ -41,13 +41,13 @@ fn items(model: &dyn Brdf) -> Vec<Item> {
                 let sine = |cosine: f64| ((1.0 - cosine) * (1.0 + cosine)).sqrt();
                 let v = direction_from_polar(sine(n_dot_v), n_dot_v, 0.7 * xi.y + 0.1);
                 let h = model.sample_d(xi, alpha);
-                // Every other item has its light where the lobe sends it, the rest anywhere in the hemisphere.
+                // Every other item has its light in the lobe, the rest anywhere in the hemisphere.
                 let l = if i % 2 == 0 { reflect(v, h) } else { direction_from_polar(sine(xi.y), xi.y, xi.x) };
                 items.push(Item {
                     alpha,
                     v: rounded3(v),
                     h: rounded3(h),
-                    // Cosines at and below 0 too: masking is 0 there.
+                    // Includes cosines at and below 0, where masking is 0.
                     n_dot_l: rounded(1.1 * xi.x - 0.1),
                     xi: DVec2::new(rounded(xi.x), rounded(xi.y)),
                     l: rounded3(l),
@@ -103,7 +103,7 @@ fn distributions_masking_and_fresnel() {
                     g_pair.add(out[0][3], g2(*model, item.v.z, item.n_dot_l, item.alpha, masking), || item.case());
                     let f = f_schlick(F0, item.v.dot(item.h));
                     fresnel.add_rgb(xyz(out[5]), f, || item.case());
-                    // `eval` with the given h, not that of the rounded v and l: at alpha 0.001 that rounding is worth 1e-4.
+                    // `eval` with the given h, not with the h of the rounded v and l: at alpha 0.001 that rounding makes 1e-4.
                     let dg = model.d(item.h, item.alpha) * g2(*model, item.v.z, item.l.z, item.alpha, masking);
                     let expected = if item.l.z > 0.0 { f * dg / (4.0 * item.v.z * item.l.z) } else { DVec3::ZERO };
                     eval.add_rgb(xyz(out[6]), expected, || item.case());
@@ -114,7 +114,7 @@ fn distributions_masking_and_fresnel() {
     });
 }
 
-/// What the shader draws is what its twin draws, with its density; and the weight of a light that is 1 everywhere.
+/// The shader draws the same direction as its twin, with its density; and the weight of light that is 1 everywhere.
 #[test]
 fn samples_and_their_densities() {
     with_gpu(|gpu| {
@@ -125,7 +125,7 @@ fn samples_and_their_densities() {
             let mut upright = worst("sample_d along n", F32_DIRECTION);
             let mut lobe = worst("lobe across", F32_DIRECTION);
             let mut pdf = worst("pdf_h", F32_LOBE);
-            // Slopes are in units of alpha; Beckmann's inversion ends flat where the last visible slope is.
+            // Slopes are in units of alpha; Beckmann's inversion becomes flat at the last visible slope.
             let mut visible_slope = worst("visible slope", absolute(4e-6));
             let mut visible_pdf = worst("pdf_visible_l", Tolerance { relative: 8e-6, floor: 1e-30 });
             let mut visible_own = worst("pdf_visible_l of its sample", relative(8e-6));

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-/// What may differ: `|actual - expected| <= relative |expected| + floor`.
+/// Allowed difference: `|actual - expected| <= relative |expected| + floor`.
 #[derive(Clone, Copy, Debug)]
 pub struct Tolerance {
     pub relative: f64,
@@ -19,12 +19,12 @@ pub const fn absolute(floor: f64) -> Tolerance {
     Tolerance { relative: 0.0, floor }
 }
 
-/// The worst of many comparisons: a failure shows the case that is furthest off, not the first.
+/// The worst of many comparisons: a failure shows the case with the largest difference, not the first.
 pub struct Worst {
     name: String,
     tolerance: Tolerance,
     count: usize,
-    /// Difference over what is allowed.
+    /// Difference over the allowed difference.
     ratio: f64,
     case: String,
 }
@@ -34,7 +34,7 @@ impl Worst {
         Self { name: name.into(), tolerance, count: 0, ratio: 0.0, case: String::new() }
     }
 
-    /// Compares one number; `case` words the inputs.
+    /// Compares one number; `case` describes the inputs.
     pub fn add(&mut self, actual: f64, expected: f64, case: impl Fn() -> String) {
         let allowed = self.tolerance.relative * expected.abs() + self.tolerance.floor;
         let ratio = (actual - expected).abs() / allowed;
@@ -60,7 +60,7 @@ impl Worst {
         }
     }
 
-    /// Fails if one comparison was off by more than is allowed, or if there was none.
+    /// Fails if a comparison exceeds its tolerance, or if there was no comparison.
     pub fn check(self) {
         let Self { name, tolerance, count, ratio, case } = self;
         assert!(count > 0, "{name}: nothing was compared");

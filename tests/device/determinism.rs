@@ -1,5 +1,5 @@
-//! The same request gives the same bits: again, on a fresh device, in another process, after other work; and nothing that was in memory
-//! before a pass has an effect.
+//! The same request gives the same bits: repeated, on a fresh device, in another process, after other work. Earlier
+//! contents of memory have no effect.
 
 use crate::harness::{
     golden_environment, lobe_sphere, poison, request, scene, with_gpu, with_pipeline, with_submissions,
@@ -36,7 +36,7 @@ fn requests() -> Vec<RenderRequest> {
     of_method.chain(of_diffuse).collect()
 }
 
-/// Every work group is in one part of a pass, and a part of more than one stays within what a submission may take.
+/// Every work group is in one part of a pass, and a part of several groups stays within the limit of a submission.
 #[test]
 fn parts_cover_a_pass_once_within_the_budget() {
     with_gpu(|gpu| {
@@ -66,7 +66,7 @@ fn parts_cover_a_pass_once_within_the_budget() {
     });
 }
 
-/// Short submissions split what the usual ones take at once: rows, columns and faces.
+/// Short submissions split the usual ones: rows, columns and faces.
 #[test]
 fn short_submissions_make_the_same_image() {
     let precompute = PrecomputeSettings {
@@ -107,10 +107,10 @@ fn frame_hash(pipeline: &mut Pipeline, request: &RenderRequest) -> String {
     hasher.finalize().to_hex().to_string()
 }
 
-/// Names the file that the other process writes its hashes to.
+/// Names the file to which the other process writes its hashes.
 const HASH_FILE: &str = "SPLITSUM_TEST_HASH_FILE";
 
-/// The other process of `frames_have_the_same_bits_everywhere`; without the variable there is nothing to do.
+/// The other process of `frames_have_the_same_bits_everywhere`; without the variable it does nothing.
 #[test]
 fn hashes_of_another_process() {
     let Some(path) = std::env::var_os(HASH_FILE) else { return };
@@ -125,7 +125,7 @@ fn frames_have_the_same_bits_everywhere() {
     with_pipeline(|pipeline| {
         let requests = requests();
         let first: Vec<String> = requests.iter().map(|request| frame_hash(pipeline, request)).collect();
-        // Again, in the other order, so that every frame follows another one than before.
+        // Again in another order, so that every frame follows a different one.
         for (request, hash) in requests.iter().zip(&first).rev() {
             let name = format!("{} {}", request.shading.method.name, request.shading.diffuse.name);
             assert_eq!(frame_hash(pipeline, request), *hash, "{name} after other work");
@@ -140,14 +140,14 @@ fn frames_have_the_same_bits_everywhere() {
         assert!(status.status.success(), "{}", String::from_utf8_lossy(&status.stdout));
         let other = std::fs::read_to_string(&path).unwrap();
         assert_eq!(other.lines().collect::<Vec<_>>(), first, "another process");
-        // Other seeds are other points: the hash sees the radiance.
+        // Other seeds are other points: the hash depends on the radiance.
         let reference = requests.iter().find(|request| request.shading.method.name == "reference").unwrap();
         let other_seed = RenderRequest { seed: 2, ..reference.clone() };
         assert_ne!(frame_hash(pipeline, &other_seed), frame_hash(pipeline, reference));
     });
 }
 
-/// Memory that the next buffers of this size are likely to get holds NaNs.
+/// Memory that the next buffers of this size will probably get holds NaNs.
 fn poison_free_memory(gpu: &Gpu, size: u64) {
     let buffers: Vec<_> = (0..8).map(|_| gpu.buffer("poison", size).unwrap()).collect();
     buffers.iter().for_each(|buffer| poison(gpu, buffer));
@@ -184,7 +184,7 @@ fn the_reference_reads_no_memory_before_writing_it() {
                 poison_free_memory(gpu, bytes);
             }
             let sums = Sums::new(gpu, size).unwrap();
-            // The pass adds to these two: the pipeline clears them.
+            // The pass adds to these two, so the pipeline clears them.
             let [radiance, squared_error] = ["radiance", "squared error"].map(|name| {
                 let buffer = gpu.buffer(name, bytes).unwrap();
                 let mut recorder = gpu.record(name).unwrap();

@@ -1,4 +1,4 @@
-//! Constant radiance: a compensated surface shows all that arrives, which no environment can hide.
+//! Constant radiance: a compensated surface returns all incoming light.
 
 use crate::harness::{constant_environment, lobe_sphere, render_by_seeds, request, with_pipeline};
 use crate::methods::{radiance, sights};
@@ -10,9 +10,9 @@ use splitsum::spelling::Listed;
 
 const REFERENCE_SAMPLES: u32 = 8192;
 
-/// With F0 = 1 a compensated surface in radiance 1 shows 1, by method and reference alike, whatever alpha and view are.
+/// With F0 = 1 a compensated surface in radiance 1 shows 1, by method and reference, at every alpha and view.
 #[test]
-fn compensated_white_surfaces_show_all_that_arrives() {
+fn compensated_white_surfaces_reflect_all_light() {
     with_pipeline(|pipeline| {
         let white = constant_environment([1.0; 3]);
         for model in MODELS {
@@ -22,7 +22,7 @@ fn compensated_white_surfaces_show_all_that_arrives() {
                     reference_samples: REFERENCE_SAMPLES,
                     ..request(&white, lobe_sphere(alpha), CameraKind::Ortho, [11, 11]).shaded(|s| {
                         s.brdf = *model;
-                        // No albedo above 1, which only the scaling could take back.
+                        // No albedo above 1, which only the scaling could correct.
                         s.masking_shadowing = MaskingShadowing::SmithExact;
                         s.compensation = compensation;
                         s.samples = 4096;

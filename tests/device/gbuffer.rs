@@ -11,7 +11,7 @@ use splitsum::pixels::Pixels;
 use splitsum::scene::{Camera, CameraKind, Scene};
 use std::path::Path;
 
-/// The attachments, which start as NaN: a texel that is neither cleared nor written shows.
+/// The attachments start as NaN, which reveals a texel that is neither cleared nor written.
 pub fn draw(gpu: &Gpu, scene: &Scene, camera: &Camera, size: [u32; 2]) -> Gbuffer<f32> {
     let target = GbufferImages::new(gpu, size).unwrap();
     target.attachments.iter().for_each(|image| poison_image(gpu, image));
@@ -32,7 +32,7 @@ const ATTACHMENTS: [Attachment; 4] = [
 
 #[test]
 fn spheres_are_exact_to_f32() {
-    // A ray's place is known to f32 (1e-7); near the rim the surface turns away from it as 1 / n_dot_v.
+    // A ray's hit is known to f32 (1e-7); near the rim the error grows as 1 / n_dot_v.
     const F32_AT_THE_RIM: f64 = 1e-6;
     with_gpu(|gpu| {
         for (name, kind, size) in [
@@ -94,7 +94,7 @@ fn meshes_agree_inside_their_triangles() {
         for kind in [CameraKind::Ortho, CameraKind::Perspective] {
             compare_mesh(gpu, &scene, kind, [80, 64], sub_pixel);
         }
-        // Every map, on a bent sheet that is seen from its front and from its back.
+        // Every map, on a bent sheet seen from its front and from its back.
         for (is_double_sided, scale) in [(true, 1.0), (true, -1.0), (false, 1.0)] {
             let scene = mapped_sheet(is_double_sided, scale);
             compare_mesh(gpu, &scene, CameraKind::Perspective, [64, 64], sub_pixel);
@@ -106,7 +106,7 @@ fn meshes_agree_inside_their_triangles() {
     });
 }
 
-/// Two triangles that bend, with maps of few texels, one of them of normals.
+/// Two triangles at an angle, with small maps, including a normal map.
 fn mapped_sheet(is_double_sided: bool, z_scale: f64) -> Scene {
     let material = json!({
         "doubleSided": is_double_sided,
@@ -123,8 +123,8 @@ fn mapped_sheet(is_double_sided: bool, z_scale: f64) -> Scene {
     load(&model).expect("a readable file")
 }
 
-/// The sheet with a map of three to four texels a pixel: slow waves under a chequer of single texels, which every level but the first
-/// lacks; turned, mirrored in u and clamped in v.
+/// The sheet with a map of three to four texels a pixel: slow waves, and a chequer of single texels that only the first
+/// level has; turned, mirrored in u and clamped in v.
 fn far_sheet() -> Scene {
     let transform = json!({ "offset": [-0.4, -0.3], "rotation": 0.5, "scale": [3, 2.5] });
     let info = json!({ "index": 0, "extensions": { "KHR_texture_transform": transform } });
@@ -156,7 +156,7 @@ fn compare_mesh(gpu: &Gpu, scene: &Scene, kind: CameraKind, size: [u32; 2], tole
         for i in all.clone().filter(|&i| hits(&a_mask, i) && hits(&b_mask, i)) {
             let (a, b) = (device(&actual).data[i], exact(&twin).data[i]);
             let off = (0..4).map(|c| (f64::from(a[c]) - b[c]).abs()).fold(0.0, f64::max);
-            // Where two triangles meet the other one may be in front.
+            // Where two triangles meet, either one may be in front.
             if off > 0.1 {
                 off_count += 1;
                 continue;

@@ -25,7 +25,7 @@ const IMAGES: [(&str, &str, f64, f64); 3] = [
 ];
 
 #[test]
-fn the_reference_meets_images_of_another_renderer() {
+fn the_reference_matches_images_of_another_renderer() {
     const RELATIVE_RMSE: f64 = 0.01;
     with_pipeline(|pipeline| {
         for (stem, model, alpha, golden_noise) in IMAGES {
@@ -43,7 +43,7 @@ fn the_reference_meets_images_of_another_renderer() {
             let (mut square, mut own, mut mean, mut count) = (0.0, 0.0, 0.0, 0.0);
             for (x, y) in (0..expected.height).flat_map(|y| (0..expected.width).map(move |x| (x, y))) {
                 let (column, row) = (x * step, y * step);
-                // Mitsuba's sphere may miss or hit where the ray grazes the rim.
+                // Mitsuba may miss or hit the sphere where a ray grazes the rim.
                 if frame.n_dot_v.get(column, row) < 0.02 {
                     continue;
                 }
@@ -61,7 +61,7 @@ fn the_reference_meets_images_of_another_renderer() {
             println!("{stem}: relative RMSE {rmse:.5}, own noise {own:.5}, both {noise:.5}");
             assert!(count > 0.6 * f64::from(3 * expected.width * expected.height), "{stem}: mask");
             assert!(rmse < RELATIVE_RMSE, "{stem}: relative RMSE {rmse}");
-            // Thousands of errors, but those of the few pixels that mirror the sun weigh most.
+            // There are thousands of errors, but the few pixels that mirror the sun weigh most.
             assert!((0.7..1.4).contains(&(rmse / noise)), "{stem}: {rmse} is not explained by noise of {noise}");
         }
     });

@@ -15,10 +15,10 @@ use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 
-/// A quiet NaN: what no pass may read before it has written it.
+/// A quiet NaN: no pass may read it before it has written.
 pub const POISON: u32 = 0x7fc0_dead;
 
-/// Opens a device, with the validation layer unless it is missing or turned off. `None`: there is no device, and a line says so.
+/// Opens a device, with the validation layer unless it is missing or turned off. Returns `None` and prints a line without a device.
 fn open(is_interactive: bool) -> Option<Gpu> {
     let required = std::env::var("GOLDEN").is_ok_and(|value| value == "require");
     let validation = std::env::var("SPLITSUM_VALIDATION").map_or(true, |value| value != "0");
@@ -39,21 +39,22 @@ fn open(is_interactive: bool) -> Option<Gpu> {
     }
 }
 
-/// The device that tests use one after the other: what one has compiled, the next one has, and what one leaves in memory, the next one finds.
+/// The device that tests use one after the other. Each test finds the compiled pipelines and the memory contents of earlier tests.
 fn shared() -> Option<Gpu> {
     static SHARED: OnceLock<Option<Gpu>> = OnceLock::new();
     SHARED.get_or_init(|| open(false)).clone()
 }
 
-/// Runs `test` beside a device; fails on any message of the validation layer that came since.
+/// Runs `test` with a device; fails on any new message of the validation layer.
 fn watched(gpu: &Gpu, test: impl FnOnce()) {
     let before = gpu.validation_messages().len();
     test();
     assert_eq!(gpu.validation_messages()[before..], Vec::<String>::new());
 }
 
-/// The turn of a thread. Validation layer 1.3.239 keeps its devices in a table without a lock: a call on one device can crash while
-/// another thread opens or closes another one (docs/testing.md). So one test at a time has devices; it may have several.
+/// The turn of a thread. Validation layer 1.3.239 keeps its devices in a table without a lock: a call on one device can
+/// crash while another thread opens or closes another one (docs/testing.md). So one test at a time has devices; it may
+/// have several.
 struct Turn {
     guard: Option<MutexGuard<'static, ()>>,
 }
@@ -68,7 +69,7 @@ impl Turn {
     /// Waits for the turn, unless this thread has it.
     fn wait() -> Self {
         let had = HAS_TURN.replace(true);
-        // A test that failed gave its devices back all the same.
+        // A failed test returned its devices as well.
         Self { guard: (!had).then(|| TURN.lock().unwrap_or_else(PoisonError::into_inner)) }
     }
 }
@@ -82,7 +83,7 @@ impl Drop for Turn {
 /// Whether the device of this turn filters cubes across their edges.
 static HAS_CUBES: AtomicBool = AtomicBool::new(true);
 
-/// Default tables, by the first layout that the device filters.
+/// Default tables, in the first layout that the device filters.
 pub fn usual_tables() -> PrecomputeSettings {
     let is_cube_fit = HAS_CUBES.load(Ordering::Relaxed);
     let layout = LAYOUTS.iter().find(|layout| is_cube_fit || layout.face_count == 1).unwrap();
@@ -98,12 +99,12 @@ pub fn with_gpu(test: impl FnOnce(&Gpu)) {
     watched(&gpu, || test(&gpu));
 }
 
-/// The same with every pass, and nothing that another test kept.
+/// The same with every pass, and no cached results of another test.
 pub fn with_pipeline(test: impl FnOnce(&mut Pipeline)) {
     with_submissions(false, test);
 }
 
-/// The same, or on a device with the short submissions of a program that a person waits for.
+/// The same, or on a device with the short submissions of an interactive program.
 pub fn with_submissions(is_interactive: bool, test: impl FnOnce(&mut Pipeline)) {
     let _turn = Turn::wait();
     let Some(gpu) = (if is_interactive { open(true) } else { shared() }) else { return };
@@ -111,7 +112,7 @@ pub fn with_submissions(is_interactive: bool, test: impl FnOnce(&mut Pipeline)) 
     watched(&gpu, || test(&mut Pipeline::on(gpu.clone()).unwrap()));
 }
 
-/// What a probe shader reads and writes: vec4s an item.
+/// Inputs and outputs of a probe shader: vec4s per item.
 pub struct Probe<'a> {
     /// Permutation, `probe/x.comp[:model]`.
     pub shader: &'a str,
@@ -130,7 +131,7 @@ impl Default for Probe<'_> {
 }
 
 impl Probe<'_> {
-    /// The outputs of every item. The output buffer starts as NaN, so that an item the shader leaves out cannot pass.
+    /// The outputs of every item. The output buffer starts as NaN, so an item that the shader skips cannot pass.
     pub fn run(&self, gpu: &Gpu, inputs: &[[f32; 4]]) -> Vec<Vec<[f64; 4]>> {
         assert_eq!(inputs.len() % self.inputs, 0, "{}: inputs an item", self.shader);
         let count = inputs.len() / self.inputs;
@@ -154,7 +155,7 @@ pub fn xyz(v: [f64; 4]) -> DVec3 {
     DVec3::new(v[0], v[1], v[2])
 }
 
-/// A probe's input from a vector and one more number.
+/// A probe's input: a vector and one more number.
 pub fn vec4(v: DVec3, w: f64) -> [f32; 4] {
     v.extend(w).as_vec4().to_array()
 }
@@ -191,8 +192,9 @@ pub fn lobe_sphere(alpha: f64) -> Scene {
     scene("sphere", MaterialOverride { alpha: Some(alpha as f32), f0: Some([1.0; 3]), albedo: black, metallic: None })
 }
 
-/// `request` by four seeds of a quarter of the reference's samples each, as one frame. Four scrambles of one seed know a pixel's error with
-/// three degrees of freedom, so that one in a hundred is off by six standard errors; with twelve one in 16,000 is.
+/// `request` with four seeds and a quarter of the reference's samples each, as one frame. Four scrambles of one seed
+/// know a pixel's error with three degrees of freedom, so one pixel in a hundred is off by six standard errors; with
+/// twelve degrees it is one in 16,000.
 pub fn render_by_seeds(pipeline: &mut Pipeline, request: &RenderRequest) -> Frame {
     if !request.has_reference_term() {
         return pipeline.render(request).unwrap();

@@ -1,4 +1,4 @@
-//! Tables and references from the disk have the bits of those that are made; halves are rounded once.
+//! Tables and references from the disk have the same bits as new ones; halves are rounded once.
 
 use crate::harness::{golden_environment, request, scene, usual_tables, with_pipeline};
 use glam::DVec3;
@@ -82,7 +82,7 @@ fn entries_of_the_disk_cache_have_the_bits_of_new_tables() {
     }
 }
 
-/// Requests that differ from `base` in one field or one setting each.
+/// Requests that differ from `base` in one field or setting.
 fn neighbours(base: &RenderRequest) -> Vec<RenderRequest> {
     let PrecomputeSettings { layout: own, prefilter_level_count, level_mapping, .. } = base.shading.precompute;
     let side = 4 << prefilter_level_count;
@@ -155,14 +155,15 @@ fn neighbours(base: &RenderRequest) -> Vec<RenderRequest> {
     by_field.into_iter().chain(by_layout).chain(by_mapping).chain(by_weight).collect()
 }
 
-/// All that a frame shows, bit for bit.
+/// Every output of a frame, bit for bit.
 fn shown(frame: &Frame) -> (Vec<u32>, Option<Vec<u32>>, Vec<u32>) {
     let n_dot_v = frame.n_dot_v.data.iter().map(|x| x.to_bits()).collect();
     (bits(&frame.radiance), frame.standard_error.as_ref().map(bits), n_dot_v)
 }
 
-/// A key that leaves out a field hands on what an earlier request left: right after its base a neighbour then shows the base's, alone its
-/// own. So that no other request leaves the same, each pair has its own light, scene, size and counts.
+/// A key that lacks a field returns the result of an earlier request: right after its base a neighbour then shows the
+/// base's result, alone its own. Each pair has its own light, scene, size and counts, so that no other request leaves
+/// the same.
 #[test]
 fn frames_do_not_depend_on_earlier_requests() {
     let dir = tempfile::tempdir().unwrap();
@@ -220,9 +221,9 @@ fn frames_do_not_depend_on_earlier_requests() {
     }
 }
 
-/// A time of a table that came from the disk would be that of a copy.
+/// The time of a table from the disk would be the time of a copy.
 #[test]
-fn timed_tables_are_made_whatever_the_disk_holds() {
+fn timed_tables_are_computed_even_if_cached() {
     let dir = tempfile::tempdir().unwrap();
     for _ in 0..2 {
         with_pipeline(|pipeline| {
@@ -243,7 +244,7 @@ fn timed_tables_are_made_whatever_the_disk_holds() {
 }
 
 #[test]
-fn halves_are_the_nearest_to_what_the_passes_made() {
+fn halves_are_the_nearest_to_the_computed_values() {
     // A sun brighter than any half.
     let image = RgbImage::from_fn(32, 16, |x, y| if (x, y) == (5, 4) { [1e6, 3.0, 70000.0] } else { [0.1, 1.7, 1e-6] });
     let environment = Arc::new(Environment::from_image("sun", image));

@@ -1,4 +1,4 @@
-//! The steps of the split sum's error, as attributed, against frames of the methods.
+//! The attributed steps of the split sum's error, against frames of the methods.
 
 use crate::compare::{Worst, relative};
 use crate::harness::{golden_environment, request, scene, with_pipeline};
@@ -60,13 +60,13 @@ fn rungs_have_the_error_of_the_methods_frames() {
             };
             let found = pipeline.attributions(&request, DRAWN, &[]).unwrap();
             let steps = &found[0].steps;
-            // The drawn rungs share their points; the others differ from the frames by f32 and by the noise of both.
+            // The drawn rungs share their points; the others differ from the frames by f32 rounding and by the noise of both.
             let mut frame = |name: &str| {
                 let method = Method::listed(name);
                 pipeline.render(&request.shaded(|s| (s.method, s.samples) = (method, DRAWN))).unwrap()
             };
             let reference = frame("reference");
-            // What reads no map is the same by every layout.
+            // Methods that read no map give the same for every layout.
             let of_layout = |(_, step): &(usize, &Step)| *layout == LAYOUTS[0] || step.rung.unwrap().uses_prefiltered();
             for (i, step) in SPLIT_SUM.steps.iter().enumerate().filter(of_layout) {
                 let right = between(&frame(step.rung.unwrap().name), &reference, &request);
@@ -112,7 +112,7 @@ fn the_last_diffuse_rung_has_the_error_of_the_frame() {
     with_pipeline(|pipeline| {
         let material = MaterialOverride { albedo: Some([0.8, 0.5, 0.2]), ..MaterialOverride::default() };
         let mut base = request(&golden_environment(), scene("design", material), CameraKind::Perspective, [24, 24]);
-        // Beside no specular term, so that the reference has no Fresnel either.
+        // Without a specular term, so the reference has no Fresnel either.
         (base.shading.method, base.reference_samples) = (Method::listed("none"), DRAWN);
         base.shading.placement = Placement { orientation: 3, rotation_deg: 20.0 };
         base.shading.precompute.irradiance_size = [4; 2];
@@ -154,7 +154,7 @@ fn diffuse_rungs_have_the_error_of_the_methods_frames() {
             let diffuse = Diffuse::listed(diffuse);
             pipeline.render(&base.shaded(|s| s.diffuse = diffuse)).unwrap()
         };
-        // The weight 1 - (f0 A + B) needs the specular term, which leaves again.
+        // The weight 1 - (f0 A + B) needs the specular term, which is then subtracted.
         let specular = frame("none");
         let mut term = |diffuse: &str| {
             let mut frame = frame(diffuse);
@@ -163,7 +163,7 @@ fn diffuse_rungs_have_the_error_of_the_methods_frames() {
             }
             frame
         };
-        // The rung of truncation is negative in places: no image.
+        // The rung of truncation is negative in places, so it has no image.
         let rungs = [("reference", 0), ("ladder-clamp", 2), ("sh9", 4)];
         let reference = term("fresnel-inside");
         let right = rungs.map(|(name, _)| between(&term(name), &reference, &base));
@@ -178,7 +178,7 @@ fn diffuse_rungs_have_the_error_of_the_methods_frames() {
 }
 
 #[test]
-fn scrambles_are_those_of_the_reference() {
+fn scrambles_equal_the_references() {
     with_pipeline(|pipeline| {
         let material = MaterialOverride { alpha: Some(0.2), ..MaterialOverride::default() };
         let base = request(&golden_environment(), scene("design", material), CameraKind::Perspective, [16, 16]);

@@ -1,4 +1,4 @@
-//! Filtered maps by every layout: what their levels hold, and that a lamp loses no light wherever it stands.
+//! Filtered maps in every layout: contents of their levels, and no loss of a lamp's light at any direction.
 
 use crate::compare::{Tolerance, Worst, relative};
 use crate::harness::{golden_environment, poison_image, request, scene, with_gpu, with_pipeline, xyz};
@@ -21,7 +21,7 @@ use splitsum::spelling::Listed;
 use std::path::Path;
 use std::sync::Arc;
 
-/// The environment's levels by a layout, on the device.
+/// The environment's levels in a layout, on the device.
 pub fn filtered_environment(gpu: &Gpu, layout: &'static MapLayout, environment: &Image) -> Image {
     if layout.is_environments() {
         return environment.clone();
@@ -101,7 +101,7 @@ fn every_level_keeps_the_moments_of_the_environment() {
                 }
                 let name = |k: usize| format!("{} level {mip} moment {k}", layout.name);
                 worst.add_rgb(sums[0], whole, || name(0));
-                // A texel's light is not all at its centre.
+                // A texel's light is not concentrated at its centre.
                 for k in (1..4).filter(|_| mip < 2) {
                     worst.add_rgb(whole + sums[k], whole + moments.combine(unit(k)).value, || name(k));
                 }
@@ -111,7 +111,7 @@ fn every_level_keeps_the_moments_of_the_environment() {
     });
 }
 
-/// Under a map without symmetry every texel tells its place: a turned or mirrored face shows.
+/// In a map without symmetry every texel identifies its place: a turned or mirrored face is detected.
 #[test]
 fn every_texel_holds_the_radiance_of_its_direction() {
     with_gpu(|gpu| {
@@ -126,7 +126,7 @@ fn every_texel_holds_the_radiance_of_its_direction() {
     });
 }
 
-/// At a pole a texel spans all columns of the environment: of random stripes it holds the mean, not those that its cells meet.
+/// At a pole a texel spans all columns of the environment: for random stripes it holds their mean, not the stripes in its cells.
 #[test]
 fn texels_at_a_pole_hold_the_mean_of_its_columns() {
     with_gpu(|gpu| {
@@ -142,7 +142,8 @@ fn texels_at_a_pole_hold_the_mean_of_its_columns() {
     });
 }
 
-/// Where texels differ most: poles, face centres, edges and corners of the cube, seams of the octahedron; and off them.
+/// Directions where texels differ most: poles, face centres, edges and corners of the cube, seams of the octahedron;
+/// and directions off them.
 fn lamp_directions() -> [DVec3; 10] {
     let directions = [
         DVec3::Y,
@@ -159,7 +160,7 @@ fn lamp_directions() -> [DVec3; 10] {
     directions.map(DVec3::normalize)
 }
 
-/// A sphere beside which a lamp of 3 degrees stands in direction `d`: all frames of all directions are one, turned.
+/// A sphere and a lamp of 3 degrees in direction `d`: the frames of all directions are rotations of one frame.
 fn beside_lamp(d: DVec3, size: u32) -> RenderRequest {
     let (elevation, azimuth) = (d.y.asin().to_degrees(), d.x.atan2(d.z).to_degrees());
     let name = format!(
@@ -170,7 +171,7 @@ fn beside_lamp(d: DVec3, size: u32) -> RenderRequest {
     let material =
         MaterialOverride { alpha: Some(0.25), metallic: Some(0.0), albedo: Some([0.5; 3]), f0: Some([1.0; 3]) };
     let plain = request(&environment, scene("sphere", material), CameraKind::Ortho, [size; 2]);
-    // The camera of `request` looks along -z; the lamp is at its right.
+    // The camera of `request` looks along -z; the lamp is on its right.
     let turn = DMat3::from_quat(DQuat::from_rotation_arc(DVec3::X, d));
     let camera = &plain.camera;
     let camera = Camera {
@@ -186,8 +187,9 @@ fn beside_lamp(d: DVec3, size: u32) -> RenderRequest {
 #[test]
 fn a_lamp_keeps_its_light_at_every_place() {
     const SIZE: u32 = 16;
-    // A way, its sample count, the sets of points over whose luck it is averaged, and how far a direction may lie from the mean. 40
-    // samples read texels of some 8 degrees: where between their centres the lamp lies moves its light by up to 5.4 %, by any layout.
+    // A method, its sample count, the number of point sets to average, and the largest deviation of a direction from
+    // the mean. 40 samples read texels of some 8 degrees: the place of the lamp between their centres changes its light
+    // by up to 5.4 %, in any layout.
     let ways = [
         ("sampled", 40, 16, 0.06),
         ("sampled", 4096, 1, 0.01),
@@ -211,7 +213,7 @@ fn a_lamp_keeps_its_light_at_every_place() {
             let diffuse = Diffuse::listed(if is_diffuse { name } else { "none" });
             request.shaded(|s| (s.method, s.diffuse) = (method, diffuse))
         };
-        // Of each layout and way, the share of the light that is there, by direction.
+        // For each layout and method, the share of the light that remains, by direction.
         let mut shares = vec![vec![Vec::new(); ways.len()]; LAYOUTS.len()];
         for d in lamp_directions() {
             let request = beside_lamp(d, SIZE);
@@ -238,12 +240,12 @@ fn a_lamp_keeps_its_light_at_every_place() {
                 let mean = shares[2..].iter().sum::<f64>() / (shares.len() - 2) as f64;
                 let off = shares.iter().map(|share| (share - mean).abs()).fold(0.0, f64::max);
                 println!("{} {name} {samples} {by:?}: mean {mean:.4}, off by {off:.4} at most", layout.name);
-                // What a filter that is as long as it is wide loses at a pole is a finding about such maps, and stays.
+                // The loss of an isotropic filter at a pole is a property of lat-long maps, and stays.
                 if layout.is_environments() && *by == PrefilterBy::Sampled {
                     let lost = mean - shares[0].max(shares[1]);
                     assert!((0.15..0.25).contains(&lost), "{name} {samples}: a lamp at a pole loses {lost}");
                 } else {
-                    // Without samples only texels are left.
+                    // Without samples only the texels matter.
                     let tolerance = if *by == PrefilterBy::Sampled { *tolerance } else { 0.003 };
                     assert!(off <= tolerance, "{} {name} {samples} {by:?}: {shares:.4?}", layout.name);
                 }

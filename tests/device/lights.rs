@@ -21,12 +21,12 @@ fn lights() -> Vec<Light> {
 }
 
 #[test]
-fn lights_meet_the_f64_brdf() {
+fn lights_match_the_f64_brdf() {
     with_pipeline(|pipeline| {
         for model in MODELS {
             for &masking_shadowing in MaskingShadowing::all() {
                 for alpha in [0.05, 0.6] {
-                    // Metallic 1 has no diffuse term: what is left is the lobe alone. The environment is black.
+                    // Metallic 1 has no diffuse term, and the environment is black: only the lobe remains.
                     let material = MaterialOverride {
                         albedo: Some([0.9, 0.5, 0.2]),
                         metallic: Some(1.0),

@@ -1,4 +1,4 @@
-//! Device tests: every shader against its f64 twin, against outside numbers and against identities.
+//! Device tests: every shader against its f64 twin, against published numbers and against identities.
 //!
 //! Without a Vulkan device each test prints one line and passes; `GOLDEN=require` makes that a failure. Everything runs under the
 //! validation layer (core and synchronisation) and any message fails the test; `SPLITSUM_VALIDATION=0` turns the layer off.

@@ -75,13 +75,13 @@ fn coloured_sphere(alpha: f32) -> splitsum::scene::Scene {
     scene("sphere", material)
 }
 
-/// What the device and f64 read: 12 x 12 pixels in perspective, so that every pixel has its own v.
+/// Inputs of device and f64 code: 12 x 12 pixels in perspective, so that every pixel has its own v.
 fn small_request(environment: &std::sync::Arc<splitsum::environment::Environment>, alpha: f32) -> RenderRequest {
     request(environment, coloured_sphere(alpha), CameraKind::Perspective, [12, 12])
         .shaded(|s| s.placement = Placement { orientation: 0, rotation_deg: 30.0 })
 }
 
-/// Both terms draw points of their own, so that their squared errors add. K^2 for K (K - 1) would state a quarter less variance.
+/// Both terms draw their own points, so their squared errors add. K^2 instead of K (K - 1) would state a quarter less variance.
 #[test]
 fn the_standard_error_is_the_spread_over_seeds() {
     const SEEDS: u32 = 96;
@@ -93,7 +93,7 @@ fn the_standard_error_is_the_spread_over_seeds() {
             ..request(&smooth_environment(), scene("sphere", material), CameraKind::Ortho, [24; 2])
                 .shaded(|s| (s.method, s.diffuse) = (method("reference"), Diffuse::listed("reference")))
         };
-        // Of each pixel: sum and sum of squares over seeds, and sum of the stated squared errors.
+        // For each pixel: sum and sum of squares over seeds, and sum of the stated squared errors.
         let mut sums = vec![[0.0; 3]; 24 * 24];
         for seed in 0..SEEDS {
             let frame = pipeline.render(&RenderRequest { seed, ..both.clone() }).unwrap();
@@ -123,7 +123,7 @@ fn rms(pipeline: &mut Pipeline, request: &RenderRequest, sights: &[Sight], expec
 }
 
 #[test]
-fn sampled_methods_converge_to_what_they_estimate() {
+fn sampled_methods_converge_to_their_integral() {
     const COUNTS: [u32; 3] = [32, 512, 16384];
     with_pipeline(|pipeline| {
         let environment = golden_environment();
@@ -192,8 +192,8 @@ fn the_lobe_of_several_scatterings_is_integrated() {
     });
 }
 
-/// Few points scrambled for each pixel estimate without bias where nothing is filtered: their mean over sets is the integral within its
-/// standard error. Shared points of set 0 stay off it.
+/// Few points scrambled for each pixel are unbiased if nothing is filtered: their mean over sets is the integral within
+/// its standard error. Shared points of set 0 are biased.
 #[test]
 fn the_mean_over_scrambles_is_the_integral() {
     const SETS: u32 = 256;
@@ -236,8 +236,8 @@ fn the_mean_over_scrambles_is_the_integral() {
 }
 
 #[test]
-fn the_diffuse_term_takes_what_the_lobe_leaves() {
-    // (1 - (f0 A + B)) (1 - metallic) albedo E / pi under radiance 1, where E / pi is 1; with no specular term just the albedo.
+fn the_diffuse_term_gets_the_rest_of_the_light() {
+    // (1 - (f0 A + B)) (1 - metallic) albedo E / pi under radiance 1, where E / pi is 1; without a specular term just the albedo.
     with_gpu(|gpu| {
         with_pipeline(|pipeline| {
             let white = crate::harness::constant_environment([1.0; 3]);

@@ -1,4 +1,4 @@
-//! Methods in files: the same code gives the same image, and what it reads says what it depends on.
+//! Methods in files: the same code gives the same image, and its bindings determine its parameters.
 
 use crate::harness::{golden_environment, lobe_sphere, request, with_pipeline};
 use splitsum::environment::layout::LAYOUTS;
@@ -9,17 +9,17 @@ use splitsum::shade::{METHODS, Method, own};
 use splitsum::spelling::Listed;
 use std::path::Path;
 
-/// The facts of a listed method about what it depends on are those that its compiled shader tells.
+/// The stated parameters of a listed method equal the parameters found in its compiled shader.
 #[test]
-fn a_shader_tells_what_its_method_depends_on() {
+fn a_shader_determines_the_parameters_of_its_method() {
     for method in METHODS.iter().filter(|method| method.has_pass()) {
         let shader = specular_shader(&LAYOUTS[0], method, splitsum::brdf::MODELS[0]);
-        let told = own::of_names_read(*method, &names_read(&shader, own::FUNCTION).unwrap(), String::new());
+        let found = own::of_names_read(*method, &names_read(&shader, own::FUNCTION).unwrap(), String::new());
         let facts = |m: &splitsum::shade::Method| {
             let points = [m.uses_samples, m.uses_point_set, m.uses_lod_bias];
             (points, [m.uses_prefiltered(), m.uses_dfg], m.tap_table)
         };
-        assert_eq!(facts(&told), facts(method), "{}", method.name);
+        assert_eq!(facts(&found), facts(method), "{}", method.name);
     }
 }
 

@@ -1,6 +1,6 @@
-//! Where the light stands: a map that is turned lights as the turned map does, whatever computes it.
+//! Rotation of the light: a rotated map lights as the map with rotated texels, in every computation.
 //!
-//! World from map is `Ry(rotation) R_k`, written here by hand: no place may take one of the two, transpose them, or turn them about.
+//! World from map is `Ry(rotation) R_k`, written out here: no code may use only one of the two, transpose them, or swap them.
 
 use crate::compare::{Worst, relative};
 use crate::harness::{golden_environment, lobe_sphere, request, scene, with_pipeline};
@@ -39,7 +39,7 @@ fn linear_environment() -> Arc<Environment> {
     Arc::new(Environment::from_image("linear", image))
 }
 
-/// `1 + share g·d` of the turned map, for a direction in the world.
+/// `1 + share g·d` of the rotated map, for a direction in the world.
 fn linear(placement: Placement, share: f64, d: DVec3) -> DVec3 {
     DVec3::from_array(GRADIENTS.map(|g| 1.0 + share * (world_from_map(placement) * g).dot(d)))
 }
@@ -59,7 +59,7 @@ fn a_linear_map_lights_by_its_turned_gradient() {
                 reference_samples: 16384,
                 ..request(&environment, scene, CameraKind::Perspective, [12, 12]).shaded(|s| s.placement = placement)
             };
-            // A lobe of 0.002 radians is a mirror; the lookups' error is that of narrow_lobes_are_mirrors.
+            // A lobe of 0.002 radians is a mirror; narrow_lobes_are_mirrors bounds the lookup's error.
             for method in METHODS.iter().filter(|method| method.name != "none") {
                 let request = of(lobe_sphere(0.001)).shaded(|s| s.method = method);
                 let frame = pipeline.render(&request).unwrap();

@@ -1,4 +1,5 @@
-//! The prefiltered map, by harmonics and by samples, and the irradiance map by harmonics: against their exact integrals and outside numbers.
+//! The prefiltered map, by harmonics and by samples, and the irradiance map by harmonics: against their exact integrals
+//! and published numbers.
 
 use crate::compare::{Tolerance, relative};
 use crate::harness::{golden_environment, poison_image, with_gpu};
@@ -16,7 +17,7 @@ use splitsum::precompute::{exact_quadrature, points::Points};
 use splitsum::spelling::Listed;
 use std::f64::consts::PI;
 
-/// Relative; f32 texels, and what the highest degree cuts off of a narrow lobe beside a lamp.
+/// Relative; f32 texels, and the cut of the highest degree for a narrow lobe beside a lamp.
 const HARMONIC: f64 = 1e-6;
 
 #[test]
@@ -62,8 +63,8 @@ fn harmonic_irradiance_is_the_exact_integral_in_every_layout() {
 
 #[test]
 fn prefiltered_levels_converge_to_the_exact_integral() {
-    // Each lookup spreads light over the trilinear footprint of its level, more than the sample's share of the lobe. Beside a sun of
-    // 100 times the sky that costs up to 13 % at 256 samples, and a tenth of that at 4096.
+    // Each lookup spreads light over the trilinear footprint of its level, more than the sample's share of the lobe.
+    // Beside a sun of 100 times the sky this makes up to 13 % at 256 samples, and a tenth of that at 4096.
     const SAMPLES: [(u32, Tolerance); 2] = [(256, relative(0.16)), (4096, relative(2e-2))];
     // A weight of 1 ends at the horizon with a step, which costs digits, of 4096 samples too.
     const STEP: quadrature::Tolerance = quadrature::Tolerance { relative: 1e-3, max_part_count: 100_000 };

@@ -10,7 +10,7 @@ fn elementary_functions_keep_their_stated_error() {
     with_gpu(|gpu| {
         let count = 4001;
         let at = |i: i32, low: f64, high: f64| rounded(low + (high - low) * f64::from(i) / f64::from(count - 1));
-        // Small arguments too, down to 1e-8: log and exp are there for them.
+        // Includes small arguments down to 1e-8, for log and exp.
         let small = |i: i32, x: f64| if i % 4 == 0 { rounded(x * 10f64.powi(-(i / 4) % 9)) } else { x };
         let items: Vec<[f64; 7]> = (0..count)
             .map(|i| {
@@ -66,7 +66,7 @@ fn elementary_functions_keep_their_stated_error() {
 }
 
 #[test]
-fn sums_carry_what_f32_drops() {
+fn sums_keep_the_rounding_errors_of_f32() {
     // Both parts together are as good as the exact sum rounded once to f32: half a unit in the last place. A plain sum is off by 1e-4
     // where each term is below that unit.
     const HALF_UNIT: Tolerance = absolute(6e-8);

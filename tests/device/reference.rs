@@ -63,11 +63,11 @@ fn map(width: u32, height: u32) -> RgbImage {
 }
 
 #[test]
-fn environment_sampling_meets_its_twin() {
+fn environment_sampling_matches_its_twin() {
     /// A direction in f32 moves the lookup by 3e-7 of the map, and the sun changes by all of itself over one texel.
     const LOOKUP: f64 = 1e-4;
     with_gpu(|gpu| {
-        // The fetched texels on every device; the filter where it claims to be exact.
+        // The fetched texels on every device; the filter only if it claims to be exact.
         let sizes = [(64, 32), (7, 5), (1, 1), (2, 3)];
         let paths = [false, gpu.info().has_exact_filter];
         for ((width, height), exact_filter) in sizes.into_iter().flat_map(|size| paths.map(|path| (size, path))) {
@@ -113,7 +113,7 @@ fn environment_sampling_meets_its_twin() {
                 let place = format!("{width} x {height}, direction {d}, xi {xi:?}");
                 let error = (xyz(outputs[0]) - environment.radiance(*d)).abs().max_element();
                 assert!(error <= LOOKUP * peak, "{place}: radiance {:?}", outputs[0]);
-                // Closer to a pole the sine in f32 says little.
+                // Closer to a pole the sine in f32 has few correct digits.
                 if d.x.hypot(d.z) > 1e-3 {
                     let expected = distribution.guided_pdf(&guide, *d);
                     let largest = expected.max(LOOKUP * peak * expected / environment.radiance(*d).max_element());
@@ -126,8 +126,8 @@ fn environment_sampling_meets_its_twin() {
 
                 let unit = DVec2::new(f64::from(xi[0]) + 0.5, f64::from(xi[1]) + 0.5) / 2f64.powi(32);
                 let (l, pdf) = distribution.guided_sample(&guide, unit);
-                // A texel's place in f32, and the roots of both inversions; and in a cell of little light the place says more than
-                // the sums of the guide in f32, over up to 512 cells.
+                // A texel's place in f32, and the roots of both inversions. In a cell of little light the place is more
+                // exact than the sums of the guide in f32, over up to 512 cells.
                 let displacement = 2e-5 + 6e-6 / pdf;
                 assert!((xyz(outputs[1]) - l).length() < displacement, "{place}: sampled {:?}, {l}", outputs[1]);
                 if l.x.hypot(l.z) > 1e-2 {
@@ -150,7 +150,7 @@ fn sun() -> Arc<Environment> {
     Arc::new(Environment::from_image("sun", RgbImage::from_fn(128, 64, texel)))
 }
 
-/// The sums are kept between looks at the error and between dispatches: what a reference drew is part of what it goes on to.
+/// The sums persist between checks of the error and between dispatches: a reference continues from its earlier samples.
 #[test]
 fn a_reference_that_goes_on_has_the_bits_of_one_drawn_at_once() {
     with_pipeline(|pipeline| {
@@ -163,7 +163,7 @@ fn a_reference_that_goes_on_has_the_bits_of_one_drawn_at_once() {
         let extended = pipeline.render(&base).unwrap();
         let count = extended.convergences[0].sample_count as u32;
         assert!(extended.convergences[0].is_met && (8192..1 << 16).contains(&count), "{:?}", extended.convergences);
-        assert!(count.is_power_of_two(), "{count} samples are no nets of a power of two of pairs");
+        assert!(count.is_power_of_two(), "{count} samples are not nets of a power of two of pairs");
         let once = RenderRequest { reference_samples: count, reference_error: None, ..base.clone() };
         for is_interactive in [false, true] {
             with_submissions(is_interactive, |pipeline| {
@@ -175,10 +175,10 @@ fn a_reference_that_goes_on_has_the_bits_of_one_drawn_at_once() {
     });
 }
 
-/// Coverage of Student's 95 % interval with three degrees of freedom, by pixel, over all and over those that the sun makes noisiest;
-/// and of what is stated of a whole image.
+/// Coverage of Student's 95 % interval with three degrees of freedom, by pixel, over all pixels and over the noisiest
+/// ones under the sun; and the stated error of a whole image.
 #[test]
-fn the_stated_error_covers_the_true_one_as_often_as_it_claims() {
+fn the_stated_error_has_its_stated_coverage() {
     const SEEDS: u32 = 64;
     const STUDENT_95: f64 = 3.182_446;
     with_pipeline(|pipeline| {
@@ -192,7 +192,7 @@ fn the_stated_error_covers_the_true_one_as_often_as_it_claims() {
                 pipeline.render(&RenderRequest { reference_samples: 1 << 16, seed: 1000, ..base.clone() }).unwrap();
             let epsilon = base.epsilon().beside_square();
             let hit: Vec<usize> = (0..24 * 24).filter(|&i| truth.mask.data[i] > 0.0).collect();
-            // Of each pixel how often it is covered, and its squared error; of each image the stated and the true one.
+            // How often each pixel is covered, and its squared error; the stated and the true error of each image.
             let (mut covered, mut squares, mut images) = (vec![0; hit.len()], vec![0.0; hit.len()], Vec::new());
             for seed in 0..SEEDS {
                 let frame = pipeline.render(&RenderRequest { seed, ..base.clone() }).unwrap();

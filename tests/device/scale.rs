@@ -1,4 +1,4 @@
-//! The unit of radiance: brighter light changes no relative error of the reference.
+//! The unit of radiance: brighter light does not change the relative error of the reference.
 
 use crate::harness::{golden_environment, lobe_sphere, request, with_pipeline};
 use splitsum::metrics::noise_floor;
@@ -8,7 +8,7 @@ use splitsum::shade::Method;
 use splitsum::spelling::Listed;
 
 #[test]
-fn brighter_light_changes_no_relative_figure() {
+fn brighter_light_does_not_change_relative_numbers() {
     with_pipeline(|pipeline| {
         let mut convergence = |environment_scale: f32| {
             let request = RenderRequest {
@@ -20,7 +20,7 @@ fn brighter_light_changes_no_relative_figure() {
             let truth = pipeline.render(&request).unwrap();
             let error = truth.standard_error.as_ref().unwrap();
             let floors = noise_floor(&truth.radiance, error, &truth.mask, request.epsilon()).unwrap();
-            // What the reference prints is the root of the floor of relmse: one term, whose error is the image's.
+            // The printed error of the reference is the root of the noise floor of relmse: one term, whose error is the image's.
             let floor = floors.iter().find(|(name, _)| *name == "relmse").unwrap().1.unwrap();
             let [printed] = truth.convergences[..] else { panic!("{:?}", truth.convergences) };
             let ratio = printed.relative_error / floor.sqrt();

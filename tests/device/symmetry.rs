@@ -1,4 +1,4 @@
-//! Symmetry of whole frames: light and camera turned together.
+//! Symmetry of whole frames: light and camera turn together.
 
 use crate::compare::{Worst, relative};
 use crate::harness::{golden_environment, request, scene, with_pipeline};
@@ -53,15 +53,16 @@ fn turning_environment_and_camera_together_changes_nothing() {
                     },
                     ..still.clone()
                 };
-                // The same by the parameter: the environment turned back again under the still camera.
+                // The same by the parameter: the environment turns back under the fixed camera.
                 let rotated = RenderRequest {
                     environment: shifted.clone(),
                     ..still.shaded(|s| s.placement = Placement { rotation_deg: 90.0, orientation: 0 })
                 };
                 let [a, b, c] = [&still, &turned, &rotated].map(|request| pipeline.render(request).unwrap());
                 let name = format!("{} {kind:?}", method.name);
-                // The frame about a direction does not turn with it, so points fall on other azimuths of each pixel's lobe. What changes is
-                // the method's own error at this count of samples; lookups of the prefiltered map have none.
+                // The frame about a direction does not turn with it, so points fall on other azimuths of each pixel's
+                // lobe. The difference is the method's own error at this sample count; lookups of the prefiltered map
+                // have none.
                 let is_drawn = method.uses_point_set || still.shaded(|s| s.method = method).has_reference_term();
                 let own_error = relative(if is_drawn { 0.15 } else { 1e-5 });
                 let mut camera = Worst::new(format!("{name} camera turned"), own_error);

@@ -1,4 +1,4 @@
-//! Precomputed tables against their f64 twins and against outside numbers; the prefiltered map has a file of its own.
+//! Precomputed tables against their f64 twins and against published numbers; prefilter.rs has the prefiltered map.
 
 use crate::compare::{Tolerance, Worst, absolute, relative};
 use crate::harness::{golden_environment, poison_image, poisoned_buffer, read_level, with_gpu, xyz};
@@ -19,7 +19,7 @@ use splitsum::precompute::{PrecomputeSettings, exact_quadrature};
 use splitsum::spelling::Listed;
 use std::f64::consts::PI;
 
-/// The exact integrals need no more digits than the tables have.
+/// The exact integrals need no more digits than the tables.
 pub const EXACT: quadrature::Tolerance = quadrature::Tolerance { relative: 1e-5, max_part_count: 100_000 };
 
 /// The environment with its mip chain on the device; every level starts as NaN.
@@ -101,8 +101,9 @@ fn sh9_adds_suns_and_skies_without_loss() {
 
 #[test]
 fn irradiance_map_by_integration() {
-    // A lookup spreads light over the trilinear footprint of its level, about two cells of the grid and longer in theta near the
-    // poles. A sun of 100 times the sky then costs 1.2 % at 128 x 32 points, and 16 times less with a quarter of the cell.
+    // A lookup spreads light over the trilinear footprint of its level, about two cells of the grid and longer in theta
+    // near the poles. A sun of 100 times the sky then makes 1.2 % at 128 x 32 points, and 16 times less with a quarter
+    // of the cell.
     const POINTS: [([u32; 2], Tolerance); 2] = [([128, 32], relative(1.5e-2)), ([512, 128], relative(1e-3))];
     with_gpu(|gpu| {
         let environment = golden_environment();
@@ -131,7 +132,7 @@ pub fn dfg_table(
     read_level(gpu, &table, 0).map(DVec3::truncate)
 }
 
-/// Largest error of A or B of a table as it is looked up at these n·v and alpha, against the integrals in f64.
+/// Largest error of A or B of a table, as looked up at these n·v and alpha, against the integrals in f64.
 fn lookup_error(
     table: &Pixels<DVec2>,
     model: &'static dyn Brdf,
@@ -148,15 +149,15 @@ fn lookup_error(
 }
 
 #[test]
-fn dfg_tables_as_looked_up_meet_their_integral() {
-    // At texels 768 nodes leave 4e-5, correlated masking 1e-4 below n·v 0.001; bilinear lookups between 256 x 256 add the rest.
+fn dfg_tables_as_looked_up_match_their_integral() {
+    // At texels 768 nodes leave 4e-5, correlated masking 1e-4 below n·v 0.001; bilinear lookups between 256 x 256 texels add the rest.
     const ANYWHERE: f64 = 2e-4;
     // Phong above alpha 0.9 has D = cos^e with e near 0: seen at n·v below 0.001 it bends by e ln(n·v) from row to row.
     const NEAR_UNIFORM_PHONG: f64 = 4e-4;
     const SIDE: u32 = 256;
     let texel = |x: f64, y: f64| DfgAxes::FourthRoots.parameters(DVec2::new(x, y), SIDE);
     let corners = [(0.5, 0.5), (255.5, 0.5), (0.5, 255.5), (255.5, 255.5)];
-    // Middles of cells, where bilinear lookups err most; the first and last cells of both axes among them.
+    // Middles of cells, where bilinear lookups err most, including the first and last cells of both axes.
     let middles = (0..30).map(|i| {
         let place = |k: f64| (f64::from(i) * k).fract() * 255.0;
         (1.0 + place(0.754877666).floor(), 1.0 + place(0.569840291).floor())

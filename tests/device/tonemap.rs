@@ -12,7 +12,7 @@ fn ramp() -> RgbImage {
 }
 
 #[test]
-fn bytes_meet_the_twin() {
+fn bytes_match_the_twin() {
     with_pipeline(|pipeline| {
         for exposure in [0.1, 1.0, 50.0, 1e4] {
             for contrast in [0.1, 1.0, 5.0] {
@@ -22,7 +22,7 @@ fn bytes_meet_the_twin() {
                 let exact = ramp().map(|l| curve.apply(l.map(f64::from)).map(|c| 255.0 * c));
                 for (a, b) in actual.data.iter().zip(&exact.data) {
                     for c in 0..3 {
-                        // Nearest code; within 1e-3 of the middle between two either one.
+                        // The nearest code; within 1e-3 of the middle between two codes, either one.
                         assert!((f64::from(a[c]) - b[c]).abs() <= 0.501, "{curve:?}: {a:?} for {b:?}");
                     }
                 }

@@ -1,6 +1,6 @@
 //! Every method and every diffuse method against its f64 twin, pixel by pixel, at few samples and far from any limit.
 //!
-//! Whoever is listed is tested. The twins read the device's own g-buffer and tables, so that what differs is the method's alone.
+//! Every listed method is tested. The twins read the device's own g-buffer and tables, so any difference comes from the method.
 
 use crate::compare::{Tolerance, Worst};
 use crate::gbuffer::draw;
@@ -36,22 +36,23 @@ use std::sync::{Arc, Mutex};
 
 /// Relative; directions, levels and weights in f32.
 const F32: f64 = 5e-5;
-/// Of the frame's mean: a lookup that moves by 2e-7 of the map's width moves on the edge of a lamp, which may be brighter than the pixel.
+/// Relative to the frame's mean: a lookup that moves by 2e-7 of the map's width moves on the edge of a lamp, which may
+/// be brighter than the pixel.
 const F32_EDGE: f64 = 3e-4;
-/// A GPU's filter weighs texels and levels by some 8 bits; relative and of the frame's mean.
+/// A GPU's filter weighs texels and levels by some 8 bits; relative, and relative to the frame's mean.
 const FILTER_UNIT: f64 = 2e-2;
 /// A frame of a random estimator is off by its standard error, which 16 nets know to 20 %.
 const SIGMAS: f64 = 6.0;
-/// A standard error above this share would let anything pass.
+/// A larger standard error would pass any value.
 const SIGMA_MAX: f64 = 0.2;
-/// What f32 adds to that, relative.
+/// Additional relative error by f32.
 const F32_SUM: f64 = 1e-5;
-/// A random estimator draws a frame of so many pixels a side, of which so many are integrated.
+/// Pixels per side of a random estimator's frame, and how many of them are integrated.
 const MEAN_SIZE: u32 = 12;
 const MEAN_COUNT: usize = 5;
-/// One of so many texels is compared.
+/// One in this many texels is compared.
 const STEP: usize = 5;
-/// Some pixel's n_dot_v is below this.
+/// At least one pixel has a smaller n_dot_v.
 const GRAZING: f64 = 0.04;
 
 /// Small tables, so that levels and texels are coarse and their choice matters.
@@ -81,13 +82,13 @@ fn environments() -> [Arc<Environment>; 2] {
         .map(|name| Arc::new(Environment::load(name, Path::new("."), &options).unwrap()))
 }
 
-/// What is shaded and by which points.
+/// The surfaces, and the points that shade them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Case {
     kind: CameraKind,
     alpha: f32,
     masking: MaskingShadowing,
-    /// Pixels on a side.
+    /// Pixels per side.
     size: u32,
     samples: u32,
     sequence: usize,
@@ -114,8 +115,8 @@ const PLAIN: Case = Case {
     mapping: 0,
 };
 
-/// Each differs from the first in what could be mistaken; the last takes two dispatches of points. The first has every model, the others one
-/// in turn: over them, every model has three ways of masking.
+/// Each case differs from the first in a setting that could be confused; the last takes two dispatches of points. The
+/// first has every model, the others one in turn: together, every model has three kinds of masking.
 const CASES: [Case; 10] = [
     PLAIN,
     Case { layout: 1, alpha: 0.1, mapping: 1, ..PLAIN },
@@ -160,7 +161,7 @@ impl Case {
         }
     }
 
-    /// What of it is anything to a method.
+    /// The parts that matter to a method.
     fn seen_by(self, method: &Method) -> Self {
         let reads_maps = method.uses_samples || method.uses_prefiltered();
         let or_plain = |is_used: bool, plain: Self| if is_used { self } else { plain };
@@ -227,7 +228,7 @@ fn exact_prefiltered(gpu: &Gpu, request: &RenderRequest) -> FilteredMap {
     read_map(gpu, layout, &levels)
 }
 
-/// What many cases share, made once.
+/// Inputs that many cases share, made once.
 struct Made<T>(Mutex<BTreeMap<String, T>>);
 
 impl<T: Clone> Made<T> {
@@ -259,7 +260,7 @@ fn taps(
     MADE.get(format!("{} {masking:?} {} {levels} {count:?}", model.name(), mapping.name), fit)
 }
 
-/// What the device's g-buffer holds.
+/// The contents of the device's g-buffer.
 fn sights(gpu: &Gpu, request: &RenderRequest) -> Vec<Sight> {
     sights_in(request, &draw(gpu, &request.scene, &request.camera, request.size))
 }
@@ -268,7 +269,7 @@ fn n_dot_v(sight: &Sight) -> f64 {
     sight.surface.n.dot(sight.surface.v)
 }
 
-/// Holds a frame to a twin of the radiance of each sight.
+/// Compares a frame with a twin of the radiance of each surface point.
 #[allow(clippy::too_many_arguments, reason = "a twin, its frame and its tolerances")]
 fn check<E: Copy + Sync>(
     name: String,
@@ -305,7 +306,7 @@ fn check<E: Copy + Sync>(
                 let (off, sigma) = (radiance(frame, sight.pixel) - expected, sigmas.get(x, y).map(f64::from));
                 for c in 0..3 {
                     let allowed = SIGMAS * sigma[c] + F32_SUM * expected[c];
-                    // Of f0 = 1 nothing is transmitted: 0 is 0.
+                    // At f0 = 1 nothing is transmitted: 0 is 0.
                     assert!(off[c].abs() <= allowed, "{name}: {off} at {x} {y}, standard error {sigma:?}");
                     assert!(sigma[c] <= SIGMA_MAX * expected[c], "{name}: {sigma:?} of {expected} says nothing");
                 }
@@ -327,7 +328,7 @@ fn every_method_matches_its_f64_twin() {
     with_gpu(|gpu| {
         with_pipeline(|pipeline| {
             let mut smallest = 1.0;
-            // The lamp at a pole matters to the layouts, which the first cases have.
+            // The lamp at a pole matters to the layouts, which the first cases cover.
             let [studio, lamp] = environments();
             let in_turn = |index: usize| MODELS[index % MODELS.len()];
             let plain = MODELS.iter().map(|&model| (&studio, &CASES[0], model));
@@ -399,9 +400,9 @@ fn every_diffuse_method_matches_its_f64_twin() {
     });
 }
 
-/// Far from convergence every texel is the sum over its own lookups, poles and all; 2,048 points take two dispatches.
+/// Far from convergence every texel is the sum over its own lookups, also at poles; 2,048 points take two dispatches.
 #[test]
-fn prefiltered_texels_meet_their_estimator() {
+fn prefiltered_texels_match_their_estimator() {
     // Weight and masking, mapping, levels added, points.
     let ways = [
         (0, MaskingShadowing::Separable, 0, 0.0, 16),
@@ -442,7 +443,7 @@ fn prefiltered_texels_meet_their_estimator() {
 }
 
 #[test]
-fn irradiance_maps_of_few_points_meet_their_twin() {
+fn irradiance_maps_of_few_points_match_their_twin() {
     with_gpu(|gpu| {
         let lights = environments();
         let pairs = lights.iter().flat_map(|environment| LAYOUTS.iter().map(move |layout| (environment, layout)));

@@ -60,7 +60,7 @@ fn samplers_follow_their_densities() {
             assert!(p > significance, "{} sample_d alpha {alpha}: p = {p}", model.name());
             for (k, n_dot_v) in CHI_SQUARE_VIEWS.into_iter().enumerate() {
                 let v = view(n_dot_v);
-                // pdf_h = pdf_l 4 |v·h|: the Jacobian of the reflection, undone.
+                // pdf_h = pdf_l 4 |v·h|: undoes the Jacobian of the reflection.
                 let pdf_h = |h: DVec3| model.pdf_visible_l(v, h, alpha) * 4.0 * v.dot(h).abs();
                 let p = goodness_of_fit(alpha, seed + 1 + k as u64, pdf_h, |xi| model.sample_visible(xi, v, alpha));
                 assert!(p > significance, "{} sample_visible alpha {alpha} n_dot_v {n_dot_v}: p = {p}", model.name());
@@ -77,7 +77,7 @@ fn visible_density_integrates_to_one_over_all_directions() {
     for model in MODELS {
         for (alpha, n_dot_v) in [(0.05, 0.9), (0.1, 0.1), (0.3, 0.02), (0.5, 0.6), (1.0, 0.05), (1.0, 1.0)] {
             let v = view(n_dot_v);
-            // Polar about the mirror direction: the lobe sits where the coordinates are fine.
+            // Polar about the mirror direction: the coordinates are fine around the lobe.
             let frame = splitsum::math::frame::Frame::from_normal(brdf::reflect(v, DVec3::Z));
             let total = |relative: f64, pdf_l: &dyn Fn(DVec3) -> f64| {
                 integrate_sphere(relative, |l| {
@@ -94,8 +94,8 @@ fn visible_density_integrates_to_one_over_all_directions() {
     }
 }
 
-/// In constant light the weight of a visible normal is `G2 D / (4 n_dot_v pdf_l)`: at most G2/G1(v) <= 1 where the model draws its own, and
-/// the bounded cap wastes fewer samples than all visible normals do.
+/// In constant light the weight of a visible normal is `G2 D / (4 n_dot_v pdf_l)`. It is at most G2/G1(v) <= 1 if the
+/// model has its own sampler. The bounded cap wastes fewer samples than all visible normals.
 #[test]
 fn weights_of_visible_normals_are_bounded() {
     const COUNT: u32 = 2000;
@@ -174,7 +174,7 @@ fn distributions_are_precise_in_narrow_lobes() {
 
 #[test]
 fn exact_masking_fills_the_projected_area() {
-    // ∫ D(m) max(v·m, 0) G1(v) dm = n_dot_v, which the rational fit misses by 0.35 % for Beckmann and by far more for Phong.
+    // ∫ D(m) max(v·m, 0) G1(v) dm = n_dot_v. The rational fit misses it by 0.35 % for Beckmann and by far more for Phong.
     let cases = MODELS.iter().flat_map(|model| {
         [0.001, 0.1, 0.5, 1.0]
             .into_iter()
@@ -228,7 +228,7 @@ fn exact_masking_never_creates_energy() {
         // 2e-6: four times the tolerance of the quadrature.
         assert!(energy < 1.0 + 2e-6, "{} alpha {alpha} n_dot_v {n_dot_v}: {energy}", model.name());
     });
-    // What it cures (theory: 1.14 and 1.12), and what it gives instead: GGX's own albedo, since D is the same at alpha = 1.
+    // The excess that it removes (theory: 1.14 and 1.12), and the albedo that it gives: GGX's, since D is the same at alpha = 1.
     let phong = |masking, alpha| albedo(&brdf::Phong, masking, 0.1, alpha);
     assert!((phong(MaskingShadowing::Separable, 1.0) - 1.141).abs() < 1e-3);
     assert!((phong(MaskingShadowing::Separable, 0.75) - 1.12).abs() < 5e-3);
@@ -245,7 +245,7 @@ fn masking_has_its_limits_and_order() {
             for (n_dot_v, n_dot_l) in [(0.05, 0.1), (0.3, 0.9), (1.0, 0.2)] {
                 let g = |masking| brdf::g2(*model, n_dot_v, n_dot_l, alpha, masking);
                 let (separable, correlated) = (g(MaskingShadowing::Separable), g(MaskingShadowing::Correlated));
-                // Correlation lets more light through, never more than the darker of the two directions.
+                // Correlated masking lets more light through, but never more than the darker of the two directions.
                 let smaller = model.g1(n_dot_v, alpha).min(model.g1(n_dot_l, alpha));
                 assert!(separable <= correlated * (1.0 + 1e-15) && correlated <= smaller * (1.0 + 1e-4));
             }

@@ -1,4 +1,4 @@
-//! Pearson's chi-square test, and points random enough for it.
+//! Pearson's chi-square test, and points that are random enough for it.
 
 use glam::{DVec2, DVec3};
 use libm::erfc;
@@ -58,8 +58,8 @@ impl HalfVectorBins {
         }
     }
 
-    /// Probability of each bin under the density `pdf_h` by the midpoint rule on 128 x 16 cells a bin, since a bounded cap may end within a
-    /// ring; the last bin takes the rest.
+    /// Probability of each bin under the density `pdf_h`, by the midpoint rule on 128 x 16 cells a bin, since a bounded
+    /// cap may end within a ring. The last bin has the rest.
     fn probabilities(&self, pdf_h: impl Fn(DVec3) -> f64) -> Vec<f64> {
         const CELLS: usize = 16;
         const LOG_CELLS: usize = 128;
@@ -81,9 +81,9 @@ impl HalfVectorBins {
     }
 }
 
-/// Probability of so bad a fit of counts to their means, by Pearson's test.
+/// Probability of a fit of counts to their means at least this bad, by Pearson's test.
 pub fn fit(counts: &[f64], means: &[f64]) -> f64 {
-    /// Below it the statistic is not chi-square distributed; rarer bins are pooled.
+    /// Bins with fewer counts are pooled: below it the statistic is not chi-square distributed.
     const RARE: f64 = 10.0;
     let (mut statistic, mut degrees, mut pooled) = (0.0, -1.0, (0.0, 0.0));
     for (count, mean) in counts.iter().zip(means) {
@@ -101,7 +101,7 @@ pub fn fit(counts: &[f64], means: &[f64]) -> f64 {
     chi_square_tail(statistic, degrees)
 }
 
-/// The same of half vectors and their density.
+/// The same for half vectors and their density.
 pub fn fit_of_half_vectors(alpha: f64, pdf_h: impl Fn(DVec3) -> f64, samples: &[DVec3]) -> f64 {
     let bins = HalfVectorBins::new(alpha);
     let means: Vec<f64> = bins.probabilities(pdf_h).iter().map(|p| p * samples.len() as f64).collect();

@@ -37,7 +37,7 @@ fn conversions_keep_white() {
     assert!((identity * DVec3::new(0.2, 0.5, 0.9)).abs_diff_eq(DVec3::new(0.2, 0.5, 0.9), 1e-12));
     let white = RADIANCE.to_rec709().unwrap() * DVec3::ONE;
     assert!(white.abs_diff_eq(DVec3::ONE, 1e-9), "{white}");
-    // The same space in other words: equal energy is Y = 1 and X = Y = Z.
+    // Another property of the same space: equal energy is Y = 1 and X = Y = Z.
     assert!((RADIANCE.to_xyz().unwrap() * DVec3::ONE).abs_diff_eq(DVec3::ONE, 1e-9));
     let zeros = color::Chromaticities {
         red: glam::DVec2::ZERO,

@@ -1,4 +1,4 @@
-//! The counter of instructions on made texts.
+//! The counter of instructions on synthetic assembly.
 
 use splitsum::cost::isa::{Counts, ShaderCounts, count};
 
@@ -57,11 +57,11 @@ fn the_loop_over_samples_is_the_outermost_that_looks_up() {
     assert_eq!((counts.outside.alu, counts.inside.alu, counts.inside.trilinear), (1.0, 1.0, 1.0));
     // The inner loop and the one after it.
     assert_eq!((counts.other_loops, counts.outside.scalar), (2, 2.0));
-    // Texels without a filter, as of maps that a shader filters itself, make it the loop over samples, too.
+    // Unfiltered texels also make it the loop over samples, as for maps that a shader filters itself.
     let loads =
         count("BB0:\n s_mov_b32 s0, 0\nBB1:\n image_load v0, v1\n s_cbranch_scc0 BB1\nBB2:\n s_endpgm\n").unwrap();
     assert_eq!((loads.inside.unfiltered, loads.outside.unfiltered, loads.other_loops), (1.0, 0.0, 0));
-    // Without a loop all is outside; an if is none.
+    // Without a loop everything is outside; an `if` is not a loop.
     let straight = count("BB0:\n s_cbranch_execz BB2\nBB1:\n image_sample v0, v1\nBB2:\n s_endpgm\n").unwrap();
     assert_eq!((straight.outside.trilinear, straight.inside), (1.0, Counts::default()));
 }

@@ -1,4 +1,4 @@
-//! The scene `design`: its frames are what they claim, and means over its pixels are means over the sphere.
+//! The scene `design`: its frames have their stated properties, and means over its pixels are means over the sphere.
 
 use glam::DVec3;
 use splitsum::brdf::reflect;
@@ -44,12 +44,12 @@ fn frames_are_orthonormal_where_they_must_be() {
     }
 }
 
-/// Closed forms: of a constant map 1, of a linear one 0, of a product of two different coordinates 0, of a square 1/3.
+/// Closed forms: 1 for a constant map, 0 for a linear map and for a product of two different coordinates, 1/3 for a square.
 #[test]
 fn means_over_pixels_are_means_over_the_sphere_in_every_range_of_n_dot_v() {
     let frames = frames();
     let all = (0.0, 1.0, 1e-3);
-    // A tenth of the pixels spreads a third as evenly.
+    // A tenth of the pixels is a third as even.
     let tenths = (0..10).map(|k| (0.1 * f64::from(k), 0.1 * f64::from(k + 1), 0.02));
     for (low, high, tolerance) in [all].into_iter().chain(tenths) {
         let own: Vec<DVec3> =

@@ -1,4 +1,4 @@
-//! Irradiance from spherical harmonics by the diffuse methods, and what compensations give back.
+//! Irradiance from spherical harmonics by the diffuse methods, and light returned by compensation.
 
 use glam::{DMat3, DQuat, DVec2, DVec3};
 use splitsum::brdf::{Compensation, MODELS, MaskingShadowing};
@@ -18,7 +18,7 @@ fn lamps(lamps: &[(DVec3, DVec3)]) -> [DVec3; COUNT] {
     std::array::from_fn(|k| lamps.iter().map(|(direction, color)| *color * basis(*direction)[k]).sum())
 }
 
-/// Coefficients of `constant + slope d`, a channel a row of the slope.
+/// Coefficients of `constant + slope d`; each row of the slope is a channel.
 fn linear(constant: DVec3, slope: DMat3) -> [DVec3; COUNT] {
     let [l0, l1] = [2.0 * PI.sqrt(), 2.0 * (PI / 3.0).sqrt()];
     let mut coefficients = [DVec3::ZERO; COUNT];
@@ -37,10 +37,10 @@ fn directions() -> impl Iterator<Item = DVec3> {
 
 const COLOR: DVec3 = DVec3::new(0.7, 1.0, 2.5);
 
-/// Of light `1 + g d` irradiance over π is `1 + 2/3 g n`. A window scales the slope by its value at degree 1; ZH3 adds its guess, which has
-/// no mean over the sphere and the published size along the axis.
+/// Light `1 + g d` has an irradiance over π of `1 + 2/3 g n`. A window scales the slope by its value at degree 1. ZH3
+/// adds its guess, which has mean 0 over the sphere and the published size along the axis.
 #[test]
-fn linear_light_is_what_the_window_and_the_guess_make_of_it() {
+fn linear_light_follows_the_window_and_the_guess() {
     let axis = DVec3::new(0.48, 0.6, 0.64);
     let along = DVec3::new(0.5, 0.2, 0.9);
     let light = linear(COLOR, DMat3::from_cols(along * axis.x, along * axis.y, along * axis.z));
@@ -74,7 +74,8 @@ fn turning_light_and_normal_together_changes_nothing() {
     }
 }
 
-/// Opposite to a small lamp nine coefficients fall below 0; the window takes a part of that. ZH3 is nearer to nine coefficients than four are.
+/// Opposite a small lamp nine coefficients fall below 0; the window removes a part of that. ZH3 is nearer to nine
+/// coefficients than four are.
 #[test]
 fn ringing_and_the_missing_band_are_smaller() {
     let lamp = lamps(&[(DVec3::Z, COLOR)]);
@@ -94,9 +95,9 @@ fn ringing_and_the_missing_band_are_smaller() {
     assert!(guessed < 0.1 * missing, "{guessed} {missing}");
 }
 
-/// A white furnace: at f0 = 1 all that is lost comes back; below, no more than that, and the more the higher f0 is.
+/// A white furnace: at f0 = 1 all lost light returns; below it, never more, and more for a higher f0.
 #[test]
-fn compensation_returns_what_is_lost() {
+fn compensation_returns_the_lost_light() {
     let mean_of = |model, alpha| {
         let cosine = |i: u32| (f64::from(i) + 0.5) / 8.0;
         let at = |i| 2.0 * cosine(i) / 8.0 * dfg(model, MaskingShadowing::SmithExact, cosine(i), alpha).albedo();

@@ -1,4 +1,4 @@
-//! What is kept on the disk comes back bit for bit or not at all; what is kept in memory has a bound.
+//! The disk cache returns entries bit for bit or not at all; the memory cache is bounded.
 
 use splitsum::brdf::{Beckmann, Brdf, Ggx};
 use splitsum::environment::Environment;
@@ -57,7 +57,7 @@ fn any_damage_is_noticed_and_removed() {
         assert!(warnings.len() == 1 && warnings[0].contains("is damaged"), "{warnings:?}");
         assert!(!file.exists());
     }
-    // An entry of another key in its place: a name is no proof.
+    // An entry of another key under this name: the name proves nothing.
     let mut cache = open(dir.path());
     cache.store(&[], "other", &payload);
     let other = files(dir.path()).pop().unwrap();
@@ -78,14 +78,14 @@ fn above_its_limit_the_entries_used_longest_ago_go() {
         let time = old + std::time::Duration::from_secs(age as u64);
         std::fs::File::options().append(true).open(new).unwrap().set_modified(time).unwrap();
     }
-    // The oldest is used, so the second oldest goes when a fifth one (with its header) exceeds the limit.
+    // The oldest entry is used, so the second oldest is removed when a fifth one (with its header) exceeds the limit.
     assert!(cache.load(&[], "a").is_some());
     cache.store(&[], "e", &payload);
     assert!(cache.load(&[], "a").is_some() && cache.load(&[], "e").is_some());
     assert_eq!(cache.load(&[], "b"), None);
     let total: u64 = files(dir.path()).iter().map(|file| file.metadata().unwrap().len()).sum();
     assert!(total <= LIMIT, "{total}");
-    // What could never fit is not tried, and what is no entry is never removed.
+    // An entry larger than the limit is not tried, and other files are never removed.
     std::fs::write(dir.path().join("note.txt"), "mine").unwrap();
     cache.store(&[], "huge", &vec![0; LIMIT as usize]);
     assert_eq!(cache.load(&[], "huge"), None);
@@ -94,7 +94,7 @@ fn above_its_limit_the_entries_used_longest_ago_go() {
 }
 
 #[test]
-fn a_folder_that_takes_no_files_is_one_warning() {
+fn a_folder_that_cannot_be_written_is_one_warning() {
     let dir = tempfile::tempdir().unwrap();
     let folder = dir.path().join("cache");
     let mut cache = open(&folder);
@@ -153,7 +153,8 @@ fn a_reference_outlives_a_change_of_every_shader_but_its_own() {
 
 #[test]
 fn memory_holds_the_most_recent_up_to_its_bytes_and_its_count() {
-    // Beside the newest value at most CACHE_BYTES, the oldest go first, and what was asked for again is not the oldest.
+    // The cache keeps at most CACHE_BYTES beside the newest value. The oldest are removed first, and a value that was
+    // read again is not the oldest.
     let mut recent = Recent::weighed(4, |bytes: &u64| *bytes);
     let third = CACHE_BYTES / 3;
     let mut keep = |key: &'static str, bytes: u64| recent.get_or_make(key, || Ok::<_, ()>(bytes)).unwrap();

@@ -1,4 +1,4 @@
-//! Lookup, builtin formulas against their closed forms, and what loading says about bad input.
+//! Lookup, built-in formulas against their closed forms, and messages about bad input.
 
 use crate::snapshot::assert_snapshot;
 use glam::{DVec2, DVec3};
@@ -157,7 +157,7 @@ mod formulas {
         assert_eq!([image.get(63, 63), image.get(64, 63), image.get(64, 64)], [[1.0; 3], [0.25; 3], [1.0; 3]]);
     }
 
-    /// Energy, centroid and interior of a cap are those of the sphere, wherever it lies and however coarse the map is.
+    /// A cap has the energy, centroid and interior of the exact cap, at any place and for any size of the map.
     #[test]
     fn cap_holds_its_solid_angle() {
         for (half_angle, azimuth, elevation) in [
@@ -175,7 +175,7 @@ mod formulas {
                 let image = builtin_sized(&spec, size).image;
                 let expected = 100.0 * TAU * (1.0 - f64::cos(f64::to_radians(half_angle)));
                 let found = energy(&image);
-                // The midpoint rule over latitudes; over a pole the span of a latitude has a corner.
+                // The midpoint rule over latitudes; at a pole the span of a latitude has a corner.
                 let tolerance = if f64::abs(elevation) + half_angle > 89.0 { 1e-4 } else { 1e-5 };
                 assert!((found / expected - 1.0).abs() < tolerance, "{spec} {size:?}: {found} {expected}");
                 assert!(image.data.iter().all(|texel| texel[0] <= 100.0), "{spec} {size:?}");
@@ -215,7 +215,7 @@ mod formulas {
         for image in &sizes {
             assert!((energy(image) / (4.0 * PI) - 1.0).abs() < 1e-5, "{}", image.width);
         }
-        // The aureole counts twice where the texels are larger, so sizes are compared at the disc alone: what exceeds its ring.
+        // The aureole counts twice if the texels are larger, so sizes are compared at the disc alone: the part above its ring.
         let excess = |image: &RgbImage| {
             let sun = sun_direction(35.0);
             let floor = 20.0;
@@ -225,7 +225,7 @@ mod formulas {
         assert!((middle / fine - 1.0).abs() < 0.02 && (middle / coarse - 1.0).abs() < 0.06, "{fine} {middle} {coarse}");
         let (direct, diffuse) = sun_and_sky(&sizes[1], 35.0);
         assert!((2.0..5.0).contains(&(direct / diffuse)), "sun to sky {}", direct / diffuse);
-        // Haze takes light from the sun and gives it to the sky.
+        // Haze moves light from the sun to the sky.
         let hazy = builtin(&format!("{spec},turbidity=8")).image;
         let (hazy_direct, hazy_diffuse) = sun_and_sky(&hazy, 35.0);
         assert!(hazy_direct / hazy_diffuse < 0.5 * direct / diffuse);
@@ -238,7 +238,7 @@ mod formulas {
             let ground = luminance(image.get(0, 255));
             assert!((128..256).all(|y| luminance(image.get(17, y)) == ground));
             let irradiance = integrate(&image, |l, d| l * d.y.max(0.0));
-            // The disc is seen by the cosine at texel centres, which is coarse for a low sun.
+            // The cosine is taken at texel centres, which is coarse for a low sun.
             assert!((ground / (0.5 * irradiance / PI) - 1.0).abs() < 0.01, "{ground} {irradiance}");
             // Away from the sun the zenith is blue, and the low sun is redder than the sky.
             let [r, _, b] = image.get(0, 0);
@@ -306,7 +306,7 @@ mod loading {
         assert!(Environment::load(absolute.to_str().unwrap(), Path::new("/"), &LoadOptions::default()).is_ok());
     }
 
-    /// The extension, a file that ends early, and radiance too large for sums.
+    /// A wrong extension, a truncated file, and radiance too large for sums.
     #[test]
     fn bad_files_get_one_clear_message() {
         let folder = tempfile::tempdir().unwrap();
@@ -326,7 +326,7 @@ mod loading {
         assert_snapshot("environment_files_that_are_refused", &shown);
     }
 
-    /// Two layers of one file are two environments; a number sign in a file's own name stays one.
+    /// Two layers of one file are two environments. A number sign in a file's own name is part of the name.
     #[test]
     fn a_layer_is_chosen_behind_a_number_sign() {
         let folder = tempfile::tempdir().unwrap();
@@ -391,6 +391,6 @@ fn a_clip_cuts_each_channel_by_itself() {
     let clipped = plain.clipped(0.5);
     let pairs = plain.image.data.iter().zip(&clipped.image.data);
     assert!(pairs.clone().all(|(before, after)| *after == before.map(|channel| channel.min(0.5))));
-    // Some texel has channels on both sides of the limit, so that the brightest alone would not do.
+    // Some texel has channels on both sides of the limit, so clipping the brightest channel alone would fail.
     assert!(pairs.clone().any(|(before, _)| before.iter().any(|c| *c > 0.5) && before.iter().any(|c| *c < 0.5)));
 }

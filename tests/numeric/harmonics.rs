@@ -26,7 +26,7 @@ fn map(size: [u32; 2], value: impl Fn(DVec3) -> f64) -> RgbImage {
     })
 }
 
-/// Directions all over the sphere, both poles among them.
+/// Directions on the whole sphere, both poles included.
 fn directions() -> Vec<DVec3> {
     let spread = |i: u32| {
         let z = 1.0 - 2.0 * (f64::from(i) + 0.5) / 60.0;
@@ -62,8 +62,8 @@ fn factors_of_simple_kernels_have_their_closed_forms() {
     }
 }
 
-/// Of the mean square that a lamp of one direction has after the kernel, the share beyond the degree. All degrees of such a lamp are equally
-/// strong for their number; no light of positive radiance has more in the high ones.
+/// Share of the mean square of a filtered lamp of one direction that lies beyond the degree. All degrees of such a lamp
+/// are equally strong for their number; no light of positive radiance has more in the high ones.
 fn cut_off(kernel: Kernel, alpha: f64) -> f64 {
     let k = factors(kernel, alpha, 3 * DEGREE_MAX);
     let squares = |from: usize| (from..k.len()).map(|l| (2 * l + 1) as f64 * k[l] * k[l]).sum::<f64>();
@@ -71,10 +71,10 @@ fn cut_off(kernel: Kernel, alpha: f64) -> f64 {
 }
 
 #[test]
-fn what_the_highest_degree_cuts_off_is_bounded() {
+fn the_cut_at_the_highest_degree_is_bounded() {
     for model in MODELS {
         for weight in WEIGHTS {
-            // At the narrowest GGX the tail beyond the highest degree; in wide lobes what ends at the horizon, smoothly or with a step.
+            // For the narrowest GGX, the tail beyond the highest degree; for wide lobes, the end at the horizon, smooth or a step.
             let bound = |alpha: f64| match weight.name {
                 "cosine" => 3e-7,
                 "masking" => 5e-7,
@@ -105,9 +105,9 @@ fn largest(m: usize, degree: usize, sin: f64) -> f64 {
 }
 
 #[test]
-fn orders_beyond_the_margin_have_no_part_in_a_row() {
+fn orders_beyond_the_margin_do_not_matter_in_a_row() {
     for degree in [16, 64, 128, 300, 511, DEGREE_MAX] {
-        // Where the margin begins; nearer to the pole the functions are smaller.
+        // The margin begins here; nearer to the pole the functions are smaller.
         let sin = |m: usize| (m as f64 - margin(degree)) / degree as f64;
         let left = (0..=degree).filter(|m| sin(*m) > 0.0).map(|m| (largest(m, degree, sin(m)), m));
         let worst = left.fold((0.0, 0), |a, b| if b.0 > a.0 { b } else { a });
@@ -117,7 +117,7 @@ fn orders_beyond_the_margin_have_no_part_in_a_row() {
 
 #[test]
 fn coarse_rows_and_columns_are_points_of_the_fine_ones() {
-    // Centres of a third of the rows and columns are centres again; far fewer columns than orders.
+    // A third of the rows and columns has the same centres; there are far fewer columns than orders.
     let light = map([64, 32], |d| (3.0 * d.x + d.y).exp());
     let transform = harmonics(&light, 40);
     let k = factors(Kernel::cosine(&Ggx), 0.3, 40);
@@ -137,7 +137,7 @@ fn coarse_rows_and_columns_are_points_of_the_fine_ones() {
 }
 
 #[test]
-fn levels_meet_the_exact_integral_in_every_layout() {
+fn levels_match_the_exact_integral_in_every_layout() {
     let options = LoadOptions { builtin_size: [128, 64], ..LoadOptions::default() };
     for name in ["builtin:sky", "builtin:cap:elevation_deg=88,half_angle_deg=3,radiance=300"] {
         let environment = Environment::load(name, Path::new("."), &options).unwrap();
@@ -149,7 +149,7 @@ fn levels_meet_the_exact_integral_in_every_layout() {
             for layout in LAYOUTS {
                 let size = if layout.is_square { [24; 2] } else { [48, 24] };
                 let texels = level(&transform, kernel, alpha, layout, size);
-                // Some thirty texels, the first of all among them.
+                // About thirty texels, the first one included.
                 let extent = glam::DVec2::new(size[0].into(), size[1].into());
                 let place = |i: usize| {
                     let (i, [width, height]) = (i as u32, size);
@@ -193,7 +193,7 @@ fn the_transform_is_linear_and_a_sun_leaves_no_texel_below_the_sky() {
             let side = if layout.is_square { [32; 2] } else { [64, 32] };
             let texels = level(&sun, Kernel::cosine(&Ggx), alpha, layout, side);
             let least = texels.iter().map(|texel| texel[0]).fold(f32::INFINITY, f32::min);
-            // The mean is 4.7: what is left of the edge at the horizon is below 1e-3 of it.
+            // The mean is 4.7: the rest of the edge at the horizon is below 1e-3 of it.
             assert!(least > 0.496, "{} {alpha}: {least}", layout.name);
         }
     }

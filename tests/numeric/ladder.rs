@@ -1,4 +1,4 @@
-//! Steps of the split sum's error: the game, attributions of made data, and the radiance of coalitions against other formulas.
+//! Steps of the split sum's error: the game, attributions of synthetic data, and the radiance of coalitions against other formulas.
 
 use crate::oracle::golden_environment;
 use glam::{DVec2, DVec3};
@@ -23,12 +23,12 @@ use splitsum::shade::twin::Twin;
 use splitsum::spelling::Listed;
 use std::f64::consts::{PI, TAU};
 
-/// A number of a coalition without any order in it.
+/// An arbitrary number for each coalition.
 fn scattered(coalition: Coalition) -> f64 {
     (f64::from(coalition) * 0.754_877_666).fract() + f64::from(coalition.count_ones())
 }
 
-/// Every order in which each comes after whom it needs.
+/// Every order in which each player comes after the players it needs.
 fn orders(needs: &[Coalition], so_far: &[usize]) -> Vec<Vec<usize>> {
     let there = so_far.iter().fold(0, |all, player| all | 1 << player);
     if so_far.len() == needs.len() {
@@ -38,7 +38,7 @@ fn orders(needs: &[Coalition], so_far: &[usize]) -> Vec<Vec<usize>> {
     (0..needs.len()).filter(can_join).flat_map(|player| orders(needs, &[so_far, &[player]].concat())).collect()
 }
 
-/// What each player adds, averaged over these.
+/// The contribution of each player, averaged over these orders.
 fn by_orders(needs: &[Coalition], value: fn(Coalition) -> f64) -> Vec<f64> {
     let orders = orders(needs, &[]);
     let mut sums = vec![0.0; needs.len()];
@@ -53,7 +53,7 @@ fn by_orders(needs: &[Coalition], value: fn(Coalition) -> f64) -> Vec<f64> {
 }
 
 #[test]
-fn coalitions_have_whom_they_need() {
+fn coalitions_contain_the_players_they_need() {
     let needs = SPLIT_SUM.needs();
     let all = coalitions(&needs);
     // Three free steps beside n = v = r: 2³; with it four more: 2³ · 2⁴.
@@ -78,15 +78,15 @@ fn shapley_values_are_means_over_all_orders() {
     }
 }
 
-/// The attribution of such images over all pixels.
+/// The attribution of these images over all pixels.
 fn drawn(radiance: &dyn Fn(Coalition) -> Vec<DVec3>, scrambles: &dyn Fn(Coalition) -> Vec<Vec<DVec3>>) -> Attribution {
     let (n_dot_v, epsilon) = (&[0.5; PIXELS], Epsilon::of_light(0.0));
     attributions(&Case { ladder: &SPLIT_SUM, n_dot_v, radiance, scrambles, epsilon }, &[]).remove(0)
 }
 
 #[test]
-fn a_step_between_rungs_of_the_same_scrambles_has_an_error_of_its_own() {
-    // The reference is 1, with an error that every rung shares; a step of pixels' own size is drawn with 1 % of it, from 3 scrambles.
+fn a_step_between_rungs_of_the_same_scrambles_has_its_own_error() {
+    // The reference is 1, with an error that every rung shares. A step with a size per pixel is drawn with 1 % noise, from 3 scrambles.
     let step = |pixel: usize| 0.1 + 0.2 * (pixel % 7) as f64;
     let rungs = |coalition: Coalition| coalition >> MASKING & 1 == 1;
     let estimate = |coalition: Coalition, k: usize, pixel: usize| {
@@ -105,13 +105,13 @@ fn a_step_between_rungs_of_the_same_scrambles_has_an_error_of_its_own() {
     let right = (2e-4f64 / 6.0).sqrt();
     assert!((found.steps[MASKING].step_error / right - 1.0).abs() < 1e-9, "{}", found.steps[MASKING].step_error);
     assert!(found.steps[FRESNEL].step_error == 0.0 && found.noise > 1e-2, "{found:?}");
-    // One step makes the whole error, whatever a scramble has drawn.
+    // One step makes the whole error, with any noise of the scrambles.
     assert!((found.steps[MASKING].share - 1.0).abs() < 1e-12 && found.steps[MASKING].share_error < 1e-12);
 }
 
 #[test]
 fn a_share_is_known_as_well_as_its_steps() {
-    // e = a + b with a = 1 and b = 0.5 beside scrambles of b: the share of b is b (a + b) / (a + b)² = b / (1 + b), slope 1 / (1 + b)².
+    // e = a + b with a = 1, b = 0.5 and scrambles of b: the share of b is b (a + b) / (a + b)² = b / (1 + b), slope 1 / (1 + b)².
     let by = [0.02, -0.01, -0.03, 0.02];
     let radiance =
         |coalition: Coalition| vec![DVec3::splat(1.0 + [0.0, 1.0, 0.5, 1.5][(coalition & 3) as usize]); PIXELS];
@@ -127,7 +127,7 @@ fn a_share_is_known_as_well_as_its_steps() {
     assert!((step.share_error / (of_b / 2.25) - 1.0).abs() < 0.01, "{} {of_b}", step.share_error);
 }
 
-/// `w` where r is 1: a black light leaves the absolute ε.
+/// `w` at r = 1: a black light leaves the absolute ε.
 fn weight() -> f64 {
     1.0 / (1.0 + Epsilon::of_light(0.0).beside_square())
 }
@@ -135,12 +135,12 @@ fn weight() -> f64 {
 /// Pixels with n·v from 0 to 1.
 const PIXELS: usize = 400;
 
-/// Two scrambles, that much about an image: its standard error is 1e-3.
+/// Two scrambles, this far from an image: its standard error is 1e-3.
 fn scrambles(image: &[DVec3]) -> Vec<Vec<DVec3>> {
     [-1e-3, 1e-3].map(|by| image.iter().map(|value| value + by).collect()).to_vec()
 }
 
-/// Attributions of images that are a constant plus what each step adds to each pixel.
+/// Attributions of images that are a constant plus the addition of each step to each pixel.
 fn made(added: &dyn Fn(usize, usize) -> f64, bands: &[[f64; 2]]) -> Vec<Attribution> {
     let radiance = |coalition: Coalition| -> Vec<DVec3> {
         let sum = |pixel| {
@@ -160,8 +160,8 @@ fn made(added: &dyn Fn(usize, usize) -> f64, bands: &[[f64; 2]]) -> Vec<Attribut
 }
 
 #[test]
-fn steps_that_do_not_meet_keep_what_they_make() {
-    // Each step acts on pixels of its own; the last does nothing.
+fn steps_on_different_pixels_keep_their_error() {
+    // Each step changes its own pixels; the last does nothing.
     let size = |step: usize| if step == TABLE { 0.0 } else { 0.01 * (step + 1) as f64 };
     let [all] = &made(&|step, pixel| if pixel % SPLIT_SUM.steps.len() == step { size(step) } else { 0.0 }, &[])[..]
     else {
@@ -173,7 +173,7 @@ fn steps_that_do_not_meet_keep_what_they_make() {
         let mean = weight() * own / SPLIT_SUM.steps.len() as f64;
         assert!((found.share - own / whole).abs() < 1e-12, "{step}: share {}", found.share);
         for (name, x) in [("first", found.first_in), ("last", found.last_out), ("shapley", found.shapley)] {
-            // Making n = v = r exact takes what needs it along.
+            // Making n = v = r exact also makes the steps exact that need it.
             let with_others = step == VIEW && name == "last";
             let right =
                 if with_others { (VIEW..TABLE).map(|i| weight() * size(i).powi(2)).sum::<f64>() / 8.0 } else { mean };
@@ -185,7 +185,7 @@ fn steps_that_do_not_meet_keep_what_they_make() {
 
 #[test]
 fn a_step_that_undoes_another_has_a_negative_share() {
-    // Two steps of the same pixels: 0.3 and -0.1, so that 0.2 is left: shares 1.5 and -0.5.
+    // Two steps of the same pixels, 0.3 and -0.1, leave 0.2: shares 1.5 and -0.5.
     let added = |step: usize, _| [0.3, -0.1, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0][step];
     let found = made(&added, &[[0.0, 0.5], [0.5, 1.0], [1.0, 1.0]]);
     assert_eq!(found.iter().map(|one| one.pixel_count).collect::<Vec<_>>(), [PIXELS, PIXELS / 2, PIXELS / 2]);
@@ -200,7 +200,7 @@ fn a_step_that_undoes_another_has_a_negative_share() {
 }
 
 #[test]
-fn albedos_between_nodes_are_those_of_the_quadrature() {
+fn albedos_between_nodes_match_the_quadrature() {
     let settings = [(0.1, MaskingShadowing::Separable), (0.7, MaskingShadowing::Correlated)];
     for (model, (alpha, masking)) in MODELS.iter().zip(settings.into_iter().cycle()) {
         let albedos = Albedos::new(Kernel::cosine(*model), masking, alpha);
@@ -217,7 +217,7 @@ fn frames(count: u32) -> Vec<[DVec3; 2]> {
     (0..count).map(|i| design::frame(i, count)).collect()
 }
 
-/// The map itself as a filtered one of one level.
+/// The map itself as a filtered map of one level.
 fn one_level(environment: &Environment, side: u32) -> FilteredMap {
     let layout = &LAYOUTS[0];
     let face = |face| {
@@ -234,7 +234,7 @@ fn radiance(environment: &Environment, alpha: f64, frames: &[[DVec3; 2]], tables
     let (model, masking) = (MODELS[0], MaskingShadowing::Separable);
     let exact = exact_quadrature(&environment.image);
     let mean = |method: &splitsum::shade::Method, f0: f64| -> Vec<DVec3> {
-        let Twin::Mean(twin) = method.twin else { panic!("{} is no integral", method.name) };
+        let Twin::Mean(twin) = method.twin else { panic!("{} is not an integral", method.name) };
         let of_frame = |[n, v]: &[DVec3; 2]| {
             let surface = Surface { model, masking, alpha, f0: DVec3::splat(f0), n: *n, v: *v };
             twin(&exact, &surface, tables, TOLERANCE).value
@@ -270,7 +270,7 @@ fn of(steps: &[usize]) -> Coalition {
 }
 
 #[test]
-fn rungs_are_their_f64_twins() {
+fn rungs_match_their_f64_twins() {
     let environment = Environment::from_image("golden", golden_environment());
     let (frames, tables, f0) = (frames(7), harmonic_tables(), DVec3::new(0.04, 0.3, 1.0));
     let exact = exact_quadrature(&environment.image);
@@ -281,11 +281,11 @@ fn rungs_are_their_f64_twins() {
             (&ladder::MASKING, of(&[FRESNEL, MASKING])),
             (&ladder::VIEW, of(&[FRESNEL, MASKING, VIEW])),
             (&ladder::LEVELS, of(&[FRESNEL, MASKING, VIEW, LEVELS])),
-            // Nothing is rounded and nothing sampled here, and the table is exact.
+            // Nothing is rounded or sampled here, and the table is exact.
             (&ladder::LEVELS, of(&[FRESNEL, MASKING, VIEW, LEVELS, STORAGE, TABLE])),
         ];
         for (method, coalition) in rungs {
-            let Twin::Mean(twin) = method.twin else { panic!("{} is no integral", method.name) };
+            let Twin::Mean(twin) = method.twin else { panic!("{} is not an integral", method.name) };
             for (pixel, own) in found.of(coalition, f0).iter().enumerate() {
                 let [n, v] = frames[pixel];
                 let surface = Surface { model: MODELS[0], masking: MaskingShadowing::Separable, alpha, f0, n, v };

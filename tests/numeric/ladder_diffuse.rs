@@ -31,7 +31,7 @@ fn environment(texel: impl Fn(u32, u32) -> [f32; 3]) -> Environment {
     Environment::from_image("made", RgbImage::from_fn(64, 32, texel))
 }
 
-/// A lamp amid dim light: nine coefficients ring below 0.
+/// A lamp in dim light: nine coefficients ring below 0.
 fn lamp() -> Environment {
     environment(|x, y| [if (10..13).contains(&x) && (12..15).contains(&y) { 200.0 } else { 0.05 }; 3])
 }
@@ -96,7 +96,7 @@ fn the_first_two_rungs_are_sums_over_the_hemisphere() {
 
 #[test]
 fn light_of_degree_two_has_no_step_of_truncation() {
-    // Nearly: the bilinear map of a polynomial is none. Quadrature at texel centres errs by as much.
+    // Approximately: the bilinear map of a polynomial is not a polynomial. Quadrature at texel centres errs by as much.
     let environment = environment(|x, y| {
         let (u, v) = ((f64::from(x) + 0.5) / 64.0, (f64::from(y) + 0.5) / 32.0);
         let (phi, theta) = (TAU * (0.5 - u), PI * v);
@@ -139,7 +139,7 @@ fn steps_of_a_map_are_its_texels_its_samples_and_its_format() {
         a.iter().zip(&b).map(|(a, b)| a.x - b.x).collect()
     };
     let entering = |pair: DVec2| 0.5 * (1.0 - (F0.x * pair.x + pair.y));
-    // What each step changes, Fresnel approximated: linear filtering between texels of a convex function errs upwards.
+    // The change by each step with Fresnel approximated: linear filtering between texels of a convex function errs upwards.
     for by in ratio(&["Fresnel", "texels", "samples"], &["Fresnel", "texels"]) {
         assert!((by / entering(PAIRS[0]) - 1e-3).abs() < 1e-9, "samples: {by:e}");
     }
@@ -158,7 +158,7 @@ fn steps_of_a_map_are_its_texels_its_samples_and_its_format() {
 
 #[test]
 fn diffuse_ladders_have_their_orders() {
-    // Fresnel and its table: none, one or both; truncation, or the map, with or without each of the other two.
+    // Fresnel and its table: neither, Fresnel or both; truncation, or the map, with or without each of the other two.
     for ladder in [&SH9, &IRRADIANCE_MAP] {
         assert_eq!(coalitions(&ladder.needs()).len(), 3 * 5);
     }

@@ -1,5 +1,5 @@
-//! The ladder's integrals against sums over a latitude-longitude grid, written from the formulas alone: no frame, BRDF or lookup of the
-//! program is used, and kernels are functions of cosines, without half vectors.
+//! The ladder's integrals against sums over a latitude-longitude grid, written from the formulas alone. They use no
+//! frame, BRDF or lookup of the program, and their kernels are functions of cosines, without half vectors.
 
 use crate::chi_square::Random;
 use glam::DVec3;
@@ -20,29 +20,29 @@ use std::f64::consts::{PI, TAU};
 
 const SIZE: [usize; 2] = [64, 32];
 const QUERIES: u64 = 60;
-/// Of the furnace, where light is known: quick.
+/// Fewer parts for the furnace, whose light is known.
 const ROUGH: Tolerance = Tolerance { relative: 1e-4, ..TOLERANCE };
 
-/// The k-th of some numbers in [0, 1) without order.
+/// The k-th of a sequence of pseudo-random numbers in [0, 1).
 fn random(k: u64) -> f64 {
     Random(k.wrapping_mul(0x9e37_79b9_7f4a_7c15)).next()
 }
 
-/// Rough light with a lamp that is 40 times as bright, and light at both poles.
+/// Rough light with a lamp 40 times as bright, and light at both poles.
 fn light(x: u32, y: u32) -> [f32; 3] {
     let is_lamp = (40..43).contains(&x) && (9..11).contains(&y);
     let base = if is_lamp { 40.0 } else { 1.0 };
     std::array::from_fn(|channel| (base * (0.2 + random(u64::from((x * 64 + y) * 3) + channel as u64))) as f32)
 }
 
-/// A direction, its radiance, and its share of the sphere in sr.
+/// A direction, its radiance, and its solid angle in sr.
 struct Node {
     l: DVec3,
     radiance: DVec3,
     share: f64,
 }
 
-/// Two nodes a side of `parts` x `parts` parts of every cell between four texel centres, so that light is smooth in each.
+/// Two nodes per side in each of `parts` x `parts` parts of every cell between four texel centres, because light is smooth in each.
 fn grid(map: impl Fn(usize, usize) -> DVec3, parts: usize) -> Vec<Node> {
     let [width, height] = SIZE;
     let offset = 0.5 / 3f64.sqrt();
@@ -113,7 +113,7 @@ fn query(k: u64) -> Query {
     let n_dot_v = 0.05 + 0.95 * of(4);
     Query {
         model: ["ggx", "beckmann", "phong"][k as usize % 3],
-        // By the logarithm: narrow lobes as often as wide ones.
+        // Logarithmic: narrow lobes as often as wide ones.
         alpha: 0.15f64.powf(of(5)),
         f0: DVec3::new(of(6), of(7), of(8)),
         n,
@@ -127,7 +127,7 @@ impl Query {
         Surface { model: <dyn Brdf>::listed(self.model), masking: MaskingShadowing::Separable, alpha, f0, n, v }
     }
 
-    /// The specular integral, the split sum with exact factors, and the first under light 1.
+    /// The specular integral, the split sum with exact factors, and the specular integral under light of 1.
     fn sums(&self, nodes: &[Node]) -> [DVec3; 3] {
         let Self { model, alpha, f0, n, v } = *self;
         let (n_dot_v, r) = (n.dot(v), 2.0 * n.dot(v) * n - v);
@@ -150,7 +150,7 @@ impl Query {
                 whole += kernel;
             }
         }
-        // f0 A + B is what the lobe reflects of light 1.
+        // f0 A + B is the reflected part of light of 1.
         [specular, furnace * blurred / whole, furnace]
     }
 }
@@ -163,15 +163,15 @@ fn rungs_are_sums_over_latitude_and_longitude() {
     let map = |x: usize, y: usize| DVec3::from_array(light(x as u32, y as u32).map(f64::from));
     let grids = [2, 4, 8].map(|parts| grid(map, parts));
     let settings = PrecomputeSettings::default();
-    // A fault, or the error that the sums have of their own.
+    // A fault, or the sums' own error.
     let judged = (0..QUERIES).into_par_iter().map(|k| {
         let query = query(k);
         let (surface, [coarse, half, full]) = (query.surface(), grids.each_ref().map(|nodes| query.sums(nodes)));
         let rung = |name: &str| {
-            let Twin::Mean(twin) = Method::listed(name).twin else { panic!("{name} is no integral") };
+            let Twin::Mean(twin) = Method::listed(name).twin else { panic!("{name} is not an integral") };
             twin(&exact, &surface, &settings, TOLERANCE)
         };
-        // The two factors of the split sum, each by a stage of its own.
+        // The two factors of the split sum, each by its own stage.
         let r = 2.0 * query.n.dot(query.v) * query.n - query.v;
         let blurred = prefilter(&exact, Kernel::cosine(surface.model), query.alpha, r, TOLERANCE);
         let pair = dfg(surface.model, surface.masking, query.n.dot(query.v), query.alpha);
@@ -188,7 +188,7 @@ fn rungs_are_sums_over_latitude_and_longitude() {
         let place = format!("query {k}, {} alpha {:.3} n·v {:.3}", query.model, query.alpha, query.n.dot(query.v));
         let mut worst = 0f64;
         for (name, (value, bound), which) in found {
-            // Two doublings: where one changes little by chance, the other does not.
+            // Two doublings: if one changes little by chance, the other does not.
             let own = (full[which] - half[which]).abs() + 0.25 * (half[which] - coarse[which]).abs();
             let error = (value - full[which]).abs();
             worst = worst.max((own / full[which]).max_element());
@@ -201,7 +201,7 @@ fn rungs_are_sums_over_latitude_and_longitude() {
     let judged: Vec<Result<f64, String>> = judged.collect();
     let faults: Vec<&String> = judged.iter().filter_map(|one| one.as_ref().err()).collect();
     assert!(faults.is_empty(), "{faults:#?}");
-    // The sums are fine enough to tell.
+    // The sums are fine enough to detect a difference.
     let mut own: Vec<f64> = judged.into_iter().flatten().collect();
     own.sort_by(f64::total_cmp);
     let (middle, worst) = (own[own.len() / 2], own[own.len() - 1]);

@@ -1,5 +1,4 @@
-//! The layout that docs/architecture.md promises, read from the source files: who may import whom, where unsafe code lives,
-//! that lists and files agree, and that every citation resolves.
+//! The structure in docs/architecture.md, checked against the source files: imports, unsafe code, lists against files, and citations.
 
 mod circles;
 mod source;
@@ -10,8 +9,8 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Rows from low to high; a row holds columns that do not know each other, and a column its modules in order. A module imports only
-/// from lower rows or from earlier in its own column.
+/// Rows from low to high. Columns of a row are independent; a column lists its modules in order. A module imports only
+/// from lower rows, or from earlier modules of its column.
 const ROWS: &[&[&[&str]]] = &[
     &[&["glsl", "spelling", "math", "color", "files", "pixels"]],
     &[&["brdf", "environment", "scene"], &["gpu"]],
@@ -22,19 +21,19 @@ const ROWS: &[&[&[&str]]] = &[
     &[&["study", "report"], &["view"]],
 ];
 
-/// What metrics see: images, a mask and the tone curve, never a method.
+/// Metrics see images, a mask and the tone curve, never a method.
 const SEEN_BY_METRICS: &[&str] = &["glsl", "spelling", "math", "color", "files", "pixels", "tonemap"];
 
-/// Longest source file, lines, without a reason.
+/// Longest source file without a reason, lines.
 const LINES_MAX: usize = 400;
-/// How the line of a module's head begins that gives the reason of a longer one.
+/// Start of the line that gives the reason for a longer file.
 const REASON: &str = "Long because ";
 
 fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
 }
 
-/// Files below a folder of the project with one of the extensions, relative to the project, in order.
+/// Files of the project below a folder with one of the extensions, relative to the project, sorted.
 fn files(folder: &str, extensions: &[&str]) -> Vec<PathBuf> {
     let mut found = Vec::new();
     let mut open = vec![root().join(folder)];
@@ -79,7 +78,7 @@ fn may_import(from: &str, to: &str) -> bool {
     from == to || b.0 < a.0 || (b.0 == a.0 && b.1 == a.1 && b.2 < a.2)
 }
 
-/// Files of the library with their imports into it; `main.rs` and the command line are the row above all.
+/// Files of the library with their imports from it; `main.rs` and the command line are the top row.
 fn library_imports() -> BTreeMap<PathBuf, BTreeSet<Vec<String>>> {
     let is_library =
         |file: &PathBuf| module_of(file).first().is_some_and(|top| !["main", "cli"].contains(&top.as_str()));
@@ -117,7 +116,7 @@ fn modules_import_only_from_below() {
 }
 
 #[test]
-fn no_files_and_no_folders_form_a_circle() {
+fn neither_files_nor_folders_form_import_cycles() {
     let modules: BTreeMap<Vec<String>, (PathBuf, BTreeSet<Vec<String>>)> =
         library_imports().into_iter().map(|(file, paths)| (module_of(&file), (file, paths))).collect();
     assert_eq!(first_circle(&modules), None);
@@ -139,8 +138,8 @@ fn references_and_passes_do_not_know_each_other() {
     }
 }
 
-/// What files of the host's hash may name without its code being in it: names and flags of models and methods, what is done with a
-/// finished image, and an ε, whose value is in the key.
+/// Items that hashed host files may name although their code is not hashed: names and flags of models and methods, work
+/// on a finished image, and an ε, whose value is in the key.
 const SEEN_BY_HOST: &[&str] = &[
     "brdf",
     "tonemap",
@@ -156,13 +155,13 @@ const SEEN_BY_HOST: &[&str] = &[
 fn cache_keys_contain_all_code_that_makes_the_entries() {
     let is_host = |file: &Path| splitsum::gpu::HOST_FILES.iter().any(|host| Path::new("src").join(host) == file);
     let files = rust_files();
-    // What makes the entries; the loop below finds what these import.
+    // The files that make the entries; the loop below finds their imports.
     for file in ["src/pipeline/kept_reference.rs", "src/shade/reference_pass.rs", "src/shade/pass.rs"] {
         assert!(is_host(Path::new(file)), "{file}");
     }
     for (file, paths) in library_imports().iter().filter(|(file, _)| is_host(file)) {
         for path in paths {
-            // The file of the longest prefix.
+            // The file with the longest matching prefix.
             let source = |length: usize| {
                 files.iter().find(|file| !path[..length].is_empty() && module_of(file) == path[..length])
             };
@@ -170,7 +169,7 @@ fn cache_keys_contain_all_code_that_makes_the_entries() {
             let is_seen = SEEN_BY_HOST.iter().any(|seen| path.join("::").starts_with(seen));
             assert!(
                 is_host(source) || is_seen,
-                "{} hangs on {}, whose hash is not kept",
+                "{} depends on {}, whose hash is not kept",
                 file.display(),
                 path.join("::")
             );
@@ -205,7 +204,7 @@ fn listed_names_are_file_stems() {
     let diffuse: BTreeSet<String> = splitsum::shade::DIFFUSE.iter().map(|diffuse| stem(diffuse.name)).collect();
     let of_diffuse = splitsum::shade::DIFFUSE.iter().filter_map(|diffuse| diffuse.lobe);
     of_diffuse.for_each(|lobe| exists(format!("shaders/shade/lobe/{}.glsl", stem(lobe))));
-    // What the passes of the reference estimate has a lobe; `none` computes nothing.
+    // The estimates of the reference's passes have a lobe; `none` computes nothing.
     let is_integrated = |name: &str| {
         splitsum::shade::DIFFUSE.iter().any(|diffuse| stem(diffuse.name) == name && diffuse.is_integrated())
     };
@@ -221,7 +220,7 @@ fn listed_names_are_file_stems() {
     }
 }
 
-/// Whether a word has the form of a citation: a name and a year of two digits, or a recommendation's number.
+/// Whether a word looks like a citation: a name and a year of two digits, or the number of a recommendation.
 fn is_key(word: &str) -> bool {
     let name = word.trim_end_matches(|c: char| c.is_ascii_digit());
     let digits = word.len() - name.len();

@@ -1,10 +1,10 @@
-//! What a program pays that uses the crate without its features: few crates, no C++, no Vulkan.
+//! The cost of the crate without its features: few crates, no C++, no Vulkan.
 
 use std::collections::BTreeSet;
 use std::path::Path;
 use std::process::Command;
 
-/// Crates of a build without features, this one among them.
+/// Crates of a build without features, this crate included.
 const CRATES_MAX: usize = 60;
 
 fn crates(arguments: &[&str]) -> BTreeSet<String> {

@@ -40,8 +40,8 @@ mod taps;
 mod tonemap;
 mod words;
 
-/// CPU time of this thread: what else a machine does leaves it as it is.
+/// CPU time of this thread, independent of other processes.
 pub fn cpu_time() -> std::time::Duration {
-    let told = std::fs::read_to_string("/proc/thread-self/schedstat").expect("Linux tells it");
-    std::time::Duration::from_nanos(told.split(' ').next().and_then(|n| n.parse().ok()).expect("nanoseconds"))
+    let line = std::fs::read_to_string("/proc/thread-self/schedstat").expect("Linux has it");
+    std::time::Duration::from_nanos(line.split(' ').next().and_then(|n| n.parse().ok()).expect("nanoseconds"))
 }

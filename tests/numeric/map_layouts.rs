@@ -6,7 +6,7 @@ use splitsum::math::sequence::SEQUENCES;
 use splitsum::pixels::Pixels;
 use std::f64::consts::{PI, TAU};
 
-/// Evenly spread unit vectors, and those at which layouts have edges, corners and poles.
+/// Evenly spread unit vectors, and the directions of edges, corners and poles of layouts.
 fn directions(count: u32) -> Vec<DVec3> {
     let of_point = |xi: DVec2| {
         let (z, phi) = (1.0 - 2.0 * xi.x, TAU * xi.y);
@@ -59,8 +59,8 @@ fn texels_cover_the_sphere_once() {
 
 #[test]
 fn lookups_are_continuous_across_every_edge() {
-    // Linear between the texels of a smooth function: off by the square of a texel, and at the folds of the octahedron, where the mapping
-    // has a kink, by a share of a texel times the slope, 0.02 x 0.5.
+    // Linear between the texels of a smooth function: the error is the square of a texel. At the folds of the
+    // octahedron, where the mapping has a kink, it is a share of a texel times the slope, 0.02 x 0.5.
     let smooth = |d: DVec3| 1.0 + 0.5 * d.x - 0.3 * d.y + 0.4 * d.z * d.x + 0.2 * d.y * d.z;
     for layout in LAYOUTS {
         let map = map(layout, size(layout, 128), smooth);

@@ -11,7 +11,7 @@ use splitsum::math::sampling::{direction_from_polar, hammersley, radical_inverse
 use splitsum::math::spherical_harmonics::{COUNT, basis, irradiance};
 use std::f64::consts::{PI, TAU};
 
-/// Directions that cover the sphere, the axes and the singular places of frames and mappings among them.
+/// Directions that cover the sphere, including the axes and the singular directions of frames and mappings.
 fn directions() -> Vec<DVec3> {
     let spread = (0..200).map(|i| {
         let xi = hammersley(i, 200);
@@ -103,7 +103,7 @@ fn gauss_legendre_is_exact_to_its_degree_and_no_further() {
 }
 
 #[test]
-fn adaptive_cubature_keeps_its_word_on_kinks_cliffs_and_peaks() {
+fn adaptive_cubature_keeps_its_bounds_on_kinks_cliffs_and_peaks() {
     let square = Rectangle { low: DVec2::ZERO, high: DVec2::ONE };
     let tolerance = Tolerance { relative: 1e-6, max_part_count: 200_000 };
     // A kink along a diagonal (exact 1/6), an off-centre peak of width 0.01, a smooth function.
@@ -122,7 +122,7 @@ fn adaptive_cubature_keeps_its_word_on_kinks_cliffs_and_peaks() {
         );
         assert!(error[k] <= 1e-6 * exact.max_element().max(exact[k]));
     }
-    // A cliff that no grid line meets: converges slowly, and says how far it got.
+    // A cliff off every grid line: the quadrature converges slowly and states the reached error.
     let rough = Tolerance { relative: 1e-9, max_part_count: 2_000 };
     let Bounded { value, error } =
         integrate_rectangle(square, rough, |p| DVec3::splat(f64::from(u8::from(p.length() < 1.0))));
@@ -186,7 +186,7 @@ fn incomplete_beta_of_one_half() {
             let value = incomplete_beta_half(n, c);
             assert!((value - expected).abs() < 1e-14, "n {n} c {c}: {value} {expected}");
         }
-        // The step that the recurrence makes, from either side of where the series takes over.
+        // The jump of the recurrence where the series takes over, from both sides.
         for n in [1.5, 24.5, 25.0, 30.25] {
             let term = ((n * (-c * c).ln_1p()).exp() * c * gamma_ratio_half(n) / (n * PI.sqrt())).max(0.0);
             let step = incomplete_beta_half(n, c) - incomplete_beta_half(n + 1.0, c);

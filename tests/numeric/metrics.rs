@@ -57,7 +57,8 @@ fn noisy_pair(width: u32, height: u32) -> [RgbImage; 2] {
 
 #[test]
 fn linear_metrics_of_two_by_two_pixels() {
-    // One pixel is off the mask and wildly wrong. The other three: exact; red too bright by 1; all channels too dark by 1/2.
+    // One pixel is off the mask and wildly wrong. Of the other three one is exact, one has red too bright by 1, one has
+    // all channels too dark by 1/2.
     let reference = RgbImage::new(2, 2, vec![[1.0; 3], [1.0, 2.0, 0.0], [0.5; 3], [1.0; 3]]);
     let test = RgbImage::new(2, 2, vec![[1.0; 3], [2.0, 2.0, 0.0], [0.0; 3], [900.0; 3]]);
     let mask = GrayImage::new(2, 2, vec![1.0, 1.0, 1.0, 0.0]);
@@ -116,7 +117,7 @@ fn bounds_at_black() {
 }
 
 #[test]
-fn what_lies_off_the_mask_never_counts() {
+fn pixels_off_the_mask_never_count() {
     let [test, reference] = noisy_pair(32, 32);
     let mask = GrayImage::from_fn(32, 32, |x, y| if (8..24).contains(&x) && (8..24).contains(&y) { 1.0 } else { 0.0 });
     let mut other = test.clone();
@@ -207,9 +208,9 @@ fn bad_input_is_named() {
 }
 
 #[test]
-fn the_noise_floor_is_what_an_exact_test_scores() {
-    // A reference over two decades of radiance with errors of 0.1 to 4 %; as in a renderer, the channels of a pixel share the
-    // samples and so the deviate.
+fn the_noise_floor_is_the_score_of_an_exact_test() {
+    // A reference over two decades of radiance with errors of 0.1 to 4 %. As in a renderer, the channels of a pixel
+    // share the samples and so the deviate.
     let (width, height) = (80, 60);
     let mut random = Random::new(99);
     let exact = RgbImage::from_fn(width, height, |x, y| {
@@ -222,7 +223,7 @@ fn the_noise_floor_is_what_an_exact_test_scores() {
     let rounds = 200;
     let (mut sums, mut floors) = (vec![0.0; linear_metrics().len()], vec![0.0; linear_metrics().len()]);
     for _ in 0..rounds {
-        // What four scrambles say of it: three degrees of freedom.
+        // The estimate of four scrambles: three degrees of freedom.
         let stated = standard_error.map(|errors| {
             let chi_square: f64 = (0..3).map(|_| normal(&mut random).powi(2)).sum();
             errors.map(|error| error * (chi_square / 3.0).sqrt() as f32)
@@ -301,8 +302,8 @@ fn scores_do_not_depend_on_order_of_evaluation() {
 }
 
 #[test]
-fn repeated_images_give_back_the_bias_and_variance_they_were_made_with() {
-    // Noise 0.1 about 1.05 times the reference, which itself is off by 0.02.
+fn repeated_images_recover_their_bias_and_variance() {
+    // Noise of 0.1 about 1.05 times the reference, which is itself off by 0.02.
     let mut random = Random::new(1);
     let mut normal = || normal(&mut random);
     let (width, height) = (64, 64);
@@ -315,7 +316,7 @@ fn repeated_images_give_back_the_bias_and_variance_they_were_made_with() {
     for _ in 0..16 {
         let mut image =
             RgbImage::from_fn(width, height, |_, _| [0, 1, 2].map(|_| (1.05 * truth + 0.1 * normal()) as f32));
-        // Off the mask nothing counts, however wrong.
+        // Pixels off the mask do not count, with any error.
         image.data[0] = [f32::NAN; 3];
         repeats.add(&image).unwrap();
     }
@@ -332,7 +333,7 @@ fn repeated_images_give_back_the_bias_and_variance_they_were_made_with() {
 }
 
 #[test]
-fn the_unit_of_radiance_changes_no_relative_metric() {
+fn the_unit_of_radiance_does_not_change_relative_metrics() {
     let [test, reference] = noisy_pair(40, 30);
     let (standard_error, mask) = (reference.map(|pixel| pixel.map(|value| 0.01 * value + 1e-3)), whole(&test));
     let scores = |unit: f32, mean: f64| {

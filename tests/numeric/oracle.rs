@@ -1,4 +1,4 @@
-//! The exact shading integrals against outside answers and identities.
+//! The exact shading integrals against independent answers and identities.
 
 use glam::{DQuat, DVec2, DVec3};
 use rayon::prelude::*;
@@ -152,8 +152,8 @@ fn a_tighter_tolerance_stays_within_the_bound() {
     }
 }
 
-/// The narrowest lobe that is taken shows the mirror image, also at a pole, where columns of texels are needles; and a focus that is
-/// narrower than rounding has an end.
+/// The narrowest accepted lobe shows the mirror image, also at a pole, where columns of texels are needles. A focus
+/// narrower than rounding ends.
 #[test]
 fn narrow_lobes_are_mirrors_in_bounded_work() {
     let image = RgbImage::from_fn(64, 32, |_, y| [1.0, 2.0 + f32::from(y as u8), 3.0]);
@@ -171,14 +171,14 @@ fn narrow_lobes_are_mirrors_in_bounded_work() {
         assert_close("mirror", found.value, mirror, 2e-3);
         assert!(found.error.cmple(2e-4 * mirror).all(), "{n}: {found:?}");
     }
-    // Whatever the focus, the domain is covered once.
+    // The domain is covered once for any focus.
     let focus = [Focus { direction: DVec3::Z, radius: 0.0 }];
     let tolerance = Tolerance { max_part_count: 2000, ..TOLERANCE };
     let whole = environment.integrate(|_| [1.0], &focus, tolerance).combine([DVec3::ONE]);
     assert_close("whole", DVec3::splat(whole.value.x), DVec3::splat(4.0 * PI), 1e-9);
 }
 
-/// A map of one row took gigabytes: its tree had leaves far thinner than the row.
+/// A map of one row once took gigabytes: its tree had leaves far thinner than the row.
 #[test]
 fn maps_of_any_shape_have_small_trees() {
     for [width, height] in [[40_000, 1], [1, 3000], [5000, 3]] {

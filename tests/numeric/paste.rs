@@ -1,17 +1,17 @@
-//! The code of docs/paste.md: compiled in three languages, which say the same.
+//! The code of docs/paste.md: compiled in three languages, which compute the same.
 
 use splitsum::bakes::paste::code;
 use splitsum::glsl::source::{Language, compiler, parse};
 
 const METHODS: [&str; 4] = ["split-sum-two", "split-sum-four", "split-sum-one", "split-sum-cap"];
 
-/// Compiles each method's code in a fragment shader made of it.
+/// Compiles each method's code in a fragment shader made from it.
 fn compile_all(language: &str, shader: impl Fn(&str, &str) -> String, compile: impl Fn(&str) -> Result<(), String>) {
     for method in METHODS {
         let [functions, lines] = code(language, method).unwrap_or_else(|| panic!("{language}: no {method}"));
         let text = shader(functions, lines);
         compile(&text).unwrap_or_else(|log| panic!("{language}, {method}: {log}\n{text}"));
-        // A compiler that takes anything would show nothing.
+        // A compiler that accepts anything would prove nothing.
         compile(&text.replace("specular = ", "specular = missing + ")).expect_err("an unknown name");
     }
 }
@@ -77,14 +77,14 @@ fn the_wgsl_compiles() {
     });
 }
 
-/// Lines without comments and signatures, which only compilers check.
+/// Lines without comments and signatures; only compilers check those two.
 fn body(code: &str) -> String {
     let lines = code.lines().map(str::trim).filter(|line| !line.starts_with("//") && !line.ends_with('{'));
     lines.map(|line| format!("\n{line}")).collect()
 }
 
 #[test]
-fn the_languages_say_the_same() {
+fn the_languages_have_the_same_code() {
     const HLSL: &[[&str; 2]] = &[
         ["vec2 size = vec2(textureSize(taps, 0));", "vec2 size;\ntaps.GetDimensions(size.x, size.y);"],
         ["textureLod(map, ", "map.SampleLevel(trilinear, "],

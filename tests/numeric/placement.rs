@@ -1,4 +1,4 @@
-//! The turns of the light: a fixed low-discrepancy set of rotations.
+//! The rotations of the light: a fixed low-discrepancy set.
 
 use glam::{DMat3, DQuat, DVec3};
 use splitsum::environment::{Placement, orientation};
@@ -14,7 +14,7 @@ fn orientations_are_distinct_proper_rotations() {
     for r in &all {
         assert!((*r * r.transpose()).abs_diff_eq(DMat3::IDENTITY, 1e-14) && (r.determinant() - 1.0).abs() < 1e-14);
     }
-    // A 4,096th of SO(3) is a ball of 9.5 degrees; the nearest two are no copies.
+    // A 4,096th of SO(3) is a ball of 9.5 degrees; the nearest two rotations are not copies.
     let angle =
         |a: &DMat3, b: &DMat3| ((a.transpose() * *b).to_cols_array().iter().step_by(4).sum::<f64>() - 1.0) / 2.0;
     let nearest = all.iter().enumerate().flat_map(|(i, a)| all[..i].iter().map(move |b| angle(a, b)));
@@ -39,10 +39,10 @@ fn the_first_orientation_is_the_first_point_as_a_quaternion() {
     }
 }
 
-/// Over the irreducible representations of SO(3): the mean square of the means of all functions of degree l, over what independent
-/// rotations are expected to have. 1 is random, 0 even.
+/// Over the irreducible representations of SO(3): the mean square of the means of all functions of degree l, over its
+/// expectation for independent rotations. 1 is random, 0 even.
 #[test]
-fn every_beginning_is_more_even_than_chance() {
+fn every_prefix_is_more_even_than_chance() {
     for count in [64u32, 256, 1024] {
         let all = all(count);
         let mut sums = [0.0; 6];
@@ -60,7 +60,7 @@ fn every_beginning_is_more_even_than_chance() {
         }
         let ratios = sums.map(|sum| 1.0 + sum);
         println!("{count}: {ratios:.3?}");
-        // A degree has (2 l + 1)² functions; few points can be even in fewer of them only.
+        // A degree has (2 l + 1)² functions; few points can be even for fewer functions only.
         let is_held = |l: usize| 5 * (2 * l + 3).pow(2) <= count as usize;
         assert!((0..6).all(|l| !is_held(l) || ratios[l] < 0.5), "{count}: {ratios:.3?}");
     }

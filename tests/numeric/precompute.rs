@@ -1,4 +1,4 @@
-//! The tables' f64 references against outside numbers, identities and each other; the tables' mappings.
+//! The tables' f64 references against published numbers, identities and each other; the tables' mappings.
 
 use crate::oracle::golden_environment;
 use glam::{DVec2, DVec3};
@@ -19,7 +19,7 @@ use std::f64::consts::PI;
 const TOLERANCE: Tolerance = Tolerance { relative: 1e-6, max_part_count: 100_000 };
 
 #[test]
-fn dfg_meets_published_tables() {
+fn dfg_matches_published_tables() {
     // Columns n_dot_v; five digits by a 1536² point rule. Rows of roughness 0.05 and 0.10 of the correlated table are left out:
     // they miss the tail beyond 45°, of mass alpha².
     const PUBLISHED_TOLERANCE: f64 = 7e-5;
@@ -76,7 +76,7 @@ fn dfg_has_its_exact_values_and_keeps_its_error() {
 fn dfg_mapping_and_its_inverse_agree() {
     let size = 32;
     assert_eq!(DfgAxes::Centres.parameters(DVec2::new(8.0, 16.0), size), DVec2::new(0.25, 0.25));
-    // The outermost texels lie on the ends of what is shaded.
+    // The outermost texels are at the ends of the shaded range.
     let near = |texel, ends: DVec2| (DfgAxes::FourthRoots.parameters(texel, size) / ends - 1.0).length() < 1e-6;
     assert!(near(DVec2::splat(0.5), DVec2::new(1e-6, 1e-3)) && near(DVec2::splat(31.5), DVec2::ONE));
     for axes in [DfgAxes::Centres, DfgAxes::FourthRoots] {
@@ -126,9 +126,9 @@ fn prefilter_levels_and_alpha_agree() {
     }
 }
 
-/// What the weights are made for: with `v = n` the lobe is `D G1(l)`, so that the product with its albedo is the integral itself.
+/// The purpose of the weights: with `v = n` the lobe is `D G1(l)`, so the product with its albedo is the integral itself.
 #[test]
-fn the_masking_weight_is_exact_where_the_view_is_the_normal() {
+fn the_masking_weight_is_exact_if_the_view_is_the_normal() {
     const LOOSE: Tolerance = Tolerance { relative: 1e-5, max_part_count: 100_000 };
     let environment = exact_quadrature(&golden_environment());
     let n = direction_from_polar(0.8, 0.6, 0.4);
@@ -169,7 +169,7 @@ fn the_weights_means_of_a_cosine_have_closed_forms() {
 }
 
 #[test]
-fn sh9_meets_the_golden_coefficients() {
+fn sh9_matches_the_golden_coefficients() {
     let text = std::fs::read_to_string("tests/golden/sh9.json").unwrap();
     let json: serde_json::Value = serde_json::from_str(&text).unwrap();
     let image = golden_environment();
@@ -222,7 +222,7 @@ fn mips_weigh_rows_by_solid_angle() {
     let image = RgbImage::from_fn(2, 4, |_, y| [if y == 0 { 1.0 } else { 0.0 }; 3]);
     let level = &mips::reference::chain(&image)[1];
     assert!((level.get(0, 0).x - (1.0 - 0.5f64.sqrt())).abs() < 1e-15 && level.get(0, 1).x == 0.0);
-    // 5 texels to 2: the middle one is shared half and half.
+    // 5 texels to 2: each gets half of the middle one.
     let shares: Vec<_> = mips::overlaps(0, 2, 5).collect();
     assert_eq!(shares, [(0, 0.0, 1.0), (1, 1.0, 2.0), (2, 2.0, 2.5)]);
 }

@@ -33,7 +33,7 @@ fn sobol_next_pair_key(key: &mut u32) -> [u32; 2] {
     [first, *key]
 }
 
-/// The keys of the lobe's and of the environment's pair.
+/// The keys of the lobe's pair and of the environment's.
 fn pair_keys(pixel: [u32; 2], scramble: u32) -> [[u32; 2]; 2] {
     let mut key = sobol_key(pixel, scramble, 1, 0);
     [0, 1].map(|_| sobol_next_pair_key(&mut key))
@@ -60,8 +60,8 @@ fn sobol_dimensions_equal_a_published_generator() {
     }
 }
 
-/// Each point must be uniform over scrambles, or no scramble's estimate would be unbiased; and points of two pairs or of two neighbours
-/// must be independent, or errors that are added would not be.
+/// Each point must be uniform over scrambles, or the estimates of scrambles would be biased. Points of two pairs or of
+/// two neighbours must be independent, or their errors could not be added.
 #[test]
 fn one_point_is_uniform_over_scrambles() {
     const SIDE: f64 = 16.0;
@@ -91,7 +91,7 @@ fn one_point_is_uniform_over_scrambles() {
 
 // ---- Environment distribution ----
 
-/// Smooth light of all orders with a sun across the seam and one at the lower pole.
+/// Smooth light of all orders with one sun across the seam and one at the lower pole.
 fn lively(width: u32, height: u32) -> RgbImage {
     RgbImage::from_fn(width, height, |x, y| {
         let (u, v) = ((f64::from(x) + 0.5) / f64::from(width), (f64::from(y) + 0.5) / f64::from(height));
@@ -166,8 +166,8 @@ fn the_density_is_the_weight_over_a_band_constant() {
         for _ in 0..2000 {
             let d = direction_from_uv(DVec2::new(random.next(), 0.1 + 0.8 * random.next()));
             let ideal = lookup(&weights, d).x / total;
-            // The mean sine of a band against the sine: half a band times the cotangent, at v = 0.1. Then the mean of the texels
-            // against that of the interpolation, in the threshold.
+            // The mean sine of a band against the sine: half a band times the cotangent, at v = 0.1. In the threshold,
+            // the mean of the texels against the mean of the interpolation.
             let tolerance = (0.5 / 32.0 * PI * 3.1 + 0.01) * ideal + 0.01 / (4.0 * PI);
             assert!((distribution.pdf(d) - ideal).abs() < tolerance, "{d}: {} against {ideal}", distribution.pdf(d));
         }
@@ -193,7 +193,7 @@ fn samples_carry_the_density_of_their_direction() {
     }
 }
 
-/// Samples in bins of (u, v) that are no multiple of the texels, against the integral of the density over each bin.
+/// Samples in bins of (u, v) that do not align with texels, against the integral of the density over each bin.
 #[test]
 fn samples_follow_the_density() {
     const COLUMNS: usize = 11;
@@ -264,9 +264,9 @@ fn the_ends_of_the_unit_square_hit_light() {
     }
 }
 
-/// What is not drawn is refused with its neighbours.
+/// Undrawn cells are refused together with their neighbours.
 #[test]
-fn every_count_is_drawn_exactly_or_has_neighbours_that_are() {
+fn every_count_is_exact_or_has_exact_neighbours() {
     let (mut last_drawn, mut awaited) = (None, None);
     for count in 1..=70_000 {
         match pair_count(count) {

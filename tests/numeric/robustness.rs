@@ -1,4 +1,4 @@
-//! Inputs of anyone's making do no harm: every target of `fuzz/` over its corpus, its regressions and mutated seeds, on any toolchain.
+//! Hostile inputs do no harm: every target of `fuzz/` over its corpus, its regressions and mutated seeds, on any toolchain.
 
 mod mutation;
 mod targets;
@@ -15,10 +15,10 @@ use targets::{TARGETS, Target};
 
 /// Mutated files of each target in an ordinary test run.
 const MUTATIONS: usize = 400;
-/// No file of this size may take longer, whatever it holds.
+/// No file of this size may take longer, with any content.
 const LONGEST: Duration = Duration::from_secs(10);
 
-/// Runs a target; a failure leaves the input below `target/`.
+/// Runs a target; on failure keeps the input below `target/`.
 fn try_input(target: &Target, name: &str, bytes: &[u8]) {
     let started = cpu_time();
     let result = catch_unwind(AssertUnwindSafe(|| (target.run)(bytes)));
@@ -33,7 +33,7 @@ fn try_input(target: &Target, name: &str, bytes: &[u8]) {
     }
 }
 
-/// The files of a folder of `fuzz/` with their names, in order.
+/// The files of a folder of `fuzz/` with their names, sorted.
 fn kept(folder: &str, target: &str) -> Vec<(String, Vec<u8>)> {
     let dir = Path::new(env!("CARGO_MANIFEST_DIR")).join("fuzz").join(folder).join(target);
     let mut paths: Vec<PathBuf> =
@@ -43,7 +43,7 @@ fn kept(folder: &str, target: &str) -> Vec<(String, Vec<u8>)> {
     paths.iter().map(|path| (name(path), std::fs::read(path).unwrap())).collect()
 }
 
-/// Right files, from which mutation starts.
+/// Valid files, from which mutation starts.
 fn seeds(target: &str) -> Vec<(String, Vec<u8>)> {
     kept("corpus", target).into_iter().filter(|(name, _)| name.starts_with("seed-")).collect()
 }
@@ -67,9 +67,9 @@ fn hostile_files_do_no_harm() {
     TARGETS.par_iter().for_each(check);
 }
 
-/// A file that ends early is not a smaller texture.
+/// A truncated file is not a smaller texture.
 #[test]
-fn textures_that_end_early_are_refused() {
+fn truncated_textures_are_refused() {
     for name in ["ktx2", "ktx", "dds"] {
         for (seed, bytes) in seeds(name) {
             let path = PathBuf::from(format!("{seed}.{name}"));
@@ -81,9 +81,9 @@ fn textures_that_end_early_are_refused() {
     }
 }
 
-/// If the seeds were not right files, mutation would start from refusals only.
+/// If the seeds were invalid, mutation would only test refusals.
 #[test]
-fn seeds_are_right_files() {
+fn seeds_are_valid_files() {
     for extension in ["hdr", "exr"] {
         for (name, bytes) in seeds(extension) {
             let path = PathBuf::from(format!("{name}.{extension}"));

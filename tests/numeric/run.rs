@@ -1,4 +1,4 @@
-//! Runs of experiments. No test needs a device: runs use a renderer made of formulas.
+//! Runs of experiments. No test needs a device: runs use a synthetic renderer.
 
 mod environments;
 pub mod fake;

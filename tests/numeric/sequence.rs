@@ -1,4 +1,4 @@
-//! Point sequences: inside the square, evenly spread, and independent from set to set.
+//! Point sequences: inside the square, even, and independent between sets.
 
 use crate::chi_square::chi_square_tail;
 use glam::DVec2;
@@ -65,7 +65,7 @@ fn random_points_are_as_uneven_as_chance_and_the_others_far_less() {
     }
 }
 
-/// A scramble of a net is a net; scrambles of pixels and sets differ, and over them each point is uniform, so that estimates are unbiased.
+/// A scrambled net is a net; scrambles of pixels and sets differ, and over them each point is uniform, so estimates are unbiased.
 #[test]
 fn scrambled_points_of_pixels_are_uniform_nets_of_their_own() {
     let plain = set("hammersley", 64, 0);
@@ -94,7 +94,7 @@ fn scrambled_points_of_pixels_are_uniform_nets_of_their_own() {
     }
 }
 
-/// The mean over sets estimates the integral without bias, and by the sequence's promise with far less noise than random points.
+/// The mean over sets estimates the integral without bias, and with far less noise than random points.
 #[test]
 fn randomised_sets_are_unbiased_repetitions() {
     let integrand = |p: DVec2| p.x * p.y * p.y + if p.x + p.y > 1.2 { 1.0 } else { 0.0 };
@@ -114,7 +114,7 @@ fn randomised_sets_are_unbiased_repetitions() {
 }
 
 #[test]
-fn level_biases_are_what_their_engines_formulas_give() {
+fn level_biases_follow_their_engines_formulas() {
     let expected = [
         ("unbiased", 0.0),
         ("filament", 0.5 * 4f64.log2()),

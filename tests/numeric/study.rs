@@ -1,4 +1,4 @@
-//! What finished runs say. No test needs a device: runs use a renderer made of formulas.
+//! Answers from finished runs. No test needs a device: runs use a synthetic renderer.
 
 mod asked;
 mod break_even;

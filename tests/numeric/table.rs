@@ -36,7 +36,7 @@ fn csv_bytes_are_exact() {
     assert_eq!(table.rows[1][0], "a,b \"quoted\"\nsecond line");
     let numbers = [Some(0.1), Some(1.0 / 3.0), Some(f64::INFINITY), None, Some(-1.5e-300)];
     assert_eq!(table.numbers("rmse").unwrap(), numbers);
-    // Wherever a file is cut, it is refused, or what is left of it are whole rows.
+    // A file truncated anywhere is refused, or its remaining rows are complete.
     for cut in 0..text.len() {
         std::fs::write(&path, &text[..cut]).unwrap();
         let is_whole = Table::read(&path).is_ok_and(|cut| table.rows.starts_with(&cut.rows));
@@ -45,7 +45,7 @@ fn csv_bytes_are_exact() {
 }
 
 #[test]
-fn no_text_is_a_formula_and_all_of_it_comes_back() {
+fn texts_are_guarded_against_formulas_and_read_back() {
     let formulas =
         ["=1+1", "+cmd|' /C calc'!A0", "-2+3", "@SUM(A1)", "\t=1", "\r=1", "'=1", "''-x", "-", "=", "-1 = x"];
     let plain = ["-1.5", "+2", "-inf", "1=2", "a-b", "'tis", "''", "", "builtin:sky", "\u{2212}1"];
@@ -57,7 +57,7 @@ fn no_text_is_a_formula_and_all_of_it_comes_back() {
             field.starts_with('\'') && field.len() > text.len(),
             "{text:?} as {field:?}"
         );
-        // What a spreadsheet sees is neither a formula nor what was written before it was guarded.
+        // A spreadsheet sees no formula, and reading removes the guard again.
         assert!(!field.starts_with(['=', '+', '-', '@', '\t', '\r']) || field.parse::<f64>().is_ok(), "{field:?}");
     }
     let bytes = to_text(&["a".to_owned()], formulas.map(|text| [Cell::from(text)]).iter().map(|row| &row[..]));
@@ -124,7 +124,7 @@ fn hostile_names_stay_text_in_markdown() {
         ("sky < 4 and [0, 1] (of `ggx`)", "sky < 4 and [0, 1] (of `ggx`)"),
         ("<script>x</script>", "\\<script>x\\</script>"),
         ("\\<img onerror=x>", "\\\\\\<img onerror=x>"),
-        // What the program itself wrote as Markdown.
+        // Markdown written by the program itself.
         ("reference 64 \\*", "reference 64 \\*"),
         ("[a](javascript:x)", "[a\\](javascript:x)"),
         ("a\n# b\u{1b}[31m\u{202e}c", "a # b\\u{1b}[31m\\u{202e}c"),
@@ -175,7 +175,7 @@ pub fn luminance(code: [u8; 3]) -> f64 {
 }
 
 #[test]
-fn palettes_are_the_published_ones() {
+fn palettes_match_the_published_ones() {
     // matplotlib's magma at 0, 128/255 and 1: (0.001462, 0.000466, 0.013866), (0.716387, 0.214982, 0.475290),
     // (0.987053, 0.991438, 0.749504), which d3's table of 8-bit codes, ours, holds to
     // one code.

@@ -190,9 +190,9 @@ impl Objective {
         [|l: &DVec3| l.x, |l: &DVec3| l.z].map(|axis| parts().map(|((l, measure), f)| axis(l) * measure * f).sum())
     }
 
-    /// The difference of a lookup's kernel and the lobe, by the square root of the weight, then that of their moments.
+    /// The difference of a lookup's kernel and the lobe, by the square root of the weight, then the difference of their moments.
     fn difference(&self, direction: DVec3, level: f64) -> Vec<f64> {
-        // Below level 1 the kernel is that of the width itself.
+        // Below level 1 the kernel belongs to the width itself.
         let finer = (level as usize).clamp(1, self.kernels.len() - 1);
         let share = (level - finer as f64).max(0.0);
         let narrow = (level < 1.0).then(|| level_kernel(Kernel::cosine(&Ggx), 0, level));
@@ -248,7 +248,7 @@ impl Objective {
 /// At ten nodes: one tap and two are as good as the best and the best pair of a dense grid, four are better than that. One tap is
 /// fitted without the weight.
 #[test]
-fn tables_meet_a_search_over_all_pairs() {
+fn tables_match_a_search_over_all_pairs() {
     let nodes = [[2, 8], [4, 12], [6, 6], [7, 16], [8, 8], [9, 10], [10, 14], [12, 8], [13, 12], [5, 5]];
     for (k, node) in nodes.into_iter().enumerate() {
         let (place, dielectric) = (parameters_from_node(node), (k % 2) as f64);
@@ -310,8 +310,8 @@ fn taps_change_smoothly() {
     }
 }
 
-/// Under light linear in direction a lookup shows its kernel's first moment: that of two or four taps is
-/// within 0.09 of the lobe's, the textbook's within 0.8.
+/// Under light linear in direction a lookup shows its kernel's first moment. With two or four taps it is within 0.09 of
+/// the lobe's, with the textbook's lookup within 0.8.
 #[test]
 fn first_moments_of_the_taps_are_near_the_lobes() {
     let (chain, rule) = (chain(), GaussLegendre::<32>::new());

@@ -1,4 +1,4 @@
-//! Small glTF files, made where they are used.
+//! Small glTF files, made by the tests that use them.
 
 use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
@@ -69,7 +69,7 @@ pub fn mesh(attributes: &[(&str, usize, &[f32])], indices: &[u16]) -> Value {
     })
 }
 
-/// A bent sheet of two triangles with unequal normals, so that a wrong transform of either shows.
+/// A bent sheet of two triangles with unequal normals, which shows a wrong transform of either triangle.
 pub fn sheet() -> Value {
     let positions = [-1., -1., 0., 1., -1., 0.3, 1., 1., -0.2, -1., 1., 0.1];
     let normals = [[-0.3, -0.1, 1.0], [0.4, -0.2, 1.0], [0.1, 0.5, 1.0], [-0.2, 0.3, 1.0]];
@@ -78,7 +78,7 @@ pub fn sheet() -> Value {
     mesh(&[("POSITION", 3, &positions), ("NORMAL", 3, &normals), ("TEXCOORD_0", 2, &uvs)], &[0, 1, 2, 0, 2, 3])
 }
 
-/// Gives the material of `model` maps: (place, image), each its own texture.
+/// Gives the material of `model` maps: (place, image), each with its own texture.
 pub fn textured(mut model: Value, material: Value, images: &[Value]) -> Value {
     model["materials"] = json!([material]);
     model["images"] = json!(images);

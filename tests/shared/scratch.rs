@@ -1,13 +1,13 @@
-//! A folder that lasts as long as this process.
+//! A folder that is removed when this process ends.
 
 use std::path::PathBuf;
 use std::process::{Child, Command, Stdio};
 use std::sync::Mutex;
 
-/// Each removes a folder when its pipe closes with this process.
+/// Each child removes a folder when its pipe closes with this process.
 static REMOVERS: Mutex<Vec<Child>> = Mutex::new(Vec::new());
 
-/// Makes an empty folder, which is removed when this process ends, however it ends.
+/// Makes an empty folder, which is removed however this process ends.
 pub fn scratch() -> PathBuf {
     let folder = tempfile::tempdir().unwrap().keep();
     let remover = Command::new("sh")

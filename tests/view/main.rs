@@ -1,5 +1,4 @@
-//! The window, driven by real input on a virtual display: Xvfb, xdotool and a window manager, on whatever Vulkan device
-//! there is.
+//! The window, driven by real input on a virtual display: Xvfb, xdotool and a window manager, on any Vulkan device.
 
 mod screen;
 
@@ -28,7 +27,7 @@ fn has_choice(axis: usize) -> bool {
     }
 }
 
-/// A small state whose reference is done soon.
+/// A small state with a short reference.
 const SMALL: [&str; 6] = ["--size", "128x128", "--environment", "builtin:studio", "--perceptual-roughness", "0.4"];
 
 fn png(path: &Path) -> Rgb8Image {
@@ -47,13 +46,13 @@ fn render_again(folder: &Path) {
     }
 }
 
-/// Saves what the window shows and holds both linear images to what `render` makes of the saved commands, bit for bit.
+/// Saves the state of the window and compares both linear images with the output of the saved `render` commands, bit for bit.
 fn save_and_render(win: &Win, number: u32) -> Rgb8Image {
     win.key("ctrl+s");
     let folder = win.dir().join(format!("view-{number}"));
     let end = format!("view-{number}");
-    win.wait("the saved state", |told| {
-        told["notice"].as_str().is_some_and(|notice| notice.starts_with("Saved") && notice.ends_with(&end))
+    win.wait("the saved state", |report| {
+        report["notice"].as_str().is_some_and(|notice| notice.starts_with("Saved") && notice.ends_with(&end))
     });
     render_again(&folder);
     for side in ["left", "right"] {
@@ -68,14 +67,14 @@ fn save_and_render(win: &Win, number: u32) -> Rgb8Image {
 }
 
 #[test]
-fn the_window_shows_and_saves_what_render_makes() {
+fn the_window_shows_and_saves_the_images_of_render() {
     let Some(screen) = Screen::open() else { return };
     let win = screen
         .window(&[&SMALL[..], &["--right", "sampled", "--samples", "8", "--light", "point:2,2,2:9,9,9"]].concat());
     win.few_samples();
     win.wait_done();
     let picture = save_and_render(&win, 1);
-    // What is on the screen: each pixel of the image is a square of whole pixels.
+    // The screen: each pixel of the image is a square of whole pixels.
     let seen = win.picture();
     let zoom = seen.width / picture.width;
     assert!(zoom >= 1 && seen.width % picture.width == 0, "{} pixels on {}", picture.width, seen.width);
@@ -87,7 +86,7 @@ fn the_window_shows_and_saves_what_render_makes() {
             assert_eq!(seen.get(zoom * x + dx, zoom * y + dy), picture.get(x, y), "({dx}, {dy}) of pixel ({x}, {y})");
         }
     }
-    // The halves are those of `render`: the left one's display image too.
+    // The halves equal `render`'s; the left one's display image too.
     let folder = win.dir().join("view-1");
     let text = std::fs::read_to_string(folder.join("render.sh")).unwrap();
     let left = text.lines().find(|line| line.contains("left-again")).unwrap().replace("left-again.exr", "left.png");
@@ -121,7 +120,7 @@ fn the_window_shows_and_saves_what_render_makes() {
 }
 
 #[test]
-fn keys_do_what_the_report_does() {
+fn keys_work_as_in_the_report() {
     let Some(screen) = Screen::open() else { return };
     let win = screen.window(&SMALL);
     win.few_samples();
@@ -153,7 +152,7 @@ fn keys_do_what_the_report_does() {
     let other = win.picture();
     win.hold("space", false);
     assert!(one.data != other.data && win.picture().data == one.data);
-    // The wipe by hand, anywhere on its line.
+    // Drags the wipe by any point of its line.
     win.key("d");
     for (height, to) in [(0.5, 6.0), (0.25, -5.0)] {
         win.drag("wipe", [0.5, height], [to, height], None);
@@ -169,7 +168,7 @@ fn keys_do_what_the_report_does() {
 fn every_control_moves_its_axis() {
     let Some(screen) = Screen::open() else { return };
     let method = METHODS.iter().find(|method| method.uses_lod_bias && method.uses_point_set).unwrap().name;
-    // These look up all tables, made of samples, so that their controls are in use.
+    // These methods read all tables, made of samples, so that their controls are in use.
     let right = METHODS.iter().find(|method| method.uses_prefiltered()).unwrap().name;
     let diffuse = DIFFUSE.iter().find(|diffuse| diffuse.uses_irradiance_map).unwrap().name;
     let win = screen.window(
@@ -188,7 +187,7 @@ fn every_control_moves_its_axis() {
     assert_eq!(win.state()["axes"]["environment"], "builtin:sky");
     win.wait_done();
     let mut moved = BTreeSet::new();
-    // Ways to compute come last: they decide which of the others are in use.
+    // Controls of how tables are computed come last: they determine which of the others are in use.
     let is_way = |index: usize| AXES[index].part == Part::Method || index == PREFILTER_BY;
     let (ways, others): (Vec<usize>, Vec<usize>) =
         (0..AXES.len()).filter(|index| has_choice(*index)).partition(|&index| is_way(index));
@@ -204,7 +203,7 @@ fn every_control_moves_its_axis() {
             win.click(name, [0.2, 0.5]);
             let current = format!("choice {}", before.as_str().unwrap_or_default());
             let others = win.controls().into_iter().filter(|name| name.starts_with("choice ") && *name != current);
-            // The topmost other one: a long list is scrolled.
+            // Selects the topmost other entry: a long list is scrolled.
             if let Some(choice) = others.min_by_key(|choice| win.place(choice)[1] as u32) {
                 win.click(&choice, [0.5, 0.5]);
             }
@@ -227,19 +226,19 @@ fn an_outdated_picture_is_dimmed_and_errors_keep_the_reference() {
     let tables = ["--prefilter", "sampled", "--prefilter-size", "512x512", "--prefilter-sample-count", "512"];
     let win = screen.window(&[&SMALL[..], &["--reference-samples", "256"], &tables].concat());
     win.wait_done();
-    let dimmed = || win.told()["dimmed"].as_u64().unwrap();
+    let dimmed = || win.report()["dimmed"].as_u64().unwrap();
     let before = dimmed();
     for key in ["e", "e", "s"] {
         win.key(key);
-        win.wait("the other picture", |told| {
-            assert_eq!(told["reference"], 256, "after {key}");
-            told["is_done"] == true && told["asked"] == told["shown"]
+        win.wait("the other picture", |report| {
+            assert_eq!(report["reference"], 256, "after {key}");
+            report["is_done"] == true && report["asked"] == report["shown"]
         });
     }
     win.choose("environment", "choice builtin:sky");
     win.wait("a dimmed picture", |_| dimmed() > before);
     win.wait_done();
-    assert_eq!(win.told()["stale"], serde_json::json!([false, false]));
+    assert_eq!(win.report()["stale"], serde_json::json!([false, false]));
     win.close();
 }
 
@@ -288,21 +287,22 @@ fn faults_of_display_device_and_files_are_reported() {
     let (code, message) = win.end();
     assert!(code == Some(75) && message.contains("the device was lost"), "{code:?}: {message}");
 
-    // A file that is none gives way to the one before.
+    // After a file that is not a map the window keeps the previous one.
     let mut win = screen.window(&SMALL);
     win.few_samples();
     std::fs::write(win.dir().join("no.hdr"), "no picture").unwrap();
     win.click("open environment", [0.5, 0.5]);
     ["n", "o", "period", "h", "d", "r", "Return"].into_iter().for_each(|key| win.key(key));
-    let is_told = |told: &serde_json::Value| told["notice"].as_str().is_some_and(|text| text.contains("no first line"));
-    win.wait("the fault of the file", is_told);
+    let is_reported =
+        |report: &serde_json::Value| report["notice"].as_str().is_some_and(|text| text.contains("no first line"));
+    win.wait("the fault of the file", is_reported);
     win.wait_done();
     assert_eq!(win.state()["axes"]["environment"], "builtin:studio");
-    // A window that is taken away from the program.
+    // The window is taken away from the program.
     win.act(&format!("windowclose {}", win.id()));
     let (code, message) = win.end();
     assert!(code == Some(75) && message.contains("the window was taken away"), "{code:?}: {message}");
-    // A display that goes.
+    // The display disappears.
     let mut win = screen.window(&SMALL);
     screen.end();
     let (code, message) = win.end();
@@ -316,7 +316,7 @@ fn random_input_leaves_no_message_and_no_leak() {
     let win = screen.window(&["--size", "96x96", "--environment", "builtin:sky", "--validation"]);
     win.few_samples();
     win.wait_done();
-    // Pictures of one size take no more memory, however many there are. Random input reaches other sizes, too.
+    // Memory does not grow with the number of pictures of one size. Random input reaches other sizes, too.
     let turn = |count: u64| {
         for _ in 0..count {
             win.key("Right");
@@ -351,17 +351,17 @@ fn random_input_leaves_no_message_and_no_leak() {
         assert!(win.is_alive(), "the window ended");
     }
     println!("random input for {seconds} s: {actions} actions, at most {most} KiB");
-    // Its exit code is 1 where the validation layer said anything.
+    // The exit code is 1 if the validation layer wrote a message.
     win.close();
 }
 
 #[test]
-fn it_stays_quick_while_it_is_turned() {
+fn the_window_stays_fast_while_it_is_turned() {
     let Some(screen) = Screen::open() else { return };
     let win = screen.window(&[]);
-    win.wait("a picture", |told| told["scales"][1].is_u64());
+    win.wait("a picture", |report| report["scales"][1].is_u64());
     let place = win.place("image");
-    let pictures = || win.told()["pictures"].as_u64().unwrap();
+    let pictures = || win.report()["pictures"].as_u64().unwrap();
     let (begun, spent_before, seen_before) = (Instant::now(), win.cpu_s(), pictures());
     win.act(&format!("mousemove --window {} {} {} mousedown 1", win.id(), place[0] + 100.0, place[1] + 200.0));
     // Without a pause between two moves the window never refines.
@@ -371,7 +371,7 @@ fn it_stays_quick_while_it_is_turned() {
     let rate = seen / begun.elapsed().as_secs_f64();
     let each = (win.cpu_s() - spent_before) / seen;
     println!("{rate:.1} pictures a second while the camera turns, 960x770, {each:.3} CPU s each");
-    // Five a second on two slow cores, whatever else is at work there.
+    // Five pictures a second on two slow cores, even with other processes running.
     assert!(each < 0.4, "{each} CPU s a picture, {seen} pictures");
     win.close();
 }

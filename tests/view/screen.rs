@@ -11,7 +11,7 @@ use std::time::{Duration, Instant};
 use tempfile::TempDir;
 
 const SIZE: [u32; 2] = [1280, 2000];
-/// A window that says nothing for so long hangs. Everything else waits for events.
+/// A window without a report for so long hangs. Everything else waits for events.
 const PATIENCE: Duration = Duration::from_secs(300);
 
 /// One window at a time: each takes all processors.
@@ -26,7 +26,7 @@ pub struct Screen {
 }
 
 impl Screen {
-    /// `None`: what is needed is missing, and a line says so.
+    /// Returns `None` and prints a line if a program is missing.
     pub fn open() -> Option<Self> {
         let turn = TURN.lock().unwrap_or_else(PoisonError::into_inner);
         let frames = tempfile::tempdir().unwrap();
@@ -55,7 +55,7 @@ impl Screen {
             command
         };
         let mut manager = silent("openbox").spawn().unwrap();
-        // It tells of desktops once it manages them.
+        // The window manager announces desktops once it manages them.
         let begun = Instant::now();
         while !silent("xdotool").arg("get_desktop").status().unwrap().success() {
             let ended = manager.try_wait().unwrap();
@@ -76,7 +76,7 @@ impl Screen {
             .args(arguments)
             .current_dir(dir.path())
             .env("DISPLAY", &self.display)
-            .env("SPLITSUM_TEST_WINDOW", dir.path().join("told.json"))
+            .env("SPLITSUM_TEST_WINDOW", dir.path().join("report.json"))
             .env_remove("WAYLAND_DISPLAY")
             .envs(variables.iter().copied())
             .stderr(Stdio::piped())
@@ -84,7 +84,7 @@ impl Screen {
             .unwrap();
         let mut win = Win { screen: self, child: Mutex::new(child), dir, id: String::new(), sent: Cell::new(0) };
         if variables.is_empty() {
-            win.wait("a first picture", |told| told["scales"][0].is_u64());
+            win.wait("a first picture", |report| report["scales"][0].is_u64());
             // A window manager takes a moment to show it.
             let begun = Instant::now();
             while win.id.is_empty() {
@@ -98,7 +98,7 @@ impl Screen {
         win
     }
 
-    /// What `xdotool` prints.
+    /// Output of `xdotool`.
     fn act(&self, line: &str) -> String {
         let output = Command::new("xdotool").args(line.split(' ')).env("DISPLAY", &self.display).output().unwrap();
         assert!(output.status.success(), "xdotool {line}: {}", String::from_utf8_lossy(&output.stderr));
@@ -110,7 +110,7 @@ impl Screen {
         self.server.borrow_mut().kill().unwrap();
     }
 
-    /// What is on the display: the file that Xvfb keeps its pixels in, of the format of xwd.
+    /// Pixels of the display: the file in which Xvfb keeps them, in the format of xwd.
     fn pixels(&self) -> Rgb8Image {
         let bytes = std::fs::read(self.frames.path().join("Xvfb_screen0")).unwrap();
         let word = |at: usize| u32::from_be_bytes(bytes[4 * at..4 * at + 4].try_into().unwrap());
@@ -174,17 +174,17 @@ impl Win<'_> {
         words.skip(11).take(2).map(|ticks| ticks.parse::<f64>().unwrap()).sum::<f64>() / 100.0
     }
 
-    /// What the window told last.
-    pub fn told(&self) -> Value {
-        let text = std::fs::read_to_string(self.dir.path().join("told.json")).unwrap_or_default();
+    /// The last report of the window.
+    pub fn report(&self) -> Value {
+        let text = std::fs::read_to_string(self.dir.path().join("report.json")).unwrap_or_default();
         serde_json::from_str(&text).unwrap_or_default()
     }
 
     pub fn wait(&self, what: &str, is_so: impl Fn(&Value) -> bool) {
         let begun = Instant::now();
         loop {
-            let told = self.told();
-            if !told.is_null() && is_so(&told) {
+            let report = self.report();
+            if !report.is_null() && is_so(&report) {
                 return;
             }
             if !self.is_alive() || begun.elapsed() > PATIENCE {
@@ -192,52 +192,52 @@ impl Win<'_> {
                 let _ = self.child().kill();
                 let pipe = self.child().stderr.take();
                 pipe.map(|mut pipe| pipe.read_to_string(&mut errors));
-                panic!("waited for {what}: {told}\n{errors}");
+                panic!("waited for {what}: {report}\n{errors}");
             }
             std::thread::sleep(Duration::from_millis(20));
         }
     }
 
-    /// Until everything that the state asks for is shown.
+    /// Waits until the window shows everything that the state requests.
     pub fn wait_done(&self) {
         self.settle();
-        self.wait("all pictures", |told| told["is_done"] == true && told["asked"] == told["shown"]);
+        self.wait("all pictures", |report| report["is_done"] == true && report["asked"] == report["shown"]);
     }
 
-    /// Until the window shows what all that was sent makes of it.
+    /// Waits until the window has handled all sent input.
     fn settle(&self) {
         let sent = self.sent.get();
-        self.wait(&format!("{sent} inputs"), |told| told["inputs"] == sent && told["is_still"] == true);
+        self.wait(&format!("{sent} inputs"), |report| report["inputs"] == sent && report["is_still"] == true);
     }
 
     pub fn state(&self) -> Value {
         self.settle();
-        self.told()["state"].clone()
+        self.report()["state"].clone()
     }
 
     pub fn controls(&self) -> Vec<String> {
         self.settle();
-        self.told()["controls"].as_object().unwrap().keys().cloned().collect()
+        self.report()["controls"].as_object().unwrap().keys().cloned().collect()
     }
 
     pub fn has(&self, name: &str) -> bool {
         self.settle();
-        self.told()["controls"].get(name).is_some()
+        self.report()["controls"].get(name).is_some()
     }
 
     /// Left, top, width, height of a control in the window.
     pub fn place(&self, name: &str) -> [f64; 4] {
-        let told = self.told();
-        let found = told["controls"].get(name).unwrap_or_else(|| panic!("no control {name}: {}", told["controls"]));
+        let report = self.report();
+        let found = report["controls"].get(name).unwrap_or_else(|| panic!("no control {name}: {}", report["controls"]));
         serde_json::from_value(found.clone()).unwrap()
     }
 
-    /// Input that nothing waits for: words of `xdotool`.
+    /// Sends input without waiting: words of `xdotool`.
     pub fn act(&self, line: &str) {
         self.screen.act(line);
     }
 
-    /// What makes `count` inputs.
+    /// Runs actions that make `count` inputs.
     fn send(&self, line: &str, count: u64) {
         self.act(line);
         self.sent.set(self.sent.get() + count);
@@ -256,7 +256,7 @@ impl Win<'_> {
     fn point(&self, place: [f64; 2]) {
         let [x, y] = place.map(f64::round);
         self.act(&format!("mousemove --window {} {x} {y}", self.id));
-        self.wait("the pointer", |told| told["pointer"] == serde_json::json!([x, y]));
+        self.wait("the pointer", |report| report["pointer"] == serde_json::json!([x, y]));
         self.settle();
     }
 
@@ -270,7 +270,7 @@ impl Win<'_> {
         self.send("click 1", 2);
     }
 
-    /// Opens a list and takes an entry.
+    /// Opens a list and selects an entry.
     pub fn choose(&self, list: &str, entry: &str) {
         self.click(list, [0.5, 0.5]);
         self.click(entry, [0.5, 0.5]);
@@ -300,23 +300,23 @@ impl Win<'_> {
 
     pub fn wheel(&self, name: &str, clicks: u32) {
         self.go(name, [0.5, 0.5]);
-        let before = self.told()["state"].clone();
+        let before = self.report()["state"].clone();
         self.act(&format!("click --repeat {clicks} 4"));
-        // How many events a turn makes is the display's matter.
-        self.wait("the wheel", |told| told["state"] != before);
+        // The number of events per turn depends on the display.
+        self.wait("the wheel", |report| report["state"] != before);
         self.settle();
     }
 
     pub fn resize(&self, width: u32, height: u32) {
         let before = self.place("image");
         self.act(&format!("windowmove {id} 0 30 windowsize {id} {width} {height}", id = self.id));
-        self.wait("the new size", |told| told["controls"]["image"] != serde_json::json!(before));
+        self.wait("the new size", |report| report["controls"]["image"] != serde_json::json!(before));
         self.settle();
     }
 
-    /// The picture as it is on the display.
+    /// The picture on the display.
     pub fn picture(&self) -> Rgb8Image {
-        // Where a window is the pointer tells: window managers put frames around it.
+        // The pointer locates the window: window managers put frames around it.
         self.point([0.0; 2]);
         let all = self.screen.pixels();
         let text = self.screen.act("getmouselocation --shell");
@@ -349,11 +349,11 @@ impl Win<'_> {
         assert_eq!(code, Some(0), "{message}");
     }
 
-    /// Waits for the end: the exit code and what it told.
+    /// Waits for the end; returns exit code and output.
     pub fn end(&mut self) -> (Option<i32>, String) {
         let begun = Instant::now();
         while self.is_alive() {
-            assert!(begun.elapsed() < PATIENCE, "the window stays: {}", self.told());
+            assert!(begun.elapsed() < PATIENCE, "the window stays: {}", self.report());
             std::thread::sleep(Duration::from_millis(50));
         }
         let mut child = self.child();

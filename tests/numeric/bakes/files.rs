@@ -1,4 +1,4 @@
-//! Files of every container, made here.
+//! Files of every container, made by the tests.
 
 use glam::{DVec2, DVec3};
 use ktx2::{Header, Index, LevelIndex, SupercompressionScheme};
@@ -7,7 +7,7 @@ use splitsum::bakes::container::Texel;
 use splitsum::environment::layout::MapLayout;
 use splitsum::pixels::RgbImage;
 
-/// The faces of a level by the value in the direction of each texel.
+/// The faces of a level, with a value by the direction of each texel.
 pub fn faces(layout: &MapLayout, [width, height]: [u32; 2], value: impl Fn(DVec3) -> DVec3) -> Vec<RgbImage> {
     let size = DVec2::new(width.into(), height.into());
     let texel = |face: u32, x: u32, y: u32| {
@@ -20,7 +20,7 @@ pub fn faces(layout: &MapLayout, [width, height]: [u32; 2], value: impl Fn(DVec3
 /// A level's faces, each as its bytes.
 pub type Level = Vec<Vec<u8>>;
 
-/// A KTX 2 file of square levels, smallest first as the custom is.
+/// A KTX 2 file of square levels, smallest first as is usual.
 pub fn ktx2(texel: &Texel, side: u32, levels: &[Level], is_zstd: bool) -> Vec<u8> {
     let index_end = Header::LENGTH + LevelIndex::LENGTH * levels.len();
     let header = Header {
@@ -58,7 +58,7 @@ pub fn ktx2(texel: &Texel, side: u32, levels: &[Level], is_zstd: bool) -> Vec<u8
     [&header.as_bytes()[..], &index.concat(), &body].concat()
 }
 
-/// A KTX 1 file as cmgen writes it.
+/// A KTX 1 file in the form of cmgen.
 pub fn ktx1(texel: &Texel, side: u32, levels: &[Level]) -> Vec<u8> {
     let faces = levels[0].len() as u32;
     let keys = *b"\x06\0\0\0sh\x001\n\0\0\0";
@@ -88,7 +88,7 @@ fn dxgi(texel: &Texel) -> ddsfile::DxgiFormat {
     }
 }
 
-/// A DDS file with the later header: face after face with its levels.
+/// A DDS file with the later header: face by face, each with its levels.
 pub fn dds(texel: &Texel, side: u32, levels: &[Level]) -> Vec<u8> {
     let is_cube = levels[0].len() == 6;
     let mut file = ddsfile::Dds::new_dxgi(ddsfile::NewDxgiParams {

@@ -1,4 +1,4 @@
-//! Bakes for engines: every direction through writer and reader as the engine looks it up, numbers to the nearest, files by their rules.
+//! Bakes for engines: directions through writer and reader as each engine looks them up, exact rounding, and the rules of each format.
 
 use super::files;
 use super::scores::marked_light;
@@ -22,15 +22,15 @@ use splitsum::spelling::Listed;
 use std::f64::consts::PI;
 use std::path::Path;
 
-/// A name and what it does to a direction.
+/// A name and its map of directions.
 type Lookup = (&'static str, fn(DVec3) -> DVec3);
 
-/// Where each engine's shader looks a direction of the world up (y up, right-handed), by the text of those shaders.
+/// Lookup direction of each engine's shader for a world direction (y up, right-handed), from the source of those shaders.
 const LOOKUPS: &[Lookup] = &[
     ("raw", |d| d),
-    // `textureLod(light_iblSpecular, r, lod)`; cmgen mirrors what it writes so that this is right.
+    // `textureLod(light_iblSpecular, r, lod)`; cmgen mirrors its output to match.
     ("filament", |d| d),
-    // Of a map whose centre is +z here: the viewer puts its centre at -x, or turns by 90 degrees.
+    // The centre of the map is +z here; the viewer puts it at -x, or turns by 90 degrees.
     ("khronos", |d| DVec3::new(d.z, d.y, -d.x)),
     // `environment_map.wesl`: cube maps are left-handed, z is negated.
     ("bevy", |d| DVec3::new(d.x, d.y, -d.z)),
@@ -82,9 +82,9 @@ fn every_direction_is_where_the_engine_looks() {
                 seen(d)
             );
         }
-        // No other direction is as bright: mirrored or turned, the hot texel would be elsewhere.
+        // No other direction is as bright: in a mirrored or turned map the hot texel would be elsewhere.
         assert!(Axes::all().skip(1).all(|axes| seen(axes.to_world(hot)).min_element() < 0.5 * seen(hot).min_element()));
-        // SH is of the same axes as the map beside it.
+        // SH has the same axes as the map.
         if let Some(found) = &bake.sh {
             let own = |d: DVec3| irradiance(&found.radiance, lookup(d)) / PI;
             let exact = own(DVec3::Y) - own(-DVec3::Y);
@@ -92,12 +92,12 @@ fn every_direction_is_where_the_engine_looks() {
             assert!((own(DVec3::Z) - own(-DVec3::Z)).z > 0.5, "{engine}: blue shines from +z");
             assert!((own(DVec3::X) - own(-DVec3::X)).x > 0.3, "{engine}: red shines from +x");
         }
-        // Nothing is written over.
+        // No file is overwritten.
         assert!(make(&making, dir.path()).unwrap_err().to_string().contains("exists"));
     }
 }
 
-/// The table beside the files is for the levels of the engine's own formula, the code in its own language.
+/// The table of taps matches the levels of the engine's own formula, and the code is in its language.
 #[test]
 fn taps_are_for_the_levels_of_the_engine() {
     let light = marked_light();
@@ -120,7 +120,7 @@ fn taps_are_for_the_levels_of_the_engine() {
     }
 }
 
-/// In the place of our own tables every bake is the same map and table, whatever its axes, order and pixel format.
+/// As given tables, all bakes are the same map and table, whatever their axes, order and pixel format.
 #[test]
 fn given_tables_are_turned_to_our_axes() {
     let light = marked_light();
@@ -133,7 +133,7 @@ fn given_tables_are_turned_to_our_axes() {
         let map = given::map(&value, dir.path()).unwrap().unwrap();
         assert_eq!(map.levels.len(), making.level_count as usize);
         assert_eq!((map.mapping.name, map.side), (preset.convention().mapping.name, 64));
-        // bake.json is not needed where the preset is named.
+        // bake.json is not needed if the preset is given.
         let named = given::map(&format!("file:{engine}/{}#{}", preset.product.specular, preset.name), dir.path());
         assert_eq!(named.unwrap().unwrap().hash, map.hash);
         let table = (!preset.product.tables.is_empty()).then(|| given::table(&value, dir.path()).unwrap().unwrap());
@@ -168,7 +168,7 @@ fn given_tables_are_turned_to_our_axes() {
 }
 
 #[test]
-fn turned_coefficients_are_those_of_the_turned_function() {
+fn turned_coefficients_equal_coefficients_of_the_turned_function() {
     let f = std::array::from_fn(|k| DVec3::new(1.0 + k as f64, 0.3 - 0.2 * k as f64, (k as f64).sin()));
     let value = |f: &[DVec3; 9], n: DVec3| -> DVec3 { f.iter().zip(basis(n)).map(|(value, y)| *value * y).sum() };
     for axes in Axes::all() {
@@ -182,7 +182,7 @@ fn turned_coefficients_are_those_of_the_turned_function() {
     assert!(found.iter().zip(&f).all(|(a, b)| (*a - *b).abs().max_element() < 1e-13), "{text}");
 }
 
-/// Numbers of every size, three of a kind and mixed.
+/// Numbers of every size, equal and mixed.
 fn numbers() -> Vec<[f32; 3]> {
     let random = |i: u32| (i.wrapping_mul(2_654_435_769) >> 8) as f32 / (1 << 24) as f32;
     let number = |i: u32| f32::exp2(24.0 * random(i) - 9.0);
@@ -193,7 +193,7 @@ fn numbers() -> Vec<[f32; 3]> {
 
 /// A writer of the crate `ddsfile` agrees on every byte.
 #[test]
-fn dds_files_are_those_of_another_writer() {
+fn dds_files_equal_another_writers() {
     for texel in TEXELS.iter().filter(|texel| texel.dxgi.is_some()) {
         for (faces, count) in [(1, 1), (1, 3), (6, 1), (6, 3)] {
             let levels: Vec<Vec<RgbImage>> =
@@ -223,12 +223,12 @@ fn numbers_are_written_to_the_nearest() {
             for (own, found) in image.data.iter().zip(&found[0][0].data) {
                 let largest = own.iter().copied().fold(0.0, f32::max);
                 for i in 0..texel.channels.min(3) {
-                    // Half of the distance of neighbours.
+                    // Half the distance of neighbouring numbers.
                     let floor =
                         |value: f32, bits: i32| f32::exp2(value.max(f32::exp2(-14.0)).log2().floor() - bits as f32);
                     let half = match texel.name {
                         "rgb9e5" if largest < 511.5 => 0.5 * floor(largest, 8),
-                        // A mantissa of 512 counts the exponent up.
+                        // A mantissa of 512 increases the exponent.
                         "rgb9e5" => floor(largest, 8),
                         "r11g11b10f" => 0.5 * floor(own[i], if i < 2 { 6 } else { 5 }),
                         name if name.ends_with("16f") => 0.5 * floor(own[i], 10),
@@ -238,7 +238,7 @@ fn numbers_are_written_to_the_nearest() {
                     assert!(off <= 1.001 * half, "{} in {}: {own:?} {found:?}", texel.name, format.name);
                 }
             }
-            // What a format holds comes back as it is.
+            // Numbers that a format can hold are read back exactly.
             assert!(from_bytes(Path::new(&name), &file(&found)).unwrap().levels == found, "{}", texel.name);
         }
     }
@@ -247,7 +247,7 @@ fn numbers_are_written_to_the_nearest() {
 
 /// [KTX 2.0, section 3]: parts in order, levels smallest first at the next multiples of a texel and of 4, keys sorted and padded.
 #[test]
-fn ktx2_files_are_by_the_rules_of_their_format() {
+fn ktx2_files_follow_the_rules_of_their_format() {
     let keys =
         [("sh", "1 2 3"), ("KTXwriter", "x"), ("KTXorientation", "rd")].map(|(a, b)| (a.to_owned(), b.to_owned()));
     for texel in TEXELS {
@@ -265,7 +265,7 @@ fn ktx2_files_are_by_the_rules_of_their_format() {
             let starts: Vec<usize> =
                 reader.levels().map(|level| level.data.as_ptr() as usize - file.as_ptr() as usize).collect();
             assert!(starts[0] > starts[1] && starts[1] > starts[2], "{starts:?}");
-            // `ktx validate` refuses a byte more.
+            // `ktx validate` refuses one byte more.
             let next = |end: usize| (end..).find(|start| is_packed || (start % texel.bytes == 0 && start % 4 == 0));
             let mut end = (index.kvd_byte_offset + index.kvd_byte_length) as usize;
             for (level, start) in reader.levels().zip(&starts).collect::<Vec<_>>().into_iter().rev() {
@@ -279,10 +279,10 @@ fn ktx2_files_are_by_the_rules_of_their_format() {
     }
 }
 
-/// Where an engine takes any number of levels, lookups between the texels of the last one are as good as texels, under a lamp as well; four
-/// texels are too few, as Unity's seven levels leave them.
+/// If an engine takes any number of levels, lookups between the texels of the last level are as good as its texels,
+/// also under a lamp. Unity's seven levels leave four texels, which are too few.
 #[test]
-fn the_last_level_has_texels_enough_for_lookups() {
+fn the_last_level_has_enough_texels_for_lookups() {
     let environment = Environment::load("builtin:studio", Path::new("."), &LoadOptions::default()).unwrap();
     let last = |engine: &str, level_count: Option<u32>| {
         let folder = tempfile::tempdir().unwrap();

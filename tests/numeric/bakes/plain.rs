@@ -1,4 +1,4 @@
-//! Bakes for any program: files hold what the tables are in f64.
+//! Bakes for any program: files hold the same tables as the f64 code.
 
 use half::f16;
 use splitsum::bakes::container::read_texture;
@@ -16,7 +16,7 @@ use splitsum::spelling::Listed;
 fn files_hold_the_tables_in_f64() {
     let dir = tempfile::tempdir().unwrap();
     let file = |name: &str| dir.path().join(name);
-    // Levels of an earlier bake would be taken for part of the map.
+    // Readers would take levels of an earlier bake for part of the map.
     std::fs::write(file("prefiltered_phong_7.exr"), "stale").unwrap();
     let environment = Environment::open("builtin:gradient").unwrap();
     let (masking, mapping) = (MaskingShadowing::Correlated, LevelMapping::listed("quadratic"));

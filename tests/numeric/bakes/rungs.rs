@@ -1,4 +1,4 @@
-//! What given tables do to an image, by lights and tables whose error is known in closed form.
+//! The effect of given tables on an image, for lights and tables whose error has a closed form.
 
 use super::files::faces;
 use glam::{DVec2, DVec3};
@@ -32,11 +32,11 @@ fn of_widths() -> Convention {
     Convention { alphas: Some(ALPHAS.to_vec()), ..PRESETS[0].convention() }
 }
 
-/// Under constant light of 1 the image is `r = f0 A + B`. A map of 1.5 and a table that is linear in both axes give what formulas say.
+/// Under constant light of 1 the image is `r = f0 A + B`. A map of 1.5, and a table linear in both axes, have closed forms.
 #[test]
-fn under_constant_light_errors_are_those_of_the_formulas() {
+fn under_constant_light_errors_follow_the_formulas() {
     let light = Environment::from_image("flat", RgbImage::filled(32, 16, [1.0; 3]));
-    // Not our axes, so that mixed-up ones show.
+    // Axes other than ours reveal swapped axes.
     let axes = &TABLE_AXES[6];
     let held = |at: DVec2| DVec2::new(0.2 + 0.5 * at.x + 0.2 * at.y, 0.05 + 0.1 * at.y);
     let table = RgbImage::from_fn(64, 64, |x, y| {
@@ -46,7 +46,7 @@ fn under_constant_light_errors_are_those_of_the_formulas() {
     let bake = Bake { specular: Some(map(Axes::SAME, |_, _| DVec3::splat(1.5))), dfg: Some(table), ..Bake::default() };
     let scores = scored(&light, &bake, &Convention { table_axes: axes, ..of_widths() });
     assert_eq!(scores.len(), 2 * ALPHAS.len());
-    // Two levels of 1 and 2: a width between theirs is the blend by its place between them, in roughness.
+    // Two levels of 1 and 2: a width in between blends them by its place in roughness.
     let steps = Map {
         levels: [1.0, 2.0].map(|x| map(Axes::SAME, |_, _| DVec3::splat(x)).levels.remove(0)).to_vec(),
         ..map(Axes::SAME, |_, d| d)
@@ -73,7 +73,7 @@ fn under_constant_light_errors_are_those_of_the_formulas() {
             exact.iter().map(square).sum::<f64>() / f64::from(COUNT)
         };
         let by_map = expected(&|_, r| 1.5 * r);
-        // The outermost half texels go on.
+        // Lookups clamp in the outermost half texels.
         let at = |n_dot_v: f64| {
             DVec2::new(n_dot_v, score.alpha.sqrt()).clamp(DVec2::splat(0.5 / 64.0), DVec2::splat(63.5 / 64.0))
         };
@@ -84,12 +84,12 @@ fn under_constant_light_errors_are_those_of_the_formulas() {
         let share = (score.alpha.sqrt() - ALPHAS[0].sqrt()) / (1.0 - ALPHAS[0].sqrt());
         let blended = expected(&|_, r| (1.0 + share) * r);
         assert!((blend.map.unwrap() - blended).abs() < 1e-4 * blended.max(1e-4), "{blend:?}, {blended}");
-        // The split sum itself has no error here, so that all of it is the tables' own.
+        // The split sum has no error here, so all error comes from the tables.
         assert!((score.alone / by_table - 1.0).abs() < 1e-3, "{score:?}, {by_table}");
     }
 }
 
-/// A light of degree 1 stays one: a level holds it times a factor, so that a map by closed form has the rung of its levels.
+/// Light of degree 1 stays of degree 1: a level multiplies it by a factor, so the closed form gives the rung of the levels.
 #[test]
 fn a_map_of_the_right_levels_errs_as_its_levels_do() {
     let along = DVec3::new(0.3, 0.5, -0.4);
@@ -109,7 +109,7 @@ fn a_map_of_the_right_levels_errs_as_its_levels_do() {
     let convention = Convention { axes, ..of_widths() };
     let scores = scored(&light, &bake(exact.clone()), &convention);
     for score in &scores {
-        // Surfaces have the widths of levels, so that nothing is blended.
+        // Surfaces have the widths of levels, so nothing is blended.
         assert!((score.levels.unwrap() - score.split_sum).abs() < 1e-12 && score.table.is_none(), "{score:?}");
         let off = (score.map.unwrap().sqrt() - score.split_sum.sqrt()).abs();
         // Linear between texels of 11 degrees.

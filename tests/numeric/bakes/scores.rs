@@ -1,4 +1,4 @@
-//! What the judge of bakes finds: errors, axes, widths and gains, conventions of tables and of SH, on bakes that are made here.
+//! Verdicts of the judge of bakes: errors, axes, widths and gains, conventions of tables and SH, on bakes made here.
 
 use super::files::faces;
 use glam::{DVec2, DVec3};
@@ -41,7 +41,7 @@ pub fn marked_light() -> Environment {
 
 const ALPHAS: [f64; 3] = [0.1, 0.2, 0.6];
 
-/// The exact levels of the marked light as a file of those axes has them.
+/// The exact levels of the marked light, as a file with those axes.
 fn exact_map(truth: &Truth, layout: usize, axes: Axes, change: impl Fn(f64) -> (f64, f64)) -> Map {
     let layout = &LAYOUTS[layout];
     let level = |alpha: &f64| {
@@ -74,9 +74,9 @@ fn every_orientation_is_found_in_every_layout() {
     }
 }
 
-/// Under one hot texel the judge comes nearer to adaptive cubature than the series of a bake: a bake of ours is not its own judge.
+/// Under one hot texel the judge is nearer to adaptive cubature than the series of a bake, so it can judge our own bakes.
 #[test]
-fn the_judge_reaches_beyond_what_it_judges() {
+fn the_judge_is_more_exact_than_the_judged_bake() {
     let sun = |x: u32, y: u32| if [x, y] == [80, 12] { [1e4; 3] } else { [0.5; 3] };
     let light = Environment::from_image("sun", RgbImage::from_fn(128, 64, sun));
     let directions: Vec<DVec3> = [[80.5, 12.5], [84.0, 14.0], [80.5, 44.5]]
@@ -91,7 +91,7 @@ fn the_judge_reaches_beyond_what_it_judges() {
     }
 }
 
-/// A bake of another width and gain is told by both; one of noise by neither.
+/// A bake of another width and gain gets both named, a bake of noise neither.
 #[test]
 fn a_fit_finds_the_width_and_the_gain_that_were_baked() {
     let light = marked_light();
@@ -113,7 +113,7 @@ fn a_fit_finds_the_width_and_the_gain_that_were_baked() {
 
     let mut noisy = exact_map(&truth, 0, Axes::SAME, |alpha| (alpha, 1.0));
     for (i, texel) in noisy.levels.iter_mut().flatten().flat_map(|face| &mut face.data).enumerate() {
-        // Column by column: a fit that looks at every other one finds a gain.
+        // Column by column: a fit of every other column finds a gain.
         *texel = texel.map(|value| value * if i % 2 == 0 { 0.7 } else { 1.3 });
     }
     for score in level::score(&truth, &noisy, &convention).unwrap() {
@@ -127,8 +127,8 @@ fn a_fit_finds_the_width_and_the_gain_that_were_baked() {
     assert!((score.errors.bias_rel - (1.0 / std::f64::consts::PI - 1.0)).abs() < 1e-6, "{score:?}");
 }
 
-/// Under a hot lamp, whose lobe is not a mirror's, a mirror is known by the environment itself, and levels of other widths than assumed by
-/// one of those.
+/// Under a hot lamp, whose lobe is not a mirror's, the environment identifies a mirror level, and a level of another
+/// width identifies its width.
 #[test]
 fn a_light_is_known_by_a_mirror_and_by_levels_of_other_widths() {
     let mut image = marked_light().image;
@@ -146,7 +146,7 @@ fn a_light_is_known_by_a_mirror_and_by_levels_of_other_widths() {
     known(&[0.3, 0.5, 1.0], &exact_map(&truth, 0, Axes::SAME, |alpha| (alpha, 1.0)));
 }
 
-/// Unity looks seven levels up, however many a cube has.
+/// Unity reads seven levels of any cube.
 #[test]
 fn levels_of_unity_are_sixths() {
     let unity = Preset::listed("unity").convention();
@@ -159,7 +159,7 @@ fn levels_of_unity_are_sixths() {
     }
 }
 
-/// One texel a face, right at its centre: a quarter of a face away from it a lookup blends it with two neighbours and their corner.
+/// One texel a face, exact at its centre: a quarter of a face away a lookup blends it with two neighbours and their corner.
 #[test]
 fn lookups_between_texels_are_judged() {
     let light = marked_light();
@@ -204,7 +204,7 @@ fn bands_are_the_convolution() {
     }
 }
 
-/// cmgen's polynomials give irradiance over π; ours the same from what was read.
+/// cmgen's polynomials give irradiance over π; our reader gives the same from its file.
 #[test]
 fn coefficients_of_cmgen_are_irradiance_by_its_polynomials() {
     let numbers: [[f64; 3]; 9] =
@@ -245,7 +245,7 @@ fn coefficients_of_the_light_itself_have_no_error_and_windows_are_named() {
     let window = [1.0, 0.9, 0.9, 0.9, 0.6, 0.6, 0.6, 0.6, 0.6];
     let windowed = of(std::array::from_fn(|k| radiance[k] * window[k]));
     assert!(windowed.verdict.contains("degree 1 times 0.90, degree 2 times 0.60"), "{windowed:?}");
-    // Beside maps of another light no factor is told, but axes that explain the error are.
+    // With maps of another light no factor is named, but axes that explain the error are.
     let mirrored = Axes::parse("-x+y+z").unwrap();
     let mut mirrored = sh_score::score(
         &truth,
@@ -263,7 +263,7 @@ fn coefficients_of_the_light_itself_have_no_error_and_windows_are_named() {
     );
 }
 
-/// A table of any axes, channels and masking is told by the search, and a shifted one by its shift.
+/// The search identifies any axes, channels and masking of a table, and the shift of a shifted one.
 #[test]
 fn conventions_of_a_table_are_found() {
     // Most tables hold the same numbers in other places.
@@ -272,7 +272,7 @@ fn conventions_of_a_table_are_found() {
         RgbImage::from_fn(16, 16, |x, y| {
             let uv = (DVec2::new(x.into(), f64::from(y) + shift) + 0.5) / 16.0;
             let at = TABLE_AXES[way].parameters(uv).clamp(DVec2::splat(1e-3), DVec2::ONE);
-            // No narrower than is shaded.
+            // No narrower than the device shades.
             let alpha = (at.y * at.y).max(ALPHA_MIN.into());
             let exact = || dfg_within(&Ggx, masking, at.x, alpha, 1e-5);
             let exact = *known.borrow_mut().entry(at.to_array().map(f64::to_bits)).or_insert_with(exact);

@@ -1,10 +1,10 @@
-//! Slips put into an exact bake are named by the judge.
+//! The judge names slips that are put into an exact bake.
 
 use super::files::faces;
 use super::scores::marked_light;
 use glam::DVec3;
 use splitsum::bakes::check::{Judged, Judging, Truth};
-use splitsum::bakes::{Bake, Map, Told};
+use splitsum::bakes::{Bake, Map, Stated};
 use splitsum::brdf::Ggx;
 use splitsum::environment::Environment;
 use splitsum::environment::layout::LAYOUTS;
@@ -26,7 +26,7 @@ fn cube(truth: &Truth, alphas: &[f64], turn: impl Fn(DVec3) -> DVec3) -> Map {
 }
 
 fn judged(light: &Environment, map: Map, alphas: Option<&[f64]>) -> Judged {
-    let mut judging = Judging::stated(&Told::default()).unwrap();
+    let mut judging = Judging::stated(&Stated::default()).unwrap();
     judging.convention.alphas = alphas.map(<[f64]>::to_vec);
     judging.judge(light, &Bake { specular: Some(map), ..Bake::default() }).unwrap()
 }
@@ -123,7 +123,7 @@ fn slips_of_the_light_and_of_the_kernel_are_named() {
     let of_other = Truth::new(&light, kernel, &ALPHAS);
     let verdict = judged(&light, cube(&of_other, &ALPHAS, |direction| direction), Some(&ALPHAS)).verdict();
     assert!(verdict.contains("--weight none"), "{verdict}");
-    // Another light altogether.
+    // A different light.
     let mut image = light.image.clone();
     image.data.rotate_left(128 * 20 + 40);
     let another = Environment::from_image("another", image);

@@ -1,4 +1,4 @@
-//! Experiment files: every fault is reported at once with its place, and right files are taken.
+//! Experiment files: every fault is reported at once with its place, and correct files load.
 
 use super::planned;
 use crate::snapshot::{assert_snapshot, without_lists};
@@ -13,22 +13,22 @@ fn faults(text: &str, set: &[&str]) -> Vec<String> {
     }
 }
 
-/// An experiment of these axes, which begin in line 3.
+/// An experiment with these axes, which begin in line 3.
 fn axes(lines: &str) -> String {
     format!("name = \"x\"\n[axes]\n{lines}\n")
 }
 
-/// An experiment of the scene `design` under `[ladder]`; its own axes begin in line 6, or one later below a key.
+/// An experiment of the scene `design` with `[ladder]`. Its own axes begin in line 6, or one later after a key.
 fn ladder(key: &str, lines: &str) -> String {
     format!("name = \"x\"\n{key}[ladder]\n[axes]\nscene = [\"design\"]\nmethod = [\"split-sum\"]\n{lines}\n")
 }
 
-/// An experiment that asks.
+/// An experiment with `asks`.
 fn asking(asks: &str) -> String {
     format!("asks = {asks}\nname = \"x\"\n[axes]\nmethod = [\"split-sum\"]\n")
 }
 
-/// An experiment of two alphas and two sample counts that excludes something in line 7.
+/// An experiment of two alphas and two sample counts, with an exclusion in line 7.
 fn excluding(condition: &str) -> String {
     axes(&format!(
         "alpha = [0.1, 0.5]\nsamples = [1, 16]\nmethod = [\"sampled\"]\n[[exclude]]\n{condition}\nwhy = \"w\""
@@ -41,7 +41,7 @@ fn lit(scene: &str, position: &str) -> String {
     format!("name = \"x\"\nscene = \"{scene}\"\n[axes]\nalpha = [0.5]\n{light}")
 }
 
-/// An experiment with a `[reference]` of so many samples.
+/// An experiment whose `[reference]` has this many samples.
 fn judged(reference: &str, lines: &str) -> String {
     format!("name = \"x\"\nreference = {{ samples = {reference} }}\n[axes]\nalpha = [0.2]\n{lines}\n")
 }
@@ -177,7 +177,7 @@ fn every_fault_is_reported_with_its_place() {
         ("a missing file is not a formula", axes("environment = [\"sky.hdr\", \"maps/sky\", \"studio.exr\", \"studi\"]"), &[]),
         ("an approximation as judge", "name = \"x\"\nreference = { method = \"split-sum\" }\n[axes]\nalpha = [0.5]\n".to_owned(), &[]),
     ];
-    let told: Vec<String> = cases
+    let messages: Vec<String> = cases
         .iter()
         .map(|(title, text, set)| {
             let found = faults(text, set);
@@ -185,14 +185,14 @@ fn every_fault_is_reported_with_its_place() {
             format!("# {title}\n{}", found.join("\n"))
         })
         .collect();
-    assert_snapshot("experiments_with_faults", &told.join("\n"));
+    assert_snapshot("experiments_with_faults", &messages.join("\n"));
 }
 
 #[test]
-fn right_experiments_have_no_faults() {
+fn correct_experiments_have_no_faults() {
     let swept = "samples = [44, 64]\nmethod = [\"sampled\", \"reference\"]\n";
     for (text, set) in [
-        // What is excluded is not drawn, and without a diffuse term of its own nothing reads the judge's count.
+        // Excluded cells are not drawn, and without a diffuse term nothing reads the reference's count.
         (judged("64", &format!("{swept}[[exclude]]\nmethod = \"reference\"\nsamples = 44\nwhy = \"pairs\"")), None),
         (judged("100, method = \"none\", terms = \"cell\"", "diffuse = [\"none\"]"), None),
         // A method that reads no map ignores its levels.
@@ -200,7 +200,7 @@ fn right_experiments_have_no_faults() {
         (ladder("", ""), None),
         // Only the scene `design` has steps.
         ("name = \"x\"\n[ladder]\n[axes]\nscene = [\"sphere\"]\ndiffuse = [\"zh3\"]\n".to_owned(), None),
-        // Values that `--set` took away, or that are beside others.
+        // Values that `--set` removed, or that are in other rows.
         (excluding("samples = [16, 3]"), None),
         (excluding("samples = 16"), Some("samples=1,4")),
         (excluding("exposure = 1"), Some("exposure=2,4")),
@@ -231,7 +231,7 @@ fn asks_have_a_metric_and_rows_and_change_no_cell() {
     assert_eq!((plain.config.asks.len(), plain.config.metric), (0, splitsum::metrics::HEADLINE));
     let asked: Vec<_> = asking.config.asks.iter().map(|ask| (&*ask.question, ask.by.as_ref().map(|by| by.0))).collect();
     assert_eq!((asked, asking.config.metric), (vec![("error", None), ("effect", Some(ALPHA))], "flip"));
-    // What is asked of the rows is not part of them.
+    // Questions are not part of the rows.
     assert_eq!(asking.hash, plain.hash);
 }
 
@@ -267,7 +267,7 @@ fn text_of_every_default_parses_back_to_the_same_value() {
 #[test]
 fn probable_slips_are_warnings() {
     let warnings = |text: &str| plan(text, &[]).warnings();
-    // 16 bytes a pixel: 2896 squared are the last below 2^27 bytes.
+    // 16 bytes a pixel: 2896 squared is the largest image below 2^27 bytes.
     let text = "name = \"x\"\nsize = [2897, 2897]\n[axes]\nalpha = [0.1]\n";
     let [warning] = &warnings(text)[..] else { panic!("{:?}", warnings(text)) };
     assert!(warning.starts_with("e.toml:2:8: size: 2897x2897 needs a buffer of 128 MiB"), "{warning}");

@@ -1,4 +1,4 @@
-//! Experiment files that are large or hostile: what they cost, and what is shown of them.
+//! Large or hostile experiment files: their cost, and the messages about them.
 
 use crate::cpu_time;
 use splitsum::experiment::fault::FAULTS_SHOWN;
@@ -6,7 +6,7 @@ use splitsum::experiment::{ConfigError, Plan};
 use std::path::Path;
 use std::time::Duration;
 
-/// Many times what each takes: quadratic time takes ten times as long.
+/// Many times the usual time: quadratic time would take ten times as long.
 const QUICK: Duration = Duration::from_secs(5);
 
 fn planned(text: &str) -> Result<Plan, ConfigError> {
@@ -31,7 +31,7 @@ fn the_first_faults_are_shown_and_the_others_counted() {
         assert_eq!((error.faults.len(), error.faults.len() + error.more), (FAULTS_SHOWN, count), "{text:.40}");
         let lines = error.to_string();
         assert!(lines.ends_with(&format!("\nand {} more", count - FAULTS_SHOWN)), "{lines}");
-        // In the order of the file, which here is that of the lines' numbers.
+        // Sorted by line number, which is the order of the file.
         assert!(lines.starts_with("large.toml:"), "{lines}");
     }
     let error = planned(&format!("name = \"x\"\naxes.alpha = [0.1]\n{}", keys(FAULTS_SHOWN))).unwrap_err();
@@ -49,7 +49,7 @@ fn large_sweeps_are_planned_at_once() {
         )
     };
     assert_eq!(planned(&sweep(50, 100, "")).unwrap().cells.len(), 5000);
-    // A long axis, in which each value is compared with the others.
+    // A long axis, whose values are compared with each other.
     assert_eq!(planned(&sweep(20_000, 2, "")).unwrap().cells.len(), 40_000);
     assert!(planned(&sweep(1000, 1000, "")).unwrap_err().to_string().contains("1000000 combinations; at most"));
     let counts: Vec<String> = (1..=20_000).map(|count| count.to_string()).collect();
@@ -59,7 +59,7 @@ fn large_sweeps_are_planned_at_once() {
 }
 
 #[test]
-fn the_name_is_that_of_a_folder() {
+fn the_name_must_suit_a_folder() {
     for (name, is_good) in [
         ("-rf".to_owned(), false),
         (".hidden".to_owned(), false),

@@ -27,7 +27,7 @@ alpha = [0.1, 0.5]
 exposure = [1, 10]
 "#;
 
-/// Cells by everything that tells them apart for a person.
+/// Cells by all fields that a reader distinguishes.
 fn by_point(plan: &Plan) -> BTreeMap<String, &Cell> {
     plan.cells
         .iter()
@@ -67,7 +67,8 @@ fn an_exclusion_leaves_the_same_cells_as_the_collapse() {
     assert_eq!(ids(&excluded), ids(&plan(SWEEP)));
 }
 
-/// What `--set` takes away is no slip of the file, on whichever axis; what is idle in the file is one under `--set`, too.
+/// A value that `--set` removes is not a fault of the file, on any axis. An exclusion without effect in the file is a
+/// fault under `--set`, too.
 #[test]
 fn an_exclusion_is_idle_by_the_file_alone() {
     let text = format!(
@@ -75,8 +76,8 @@ fn an_exclusion_is_idle_by_the_file_alone() {
          [[exclude]]\nmethod = \"split-sum\"\nexposure = 1\nsamples = 40\nwhy = \"hidden\"\n"
     );
     let idle = |set: &str| {
-        let told = planned(&text, &[set]).unwrap().warnings();
-        ["used", "hidden"].map(|why| told.iter().any(|line| line.contains(&format!("{why:?} matches no"))))
+        let warned = planned(&text, &[set]).unwrap().warnings();
+        ["used", "hidden"].map(|why| warned.iter().any(|line| line.contains(&format!("{why:?} matches no"))))
     };
     assert_eq!(idle("method=sampled"), [false, true]);
     assert_eq!(idle("alpha=0.5"), [false, true]);
@@ -89,22 +90,22 @@ fn sample_counts_of_maps_by_harmonics_are_reported_as_idle() {
             "name = \"x\"\n[axes]\nmethod = [\"split-sum\", \"sampled\"]\nalpha = [0.5]\nprefilter = {by}\nprefilter_sample_count = [16, 64]\n"
         )
     };
-    let told = |by: &str| plan(&text(by)).warnings();
-    let [warning] = &told("[\"harmonic\"]")[..] else { panic!("{:?}", told("[\"harmonic\"]")) };
+    let warned = |by: &str| plan(&text(by)).warnings();
+    let [warning] = &warned("[\"harmonic\"]")[..] else { panic!("{:?}", warned("[\"harmonic\"]")) };
     assert!(warning.starts_with("e.toml:6:27: prefilter_sample_count: its 2 values give one cell"), "{warning}");
-    assert!(told("[\"sampled\"]").is_empty() && told("[\"harmonic\", \"sampled\"]").is_empty());
+    assert!(warned("[\"sampled\"]").is_empty() && warned("[\"harmonic\", \"sampled\"]").is_empty());
 }
 
 #[test]
 fn metals_that_an_albedo_of_0_makes_black_are_reported() {
-    let told = |scene: &str, axes: &str| {
+    let warned = |scene: &str, axes: &str| {
         let text =
             format!("name = \"x\"\n[axes]\nscene = [\"{scene}\"]\nalpha = [0.2, 0.5]\nalbedo = [0, 0.5]\n{axes}");
         plan(&text).warnings()
     };
-    let [warning] = &told("spheres", "")[..] else { panic!("{:?}", told("spheres", "")) };
+    let [warning] = &warned("spheres", "")[..] else { panic!("{:?}", warned("spheres", "")) };
     assert!(warning.starts_with("e.toml:5:11: albedo: 0 makes the metals of spheres black"), "{warning}");
-    assert!(told("spheres", "metallic = [0]\n").is_empty() && told("sphere", "").is_empty());
+    assert!(warned("spheres", "metallic = [0]\n").is_empty() && warned("sphere", "").is_empty());
 }
 
 #[test]
@@ -130,7 +131,7 @@ brdf = ["phong", "ggx"]
 #[test]
 fn ids_depend_on_everything_that_determines_pixels() {
     let of = |head: &str, options: &LoadOptions| {
-        // The diffuse term is a reference: what changes it changes the image.
+        // The diffuse term is a reference: its settings change the image.
         let axes = "[axes]\nalpha = [0.1]\ndiffuse = [\"reference\"]";
         let (head, table) = if head.starts_with('[') { ("", head) } else { (head, "") };
         let (text, path) = (format!("name = \"x\"\n{head}\n{axes}\n{table}\n"), Path::new("e.toml"));
@@ -158,7 +159,7 @@ fn ids_depend_on_everything_that_determines_pixels() {
     for head in heads {
         assert!(of(head, &plain).into_iter().all(|id| ids.insert(id)), "{head} changes no id");
     }
-    // The same name and another content.
+    // The same name with other content.
     let other = LoadOptions { builtin_size: [32, 16], ..LoadOptions::default() };
     assert!(of("", &other).into_iter().all(|id| ids.insert(id)), "the light changes no id");
     let ladder = |samples: u32| {
@@ -171,10 +172,10 @@ fn ids_depend_on_everything_that_determines_pixels() {
     assert!(!ids.insert(of("question = \"another\"", &plain)[0].clone()), "the question changes an id");
 }
 
-/// Every axis has cells of its own for two values, and two references where its part is that of a case; else both values are judged by one.
+/// Two values of an axis have two cells each. They have two references if the axis distinguishes cases; else one reference judges both.
 #[test]
 fn the_reference_inherits_the_axes_of_cases_alone() {
-    // Tables of files have a test of their own.
+    // Tables of files are tested elsewhere.
     let is_file = |axis: &&Axis| axis.part == Part::Table && matches!(axis.kind, Kind::NameOrFile { .. });
     let axes = AXES.iter().filter(|axis| ![Part::Method, Part::Count].contains(&axis.part) && !is_file(axis));
     for axis in axes {
@@ -188,7 +189,7 @@ fn the_reference_inherits_the_axes_of_cases_alone() {
             }
             _ => "0.25, 0.5".to_owned(),
         };
-        // Counts of samples count where the tables take some.
+        // Sample counts matter if the tables are sampled.
         let by = if axis.name == "prefilter" { "" } else { "prefilter = [\"sampled\"]\n" };
         let plan = plan(&format!(
             "name = \"x\"\n[axes]\n{by}{} = [{values}]\nmethod = [\"sampled\", \"split-sum\"]\nsamples = [4]\n\
@@ -228,7 +229,7 @@ fn with_all_terms_a_cell_without_one_is_judged_against_the_complete_image() {
 fn axes_that_a_method_ignores_make_no_cells() {
     let cells = |head: &str, axes: &str| plan(&format!("name = \"x\"\n{head}\n[axes]\n{axes}\n")).cells.len();
     let counts = "dfg_size = [8, 16]\nprefilter_sample_count = [1, 2, 3]\nirradiance_sample_count = [[4, 4], [8, 8]]";
-    // By convolution no sample is taken.
+    // The convolution takes no samples.
     assert_eq!(cells("", &format!("method = [\"split-sum\"]\ndiffuse = [\"none\"]\n{counts}")), 2);
     assert_eq!(cells("", &format!("method = [\"none\"]\ndiffuse = [\"irradiance-map\"]\n{counts}")), 1);
     let tables = format!("{counts}\nprefilter = [\"sampled\"]");
@@ -236,7 +237,7 @@ fn axes_that_a_method_ignores_make_no_cells() {
     assert_eq!(cells("", &format!("method = [\"sampled\"]\ndiffuse = [\"sh9\"]\n{tables}")), 2);
     assert_eq!(cells("", &format!("method = [\"split-sum\"]\ndiffuse = [\"none\"]\n{tables}")), 2 * 3);
     assert_eq!(cells("", &format!("method = [\"none\"]\ndiffuse = [\"irradiance-map\"]\n{tables}")), 2);
-    // A light's reflection beside no diffuse term is weighted by the DFG table, too.
+    // The DFG table also weighs a light's reflection without a diffuse term.
     let light = "lights = [{ kind = \"point\", position = [0, 2, 0], color = [1, 1, 1] }]";
     assert_eq!(cells(light, &format!("method = [\"sampled\"]\ndiffuse = [\"none\"]\n{tables}")), 2);
     assert_eq!(cells("", "method = [\"sampled-unfiltered\", \"split-sum\"]\nlod_bias = [-1, 0, 1]"), 2);
@@ -271,8 +272,8 @@ fn zipped_axes_step_together() {
 }
 
 #[test]
-fn methods_are_timed_in_one_block_whatever_only_one_of_them_has() {
-    // Without a diffuse term only the split sum reads tables, so only it has a storage format.
+fn methods_are_timed_in_one_block_despite_axes_of_only_one() {
+    // Without a diffuse term only the split sum reads tables, so only the split sum has a storage format.
     let text = format!("{SWEEP}diffuse = [\"none\"]\nstorage_format = [\"f32\", \"f16\"]\n[timing]\nrounds = 5\n");
     let plan = plan(&text);
     let jobs = timing::jobs(&plan);
@@ -302,11 +303,11 @@ fn a_reference_under_test_shares_no_points_with_the_one_that_judges_it() {
         (request.shading.method.name, request.reference_samples)
     );
     assert_ne!(judge.seed, request.seed);
-    assert_ne!(under_test.radiance, under_test.reference, "one image must not stand for both");
+    assert_ne!(under_test.radiance, under_test.reference, "both must not share one image");
     assert_eq!((judge.seed, plan.request(&sampled.point).seed), (7, 7));
 }
 
-/// A row of method `reference` names the samples that it draws; the reference that judges it may stop earlier.
+/// A row of method `reference` states its own samples; the reference that it is compared with may stop earlier.
 #[test]
 fn a_reference_under_test_does_not_stop_by_itself() {
     let text = |error: &str| {
@@ -320,7 +321,7 @@ fn a_reference_under_test_does_not_stop_by_itself() {
         let request = stopping.request(&cell.point);
         assert_eq!(request.reference_error, (!is_under_test).then_some(0.05));
         assert_eq!(request.reference_samples, if is_under_test { request.shading.samples } else { 4096 });
-        // The image of a reference under test is the same either way, and so is its name.
+        // The image of a reference under test is the same in both cases, and so is its name.
         assert_eq!(cell.radiance == same.radiance, is_under_test);
         let judge = stopping.reference_request(&stopping.reference_point(&cell.point));
         assert_eq!(judge.reference_error, Some(0.05));
@@ -331,7 +332,7 @@ fn a_reference_under_test_does_not_stop_by_itself() {
 #[test]
 fn tables_of_other_tools_count_by_their_content() {
     let dir = tempfile::tempdir().unwrap();
-    // A cube of 8 levels as KTX 1, all of one colour. Unity reads 7.
+    // A cube of 8 levels as KTX 1, of one colour. Unity reads 7.
     let bake = |name: &str, value: f32| {
         let levels = [128, 64, 32, 16, 8, 4, 2, 1].map(|side| vec![RgbImage::filled(side, side, [value; 3]); 6]);
         let (texel, format) = (&TEXELS[0], FORMATS.iter().find(|format| format.extension == "ktx").unwrap());
@@ -350,7 +351,7 @@ fn tables_of_other_tools_count_by_their_content() {
         Plan::from_text(&path, &text(file), &[]).unwrap().cells.into_iter().map(|cell| cell.id).collect()
     };
     let plan = Plan::from_text(&path, &text("a.ktx"), &[]).unwrap();
-    // Our own map of two sizes, theirs of its own size, and a method that reads none.
+    // Our own map at two sizes, the given map at its own size, and a method that reads none.
     assert_eq!(plan.cells.len(), 4);
     let theirs =
         plan.cells.iter().find(|cell| cell.point.get("prefiltered").to_string() == "file:a.ktx#unity").unwrap();

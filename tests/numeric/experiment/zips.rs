@@ -1,4 +1,4 @@
-//! `--set` of axes that vary together: rows are kept whole.
+//! `--set` of zipped axes keeps rows whole.
 
 use super::planned;
 
@@ -20,7 +20,7 @@ fn a_value_of_one_axis_keeps_its_rows_and_the_others_follow() {
     assert_eq!(whole, ["ggx 0.1 4", "ggx 0.5 16", "ggx 1 64", "phong 0.1 4", "phong 0.5 16", "phong 1 64"]);
     assert_eq!(rows(&["alpha=1,0.1"]).unwrap(), ["ggx 0.1 4", "ggx 1 64", "phong 0.1 4", "phong 1 64"]);
     assert_eq!(rows(&["samples=16", "brdf=phong"]).unwrap(), ["phong 0.5 16"]);
-    // All of them: other rows.
+    // Setting all of them gives new rows.
     assert_eq!(rows(&["samples=9,2", "alpha=0.3,0.4", "brdf=ggx"]).unwrap(), ["ggx 0.3 9", "ggx 0.4 2"]);
 }
 
@@ -31,7 +31,7 @@ fn a_value_of_no_row_is_refused_with_the_rows() {
         fault,
         "--set alpha: axes.alpha: 0.3 is in no [[zip]] row; choose from 0.1, 0.5, 1, or set alpha, samples together for new rows"
     );
-    // A value that is none has that fault alone.
+    // An invalid value is the only fault reported.
     let fault = rows(&["alpha=7"]).unwrap_err();
     assert_eq!(fault, "--set alpha: axes.alpha: 7 is outside (0, 1]");
     let fault = rows(&["alpha=0.3,0.4", "samples=1"]).unwrap_err();

@@ -1,17 +1,17 @@
-//! Circles of modules at every depth: among the files and folders of each folder.
+//! Import cycles at every depth: among the files and folders of each folder.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 
-/// A module's file, and every path from the crate's root that its code names.
+/// A module's file, and every path from the crate's root in its code.
 type Modules = BTreeMap<Vec<String>, (PathBuf, BTreeSet<Vec<String>>)>;
 
-/// What names what, from child to child of one folder, each with the files that do.
+/// References between children of one folder, each with the files that make them.
 type Edges<'m> = BTreeMap<&'m str, BTreeMap<&'m str, BTreeSet<String>>>;
 
-/// The first circle, as lines that say which file names which module; `None` where there is none.
+/// The first cycle, as lines that say which file names which module; `None` without a cycle.
 ///
-/// A module that names items of the folder it lies in is no part of a circle by that: only children of one folder are compared.
+/// References from a module to items of its own folder do not count: only children of one folder are compared.
 pub fn first_circle(modules: &Modules) -> Option<String> {
     let folders: BTreeSet<&[String]> =
         modules.keys().flat_map(|module| (0..module.len()).map(|n| &module[..n])).collect();
@@ -25,7 +25,7 @@ pub fn first_circle(modules: &Modules) -> Option<String> {
     })
 }
 
-/// The children of a folder that name each other.
+/// References between the children of a folder.
 fn edges<'m>(modules: &'m Modules, folder: &[String]) -> Edges<'m> {
     let depth = folder.len();
     let mut edges = Edges::new();
@@ -35,7 +35,7 @@ fn edges<'m>(modules: &'m Modules, folder: &[String]) -> Edges<'m> {
         for path in
             paths.iter().filter(|path| path.len() > depth && path.starts_with(folder) && path[depth] != module[depth])
         {
-            // A path may go on to an item; one that names no module of the folder is an item of the folder itself.
+            // A path may end in an item; a path without a module of the folder is an item of the folder itself.
             let is_module = modules.keys().any(|other| other.len() > depth && other[..=depth] == path[..=depth]);
             if is_module {
                 let line = format!("{} names {}", file.display(), path.join("::"));

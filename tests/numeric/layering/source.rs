@@ -14,7 +14,7 @@ pub fn comments(source: &str) -> String {
     comments.map(|(_, comment)| comment.trim_start_matches(['/', '!']).trim()).collect::<Vec<_>>().join(" ")
 }
 
-/// Identifiers of a text, with where each begins.
+/// Identifiers of a text, with their places.
 pub fn words(code: &str) -> impl Iterator<Item = (usize, &str)> {
     let is_word = |c: char| c.is_alphanumeric() || c == '_';
     code.split(move |c: char| !is_word(c))
@@ -32,7 +32,7 @@ pub fn module_of(file: &Path) -> Vec<String> {
     module
 }
 
-/// Every path that code of `module` names by `crate::` or `super::`, from the crate's root, trees in braces multiplied out.
+/// Every path that code of `module` names by `crate::` or `super::`, from the crate's root, with trees in braces expanded.
 pub fn imports(module: &[String], code: &str) -> BTreeSet<Vec<String>> {
     let mut found = BTreeSet::new();
     for (start, word) in words(code) {
@@ -51,7 +51,7 @@ pub fn imports(module: &[String], code: &str) -> BTreeSet<Vec<String>> {
     found
 }
 
-/// Reads `::name`, `::{...}` and `::*` after `base`; returns what follows.
+/// Reads `::name`, `::{...}` and `::*` after `base`; returns the rest.
 fn expand<'t>(text: &'t str, base: &[String], found: &mut BTreeSet<Vec<String>>) -> &'t str {
     let end = text.trim_start();
     let Some(rest) = end.strip_prefix("::").map(str::trim_start) else {
@@ -60,7 +60,7 @@ fn expand<'t>(text: &'t str, base: &[String], found: &mut BTreeSet<Vec<String>>)
     };
     if let Some(mut rest) = rest.strip_prefix('{') {
         loop {
-            // Each item of the tree stands as if after `::`.
+            // Each item of the tree is read as if it followed `::`.
             rest = rest.trim_start();
             if let Some(after) = rest.strip_prefix('}') {
                 return after;
@@ -71,7 +71,7 @@ fn expand<'t>(text: &'t str, base: &[String], found: &mut BTreeSet<Vec<String>>)
                 path.push(rest[..name].to_owned());
             }
             rest = expand(&rest[name..], &path, found);
-            // Past ` as other` and the comma.
+            // Skips ` as other` and the comma.
             let next = rest.find([',', '}']).expect("a use tree is closed");
             rest = rest[next..].trim_start_matches(',');
         }

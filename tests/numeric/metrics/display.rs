@@ -1,4 +1,4 @@
-//! The metrics of the eye: SSIM from its definition, FLIP against the authors' programs.
+//! Perceptual metrics: SSIM from its definition, FLIP against the authors' programs.
 
 use super::{LINEAR_CURVE, Random, assert_relative, noisy_pair, radiance_of_code, score, uniform, whole};
 use splitsum::metrics::{Comparison, PIXELS_PER_DEGREE};
@@ -35,7 +35,7 @@ fn mean_ssim(test: &Rgb8Image, reference: &Rgb8Image, mask: &GrayImage) -> f64 {
 #[test]
 fn ssim_equals_its_definition() {
     let [test, reference] = noisy_pair(17, 14);
-    // Every third pixel from elsewhere, so that structure is lost and the score is far from 1.
+    // Every third pixel comes from elsewhere, so that structure is lost and the score is far from 1.
     let test = RgbImage::from_fn(17, 14, |x, y| if (x + y) % 3 == 0 { test.get(16 - x, y) } else { test.get(x, y) });
     let mask = GrayImage::from_fn(17, 14, |x, y| if (x + 2 * y) % 7 == 0 { 0.0 } else { 1.0 });
     let black_outside = |image: &RgbImage| {
@@ -68,7 +68,7 @@ fn map_of_the_authors(test: &Rgb8Image, reference: &Rgb8Image) -> Vec<f32> {
 fn flip_equals_the_authors_program_pixel_by_pixel() {
     assert_relative(f64::from(PIXELS_PER_DEGREE), 3840f64.to_radians(), 1e-6, "0.7 m, 3840 pixels, 0.7 m");
     let mut random = Random::new(3);
-    // Stripes and blocks under a ramp, a test with another contrast, blur in a corner and speckles; narrower than the filters, too.
+    // Stripes and blocks under a ramp; the test image has another contrast, blur in a corner and speckles, some narrower than the filters.
     for (width, height) in [(64, 48), (5, 70), (1, 1), (33, 3)] {
         let code = |value: f64| value.clamp(0.0, 250.0).round();
         let reference = Codes::from_fn(width, height, |x, y| {

@@ -26,7 +26,7 @@ fn bits(image: &RgbImage) -> Vec<u32> {
 }
 
 #[test]
-fn what_is_written_comes_back_bit_for_bit() {
+fn files_read_back_bit_for_bit() {
     let folder = folder();
     let path = folder.path().join("frame.exr");
     let (rgb, error) = (test_image(1, 37, 19), test_image(2, 37, 19));
@@ -41,7 +41,7 @@ fn what_is_written_comes_back_bit_for_bit() {
     assert!(layer.alpha.is_none());
     assert!(exr_file::read_layer(&path, Some("depth")).unwrap_err().to_string().contains("in layer \"depth\""));
 
-    // An outside reader finds the channels under the names that viewers group by.
+    // An independent reader finds the channels under the names by which viewers group them.
     let outside = exr::prelude::read_first_flat_layer_from_file(&path).unwrap();
     let names: Vec<String> = outside.layer_data.channel_data.list.iter().map(|c| c.name.to_string()).collect();
     assert_eq!(names, ["A", "B", "G", "R", "standard_error.B", "standard_error.G", "standard_error.R"]);
@@ -58,7 +58,7 @@ fn writing_replaces_and_leaves_nothing_else() {
         exr_file::write_rgba(&path, &test_image(seed, 4, 2), &alpha, &[]).unwrap();
     }
     assert_eq!(bits(&exr_file::read(&path).unwrap().rgb), bits(&test_image(4, 4, 2)));
-    // A folder in the way: the rename fails after everything was written.
+    // A folder of the same name: the rename fails after everything was written.
     let blocked = folder.path().join("blocked.exr");
     std::fs::create_dir(&blocked).unwrap();
     assert!(exr_file::write_rgba(&blocked, &test_image(3, 4, 2), &alpha, &[]).is_err());
@@ -70,7 +70,7 @@ fn writing_replaces_and_leaves_nothing_else() {
     assert_eq!(left, ["blocked.exr", "frame.exr"]);
 }
 
-/// Halves that every lossless compression must keep, as written by the crate `exr`, whole or in tiles that do not divide it.
+/// Halves that every lossless compression must keep, written by the crate `exr`, whole or in tiles that do not divide the image.
 #[test]
 fn compressions_and_tiles() {
     let folder = folder();
@@ -103,8 +103,8 @@ fn compressions_and_tiles() {
     }
 }
 
-/// Against what the OpenEXR library 3.5.3 reads from the files that it wrote itself: ramps, an edge, a bright disc and a flat part (which
-/// B44A stores in fewer bytes) on a size that divides into no whole blocks.
+/// Against the pixels that the OpenEXR library 3.5.3 reads from its own files: ramps, an edge, a bright disc and a flat
+/// part (which B44A stores in fewer bytes), with a size that does not divide into whole blocks.
 #[test]
 fn lossy_compressions_are_read_as_the_reference_library_reads_them() {
     let golden = std::path::Path::new("tests/golden/exr");
@@ -184,7 +184,7 @@ fn channel(name: &'static str, kind: i32, value: fn(i32, i32) -> f32) -> Channel
     Channel { name, kind, value }
 }
 
-/// An uncompressed scan-line file after the format's specification. Returns the bytes and where the table of blocks begins.
+/// An uncompressed scan-line file by the format's specification. Returns the bytes and the start of the table of blocks.
 fn handmade(channels: &[Channel], data: [i32; 4], display: [i32; 4], extra: &[u8]) -> (Vec<u8>, usize) {
     fn attribute(name: &str, kind: &str, value: &[u8]) -> Vec<u8> {
         let size = (value.len() as i32).to_le_bytes();
@@ -290,7 +290,7 @@ fn channel_names() {
     assert_snapshot("exr_channels_that_are_refused", &refusals.join("\n"));
 }
 
-/// A header that claims more than fits in memory is refused before anything is unpacked, and so are channels without an end.
+/// A header that claims more than fits in memory is refused before anything is unpacked, and so are endless channels.
 #[test]
 fn claims_are_refused_with_the_figure() {
     let rgb = ["B", "G", "R"].map(|name| channel(name, 2, |_, _| 1.0));
@@ -344,7 +344,7 @@ fn bad_files_are_refused_with_place_and_expectation() {
         file
     };
     let first_block = table + 16;
-    // Of channel B: its type, whether it is linear, then the steps in x and y.
+    // For channel B: its type, whether it is linear, then the steps in x and y.
     let sampling = good.windows(6).position(|bytes| bytes == b"B\0\x02\0\0\0").unwrap() + 2 + 8;
     let cases = [
         ("a subsampled channel", edited(sampling, &[2, 0, 0, 0, 2, 0, 0, 0])),
@@ -360,8 +360,8 @@ fn bad_files_are_refused_with_place_and_expectation() {
         ("a block that is too short", edited(first_block + 4, &4i32.to_le_bytes())),
         ("a block that is too long", edited(first_block + 4, &i32::MAX.to_le_bytes())),
     ];
-    let told = cases.map(|(case, file)| format!("{case}: {}", refusal(&file).split_once(": ").unwrap().1));
-    assert_snapshot("exr_files_that_are_refused", &told.join("\n"));
+    let messages = cases.map(|(case, file)| format!("{case}: {}", refusal(&file).split_once(": ").unwrap().1));
+    assert_snapshot("exr_files_that_are_refused", &messages.join("\n"));
     // A window of 2^30 pixels in a small file.
     let window = [0, 0, (1 << 20) - 1, (1 << 10) - 1];
     let at = good.windows(11).position(|bytes| bytes == b"dataWindow\0").unwrap() + 11 + 6 + 4;

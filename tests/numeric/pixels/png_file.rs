@@ -14,13 +14,13 @@ fn round_trip() {
     let path = folder.path().join("picture.png");
     png::write_rgb8(&path, &image()).unwrap();
     assert_eq!(png::read_rgb8(&path).unwrap(), image());
-    // A relative path without a folder names the current one; nothing else may be left where we wrote.
+    // A relative path without a folder means the current folder. No other file may be left in the folder.
     assert_eq!(std::fs::read_dir(&folder).unwrap().count(), 1);
 }
 
 #[cfg(unix)]
 #[test]
-fn files_have_the_rights_of_new_files() {
+fn files_have_the_permissions_of_new_files() {
     use std::os::unix::fs::PermissionsExt;
     let folder = folder();
     let (path, plain) = (folder.path().join("picture.png"), folder.path().join("plain"));

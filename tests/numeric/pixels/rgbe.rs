@@ -156,7 +156,7 @@ fn bad_files_are_refused_with_place_and_expectation() {
 }
 
 #[test]
-fn paths_that_are_no_files() {
+fn paths_that_are_not_files() {
     let folder = folder();
     assert!(radiance::read(folder.path()).unwrap_err().to_string().contains("not a regular file"));
     assert!(radiance::read(&folder.path().join("none.hdr")).unwrap_err().to_string().contains("cannot be read"));

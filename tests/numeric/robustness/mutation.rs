@@ -1,11 +1,11 @@
-//! Mutation of files: what `cargo fuzz` does, without its feedback, on any toolchain.
+//! Mutation of files, as `cargo fuzz` does it, without its feedback, on any toolchain.
 
 use crate::chi_square::Random;
 
 /// Makes mutated files from a fixed seed.
 pub struct Mutator(Random);
 
-/// Values at the edges of integers, as bytes of a file may hold them.
+/// Extreme integers, as bytes of a file.
 const EDGES: [i64; 10] = [0, 1, -1, 127, 128, 255, i16::MAX as i64, i32::MAX as i64, i32::MIN as i64, i64::MAX];
 
 /// Words that text formats treat as special.
@@ -46,7 +46,7 @@ impl Mutator {
                 bytes.splice(to..to, copy);
             }
             5 => {
-                // An integer of 1, 2, 4 or 8 bytes at an edge.
+                // An extreme integer of 1, 2, 4 or 8 bytes.
                 let value = EDGES[self.below(EDGES.len())].to_le_bytes();
                 let size = (1usize << self.below(4)).min(bytes.len() - at);
                 bytes[at..at + size].copy_from_slice(&value[..size]);
@@ -56,14 +56,14 @@ impl Mutator {
                 bytes.splice(at..at, word.bytes());
             }
             7 => {
-                // A number of a text becomes another.
+                // Replaces a number in a text.
                 let Some(digit) = (at..bytes.len()).find(|&i| bytes[i].is_ascii_digit()) else { return };
                 let end = (digit..bytes.len()).find(|&i| !bytes[i].is_ascii_digit()).unwrap_or(bytes.len());
                 let word = WORDS[self.below(6)];
                 bytes.splice(digit..end, word.bytes());
             }
             _ => {
-                // The rest of another file.
+                // Appends the rest of another file.
                 let other = seeds[self.below(seeds.len())];
                 let from = self.below(other.len());
                 bytes.truncate(at);

@@ -1,6 +1,6 @@
-//! What fuzzing calls: one function a kind of input, each from bytes of anyone's making through everything that reads them.
+//! Fuzz targets: one function per kind of input, which passes any bytes through all their readers.
 //!
-//! They panic when a promise is broken: a result that later code could not trust, or a message that does not name the file.
+//! They panic if a promise is broken: a result that later code could not trust, or a message that does not name the file.
 //! `fuzz/fuzz_targets` and the tests beside this file share them.
 
 use splitsum::bakes::container::{TEXELS_MAX, from_bytes};
@@ -10,7 +10,7 @@ use splitsum::experiment::fault::Faults;
 use splitsum::experiment::{Config, Plan};
 use splitsum::oracle::{Kind, Queries};
 use splitsum::pixels::{GrayImage, RgbImage, exr};
-use splitsum::report::page::{PageOptions, Told, write};
+use splitsum::report::page::{PageOptions, PageRun, write};
 use splitsum::scene::{Scene, SceneFiles};
 use splitsum::spelling::Listed;
 use splitsum::study::finished::Finished;
@@ -19,13 +19,13 @@ use std::collections::BTreeMap;
 use std::io::{Error, ErrorKind};
 use std::path::{Path, PathBuf};
 
-/// A kind of input: the name of its fuzz target and corpus folder, and what reads it.
+/// A kind of input: the name of its fuzz target and corpus folder, and its reader.
 pub struct Target {
     pub name: &'static str,
     pub run: fn(&[u8]),
 }
 
-/// Every kind of input. Models and experiments are several files in one, as [`files`].
+/// Every kind of input. Models and experiments are several files in one, see [`files`].
 pub const TARGETS: &[Target] = &[
     Target { name: "hdr", run: |bytes| environment("x.hdr", bytes) },
     Target { name: "exr", run: |bytes| environment("x.exr", bytes) },
@@ -79,7 +79,7 @@ fn coefficients(bytes: &[u8]) {
     }
 }
 
-/// A folder of a bake, as [`files`]: faces by their names, or what a `bake.json` names.
+/// A folder of a bake, as [`files`]: faces by their names, or the files named in `bake.json`.
 fn bake(bytes: &[u8]) {
     let dir = tempfile::tempdir().expect("a folder for temporary files");
     write_files(dir.path(), bytes);
@@ -128,14 +128,14 @@ impl SceneFiles for Memory {
     }
 }
 
-/// Several files in one: each begins after a line `@@NAME`. What stands before the first such line is left out.
+/// Several files in one: each begins after a line `@@NAME`. Text before the first such line is ignored.
 fn files(bytes: &[u8]) -> BTreeMap<PathBuf, Vec<u8>> {
     let mut files: BTreeMap<PathBuf, Vec<u8>> = BTreeMap::new();
     let mut current = None;
     for line in bytes.split_inclusive(|byte| *byte == b'\n') {
         match line.strip_prefix(b"@@").and_then(|name| std::str::from_utf8(name).ok()) {
             Some(name) => {
-                // Written as its components are: "m.mtl/" is found as "m.mtl" and must be so named.
+                // Compares by components: "m.mtl/" is found as "m.mtl" and must have that name.
                 let name: PathBuf = Path::new(name.trim_end()).components().collect();
                 files.entry(name.clone()).or_default();
                 current = Some(name);
@@ -165,7 +165,7 @@ pub fn write_files(dir: &Path, bytes: &[u8]) {
     }
 }
 
-/// A binary glTF file, or else a text `x.gltf` with the buffers and images that it names, as [`files`].
+/// A binary glTF file, or a text `x.gltf` with its buffers and images, as [`files`].
 fn gltf(bytes: &[u8]) {
     let (name, memory) = match bytes.starts_with(b"glTF") {
         true => ("x.glb", BTreeMap::from([(PathBuf::from("x.glb"), bytes.to_vec())])),
@@ -205,7 +205,7 @@ fn scene(name: &str, memory: Memory) {
 
 /// An experiment `x.toml`, with the lines of `set` as `--set`, as [`files`].
 fn experiment(bytes: &[u8]) {
-    /// Above this many combinations the expansion is only slow.
+    /// Above this many combinations the expansion is merely slow.
     const COMBINATIONS_MAX: u64 = 3000;
     let files = files(bytes);
     let text = |name: &str| files.get(Path::new(name)).and_then(|bytes| std::str::from_utf8(bytes).ok());
@@ -247,7 +247,7 @@ fn queries(bytes: &[u8]) {
     }
 }
 
-/// The files of a run's folder, as [`files`]; the images are there already. Files are written to a folder of their own, because a
+/// The files of a run's folder, as [`files`]; the images already exist. The files go to their own folder, because a
 /// report reads, lists and writes folders.
 fn report(bytes: &[u8]) {
     let dir = tempfile::tempdir().expect("a folder for temporary files");
@@ -259,15 +259,15 @@ fn report(bytes: &[u8]) {
     }
     write_files(&run, bytes);
     let options = PageOptions { out: dir.path().join("page.html"), ..PageOptions::in_folder(&run) };
-    let told = Finished::read(&run).map(|run| {
+    let read_run = Finished::read(&run).map(|run| {
         let answers = answers(&run, None);
         [(run, answers)]
     });
-    let runs = match told {
+    let runs = match read_run {
         Ok(runs) => runs,
         Err(error) => return assert!(error.to_string().contains("run"), "{error} should name the folder"),
     };
-    match write(&options, &Told::of_runs(&runs)) {
+    match write(&options, &PageRun::of_runs(&runs)) {
         Ok(written) => {
             let page = std::fs::read_to_string(&written.path).expect("the page was written");
             assert!(page.trim_end().ends_with("</html>"));

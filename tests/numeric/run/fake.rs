@@ -1,4 +1,4 @@
-//! A renderer made of formulas: an analytic sphere whose error is known for every method.
+//! A synthetic renderer: an analytic sphere whose error is known for every method.
 
 use splitsum::ladder::{Attribution, SPLIT_SUM, StepNumbers};
 use splitsum::pipeline::{
@@ -16,7 +16,7 @@ use std::collections::BTreeMap;
 use std::rc::Rc;
 use std::sync::Arc;
 
-/// What the fake was asked to do, and what it is to refuse.
+/// Log and faults of the fake renderer.
 #[derive(Debug, Default)]
 pub struct Log {
     /// Method and sample count of every render.
@@ -29,11 +29,11 @@ pub struct Log {
     pub broken_method: Option<&'static str>,
     /// Whether a render fails.
     pub broken: Option<fn(&RenderRequest) -> bool>,
-    /// The relative error of `split-sum`, where not [`SPLIT_SUM_ERROR`].
+    /// Relative error of `split-sum`, if it is not [`SPLIT_SUM_ERROR`].
     pub split_sum_error: Option<fn(&RenderRequest) -> f32>,
     /// Renders until the device is lost.
     pub renders_left: Option<usize>,
-    /// What the device is called, where not `fake`.
+    /// Name of the device, if it is not `fake`.
     pub device: Option<&'static str>,
 }
 
@@ -41,14 +41,14 @@ pub struct Fake(pub Rc<RefCell<Log>>);
 
 /// Relative error of `sampled` at one sample; it falls with the root of the count.
 pub const ERROR_AT_ONE: f32 = 0.4;
-/// Relative error of `split-sum`, whatever the count. Break-even with `sampled` lies between 4 (0.2) and 16 (0.1) samples.
+/// Relative error of `split-sum` at any count. Break-even with `sampled` lies between 4 (0.2) and 16 (0.1) samples.
 pub const SPLIT_SUM_ERROR: f32 = 0.15;
 /// Relative standard error of the reference.
 pub const NOISE: f32 = 1e-4;
 /// Relative error of each further point set, of alternating sign.
 pub const SET_ERROR: f32 = 0.01;
 
-/// Where the fake reference stops: at a quarter of the samples it may take, with an error of 1/1000, when at least that was asked for.
+/// The fake reference stops at a quarter of its samples with an error of 1/1000, if the request allows that error.
 fn convergence(request: &RenderRequest) -> Convergence {
     let is_met = request.reference_error.is_some_and(|wanted| wanted >= 1e-3);
     Convergence {
@@ -129,7 +129,7 @@ impl Renderer for Fake {
             standard_error,
             mask: Arc::new(mask),
             n_dot_v: Arc::new(n_dot_v),
-            // What comes from a cache has no passes; this was rendered.
+            // A cached frame has no passes; this one was rendered.
             timings: FrameTimings { frame: vec![PassTime { pass: "gbuffer", ms: 1.0 }], ..FrameTimings::default() },
         })
     }
@@ -185,7 +185,7 @@ impl Renderer for Fake {
             prefiltered: chain(2),
             dfg,
             dfg_axes: DfgAxes::default(),
-            // Every lobe points along r and is as wide as alpha.
+            // Every lobe points along r and has the width alpha.
             tap_tables: counts
                 .iter()
                 .map(|_| Pixels::new(2, 4, [[[1.0, 0.0, 0.0, 0.0]; 2], [[1.0, 1.0, 0.0, 0.0]; 2]].concat().repeat(2)))
@@ -225,7 +225,7 @@ impl Renderer for Fake {
         0.0
     }
 
-    /// As many references as were rendered, and two tables that no disk had.
+    /// As many references as were rendered, and two tables that are not from the disk.
     fn shared_work(&self) -> SharedWork {
         let references = self.0.borrow().renders.iter().filter(|(method, _)| method == "reference").count();
         [("reference", references), ("dfg", 2)].map(|(kind, made)| (kind.to_owned(), Tally { made, read: 0 })).into()
@@ -236,7 +236,7 @@ impl Renderer for Fake {
     }
 }
 
-/// Follows nothing.
+/// Ignores progress.
 pub struct Silent;
 
 impl Progress for Silent {
@@ -245,7 +245,7 @@ impl Progress for Silent {
     fn note(&mut self, _: &str) {}
 }
 
-/// Makes fakes that write to one log.
+/// Makes fakes that share one log.
 pub fn fakes(log: &Rc<RefCell<Log>>) -> impl FnMut() -> Result<Box<dyn Renderer>, RenderFault> + 'static {
     let log = log.clone();
     move || Ok(Box::new(Fake(log.clone())))

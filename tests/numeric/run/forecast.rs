@@ -1,4 +1,4 @@
-//! The predicted time of a run, with a made clock.
+//! The predicted time of a run, with a synthetic clock.
 
 use super::runs::{Bench, Each, fakes, log, options, plan};
 use super::timing_ratios::record;
@@ -11,7 +11,7 @@ use splitsum::run::timing::{self, TimingJob, TimingRecord};
 use splitsum::run::{MakeRenderer, Renderer, RunOptions, run};
 use std::sync::atomic::AtomicBool;
 
-/// Cheap and dear cells in the order of a file that goes from the cheap to the dear; the dearest takes a thousand times as long as the cheapest.
+/// Cells in order of increasing cost; the most expensive takes a thousand times as long as the cheapest.
 const SWEEP: &str = r#"
 name = "sweep"
 reference = { samples = 4096 }
@@ -26,10 +26,10 @@ exposure = [1, 4]
 const TIMED: &str = "[timing]\nrounds = 40\nwarmup = 2\n";
 const THREADS: f64 = 2.0;
 
-/// How long work takes that is stated to take a second.
+/// Real duration of work that is stated to take a second.
 type Truth = fn(kind: &str) -> f64;
 
-/// The seconds that a run of a plan has left after each of its steps, and those that were predicted: first before all steps.
+/// The remaining seconds of a run after each of its steps, and the predicted ones, starting before the first step.
 fn simulated(plan: &Plan, truth: Truth, speeds: Speeds, is_cpu_device: bool) -> (Vec<[f64; 2]>, Speeds) {
     let jobs = timing::jobs(plan);
     let cells: Vec<&Cell> =
@@ -37,7 +37,7 @@ fn simulated(plan: &Plan, truth: Truth, speeds: Speeds, is_cpu_device: bool) -> 
     let host = Host { threads: THREADS as usize, is_cpu_device };
     let mut forecast = Forecast::new(plan, &cells, &jobs, [], speeds, host);
     let (mut steps, mut random) = (Steps::new(plan, &jobs, []), Random::new(7));
-    // Within a fifth of what the kind takes.
+    // Within a fifth of the kind's usual time.
     let mut jitter = || 0.8 + 0.4 * random.order(1000)[0] as f64 / 1000.0;
     let taken = |work: &Work, jitter: f64, kind: &str| -> f64 {
         let own = work.0.iter().filter(|(name, _)| name.starts_with(kind));
@@ -94,7 +94,7 @@ fn timed(job: &TimingJob, ms: f64) -> TimingRecord {
     }
 }
 
-/// The largest factor between what was left and what was predicted, from a share of the time on and before its last hundredth.
+/// The largest factor between remaining and predicted time, from a share of the time on and before its last hundredth.
 fn worst(found: &[[f64; 2]], from: f64) -> f64 {
     let total = found[0][0];
     let judged = found.iter().filter(|[left, _]| *left <= (1.0 - from) * total && *left >= 0.01 * total);
@@ -117,7 +117,7 @@ fn a_prediction_is_right_within_a_factor_of_one_and_a_half_after_a_tenth_of_the_
             let (found, own) = simulated(&plan, truth, Speeds::default(), is_cpu_device);
             let factor = worst(&found, 0.1);
             assert!(factor <= 1.5, "{name}: {factor}");
-            // A second run knows the speeds from its first second on, and a busy machine shows soon.
+            // A second run knows the speeds from its first second on, and detects a busy machine soon.
             let (found, _) = simulated(&plan, truth, own.clone(), is_cpu_device);
             let factor = worst(&found, 0.0);
             assert!(factor <= 1.5, "{name}, again: {factor}");
@@ -156,7 +156,7 @@ fn a_run_predicts_its_time_and_keeps_its_speeds() {
     run(&bench.plan, &mut fakes(&log()) as &mut MakeRenderer, &options, &mut progress).unwrap();
     assert_eq!(shares.len(), 1 + 32 + 12);
     assert!(shares[0].share == 0.0 && shares[0].seconds > 0.0);
-    // Tables and pages are still to come.
+    // Tables and pages remain.
     let last = shares[shares.len() - 1];
     assert!((0.5..1.0).contains(&last.share) && last.seconds > 0.0, "{last:?}");
 
@@ -164,9 +164,9 @@ fn a_run_predicts_its_time_and_keeps_its_speeds() {
     let known = SpeedsFile::read(&file);
     let (name, speeds) = known.of(Some(&device)).expect("the device is known");
     assert_eq!((name, known.of(None)), ("fake (formula)", Some((name, speeds))));
-    // The fake says 10 ms for tables and 1.5 ms more than its passes for a frame.
+    // The fake takes 10 ms for tables and 1.5 ms more than its passes for a frame.
     assert_ne!(speeds.ratio("timed image"), speeds.ratio("image"));
-    // All work stands for a kind that no run had.
+    // A kind without earlier runs has the speed of all work.
     let all = speeds.ratio("other work");
     assert!(all > 0.0 && all != speeds.ratio("image") && Speeds::default().ratio("other work") == 1.0, "{all}");
     device.driver = "another".to_owned();

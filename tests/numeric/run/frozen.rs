@@ -1,4 +1,4 @@
-//! The experiment that a run keeps can be run again as it stands.
+//! The copy of an experiment in a run's folder can be run again.
 
 use super::runs::{finished, read, snapshot};
 use splitsum::environment::LoadOptions;
@@ -24,7 +24,7 @@ fn load(path: &Path, set: &[&str]) -> Result<(Plan, Option<String>), String> {
     frozen::load(path, &set, &LoadOptions::default()).map_err(|error| error.to_string())
 }
 
-/// A folder with an experiment that names files, and a run of it elsewhere, with a map of a third folder.
+/// A folder with an experiment that names files, and its run in another folder, with a map from a third folder.
 fn made() -> (tempfile::TempDir, Plan) {
     let root = tempfile::tempdir().unwrap();
     let sweeps = root.path().join("sweeps");
@@ -45,13 +45,13 @@ fn a_frozen_experiment_makes_the_plan_of_its_run() {
     let (again, note) = load(&frozen, &[]).unwrap();
     assert_eq!(again.hash, plan.hash);
     assert!(note.unwrap().contains("the files it names are in "));
-    // A run of it in its own folder is a finished one, and one elsewhere keeps the way to the files.
+    // Run in its own folder, the copy is a finished run; run elsewhere, it keeps the paths of the files.
     let before = snapshot(&run);
     finished(&again, &run);
     assert_eq!(read(run.join("provenance.json")), before["provenance.json"].0);
     let elsewhere = finished(&again, &root.path().join("elsewhere"));
     assert_eq!(load(&elsewhere.join("experiment.toml"), &[]).unwrap().0.hash, plan.hash);
-    // A published run too, and a tree that was moved.
+    // The same for a published run, and for a tree that was moved.
     publish(&run, &root.path().join("results"), false).unwrap();
     assert_eq!(load(&root.path().join("results/files/experiment.toml"), &[]).unwrap().0.hash, plan.hash);
     let moved = tempfile::tempdir().unwrap();
@@ -62,7 +62,7 @@ fn a_frozen_experiment_makes_the_plan_of_its_run() {
 }
 
 #[test]
-fn a_frozen_experiment_keeps_what_the_command_line_set() {
+fn a_frozen_experiment_keeps_the_settings_of_the_command_line() {
     let (root, _) = made();
     let (file, maps) = (root.path().join("sweeps/files.toml"), root.path().join("others"));
     let text = String::from_utf8(read(&file)).unwrap();

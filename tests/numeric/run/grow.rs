@@ -1,4 +1,4 @@
-//! Larger plans that go on in the folder of a smaller run.
+//! Larger plans that continue in the folder of a smaller run.
 
 use super::runs::{
     Bench, Each, assert_like_whole, contents, fakes, finished, invoke, log, options, plan, read, snapshot, written,
@@ -11,9 +11,9 @@ use std::collections::BTreeMap;
 use std::sync::atomic::AtomicBool;
 
 #[test]
-fn a_larger_plan_keeps_finished_cells_and_ends_like_a_run_from_nothing() {
+fn a_larger_plan_keeps_finished_cells_and_equals_a_fresh_run() {
     let whole = plan(EXPERIMENT);
-    // More values of an axis that is swept; an axis that begins to be swept; tone curves, for which every cell needs another map.
+    // More values of a swept axis; a new swept axis; tone curves, for which every cell needs another map.
     let parts = [
         ("[1, 4, 16]", "[4, 16]", 4, 0),
         ("[\"ggx\", \"phong\"]", "[\"phong\"]", 8, 2),
@@ -39,14 +39,14 @@ fn a_larger_plan_keeps_finished_cells_and_ends_like_a_run_from_nothing() {
             (vec![&*part.hash, &whole.hash], &(&*whole.hash).into()),
             "{few}"
         );
-        // From then on it is a run like any other.
+        // From then on it is an ordinary run.
         let before = contents(dir.path());
         invoke(&whole, dir.path(), &super::runs::log(), usize::MAX).unwrap();
         assert!(contents(dir.path()) == before, "{few}");
     }
 }
 
-/// Not one byte changes when a plan is refused.
+/// No byte changes if a plan is refused.
 #[test]
 fn a_plan_that_lacks_finished_work_is_refused() {
     let timed = format!("{EXPERIMENT}[timing]\nwarmup = 1\nrounds = 6\n");
@@ -66,7 +66,7 @@ fn a_plan_that_lacks_finished_work_is_refused() {
     };
     let other_alpha = timed.replace("[0.1, 0.5]", "[0.1, 0.25]");
     refused(&other_alpha, &["holds another run; choose another --out (16 finished cells are not in tiny.toml)"]);
-    // Another seed, shader or input makes other cells throughout.
+    // Another seed, shader or input changes all cells.
     refused(&format!("seed = 2\n{timed}"), &["32 finished cells", "tiny.toml: seed is 1 there and 2 here)"]);
     refused(&timed.replace("samples = 64", "samples = 96"), &["32 finished cells", ": reference is ", "96"]);
     refused(EXPERIMENT, &["12 timed configurations are not in tiny.toml"]);
@@ -97,7 +97,7 @@ fn a_plan_that_lacks_finished_work_is_refused() {
     assert!(error.contains("16 finished cells are not in"), "{error}");
 }
 
-/// A cell that failed is not finished: a plan without it forgets it.
+/// A failed cell is not finished, so a plan without it forgets it.
 #[test]
 fn failures_of_cells_that_a_plan_lacks_are_forgotten() {
     let (bench, broken) = (Bench::new(EXPERIMENT), log());
@@ -138,7 +138,7 @@ fn a_block_with_a_new_member_is_timed_again_and_others_stay() {
     assert!(old.iter().all(|(id, record)| of(id) == *record));
 }
 
-/// Records of a block are of the same rounds, wherever a run is killed: all old ones are removed before the first new one is written.
+/// Records of a block come from the same rounds, even if a run is killed: all old ones are removed before the first new one is written.
 #[test]
 fn a_block_never_mixes_rounds() {
     let bench = Bench::finished(&format!("{EXPERIMENT}[timing]\nwarmup = 1\nrounds = 6\n"));
@@ -149,7 +149,7 @@ fn a_block_never_mixes_rounds() {
     assert_eq!(block.len(), 4);
     std::fs::remove_file(dir.join(format!("timings/{}.json", block[1]))).unwrap();
     let stop = AtomicBool::new(false);
-    // The records that are there when the first new one is written.
+    // The records when the first new one is written.
     let mut seen = None;
     let mut progress = Each(|label: &str, _| {
         if label.starts_with("timing") && seen.is_none() {

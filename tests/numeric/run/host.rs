@@ -9,7 +9,7 @@ fn the_load_is_three_numbers() {
 }
 
 #[test]
-fn clocks_of_processors_are_averaged_where_the_system_has_them() {
+fn clocks_of_processors_are_averaged_if_the_system_reports_them() {
     let dir = tempfile::tempdir().unwrap();
     assert_eq!(cpu_mhz(dir.path()), None);
     for (cpu, khz) in [("cpu0", "2400000\n"), ("cpu1", "3600000\n"), ("cpufreq", "ignored")] {

@@ -1,4 +1,4 @@
-//! Runs that are stopped, damaged or fail: what is left behind, and what the next one makes of it.
+//! Runs that are stopped, damaged or fail: the files that remain, and how the next run continues.
 
 use super::runs::{Bench, Steps, contents, fakes, log, options, read, snapshot, summary};
 use super::whole::EXPERIMENT;
@@ -9,7 +9,7 @@ use splitsum::study::finished::{Finished, notes};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 
-/// An experiment that is timed, too.
+/// A timed experiment.
 fn timed() -> String {
     format!("{EXPERIMENT}[timing]\nwarmup = 1\nrounds = 3\n")
 }
@@ -41,7 +41,7 @@ fn a_finished_run_is_not_touched_and_needs_no_renderer() {
 }
 
 #[test]
-fn a_run_stopped_anywhere_ends_like_one_that_was_not() {
+fn a_run_stopped_anywhere_ends_like_an_undisturbed_run() {
     let whole = Bench::finished(EXPERIMENT);
     for steps in [1, 7, 20] {
         let bench = Bench::new(EXPERIMENT);
@@ -63,9 +63,10 @@ fn a_run_stopped_anywhere_ends_like_one_that_was_not() {
     }
 }
 
-/// An image that is gone, cut off, or another one of the same length: its cell is done again, and what it shares with others stands.
+/// If an image is missing, truncated or replaced by another of the same length, its cell is rendered again. Files that
+/// it shares with other cells remain.
 #[test]
-fn images_that_are_not_those_of_their_records_are_made_again() {
+fn images_that_differ_from_their_records_are_rendered_again() {
     let bench = Bench::finished(EXPERIMENT);
     let (before, errors) = (bench.images(), bench.read("errors.csv"));
     type Damage = fn(&Path, &[u8]);
@@ -93,9 +94,9 @@ fn images_that_are_not_those_of_their_records_are_made_again() {
     }
 }
 
-/// A reference whose image is whole but another than the one that finished cells were judged against must not judge the rest.
+/// A complete reference that differs from the one of finished cells must not judge the other cells.
 #[test]
-fn a_reference_that_was_changed_is_made_again() {
+fn a_changed_reference_is_rendered_again() {
     let bench = Bench::finished(EXPERIMENT);
     let (before, errors) = (bench.images(), bench.read("errors.csv"));
     let open = &bench.plan.cells[5];
@@ -112,9 +113,9 @@ fn a_reference_that_was_changed_is_made_again() {
     }
 }
 
-/// A record that is gone, cut off, corrected by hand or another cell's is none: its cell alone is done again.
+/// A record that is missing, truncated, edited or of another cell does not count: only its cell is rendered again.
 #[test]
-fn a_damaged_record_of_a_cell_is_made_again() {
+fn a_cell_with_a_damaged_record_is_rendered_again() {
     let bench = Bench::finished(EXPERIMENT);
     let errors = bench.read("errors.csv");
     let of_method = |cell: &&splitsum::experiment::Cell| cell.point.get("method").to_string() == "split-sum";
@@ -141,21 +142,21 @@ fn a_timing_record_under_another_name_is_ignored() {
     let path = |id: &str| bench.path(&format!("timings/{id}.json"));
     std::fs::copy(path(&jobs[0].id), path(&jobs[1].id)).unwrap();
     assert!(store.has_timing(&jobs[0].id) && !store.has_timing(&jobs[1].id));
-    // Who reads the folder meanwhile counts it once, as the run does.
+    // A concurrent reader counts the cell once, as the run does.
     let counted = || Finished::read(dir).unwrap().timings.len();
     assert_eq!(counted(), jobs.len() - 1);
     std::fs::copy(path(&jobs[0].id), path("0123456789abcdef")).unwrap();
     assert_eq!(counted(), jobs.len() - 1);
-    let told: Vec<String> = notes(dir).collect();
+    let noted: Vec<String> = notes(dir).collect();
     let words = format!("2 of {} timing records are unusable", jobs.len() + 1);
-    assert!(told.len() == 1 && told[0].contains(&words), "{told:?}");
+    assert!(noted.len() == 1 && noted[0].contains(&words), "{noted:?}");
     std::fs::remove_file(path("0123456789abcdef")).unwrap();
     bench.again().unwrap();
     assert!(store.has_timing(&jobs[1].id) && notes(dir).next().is_none());
 }
 
 #[test]
-fn a_damaged_record_of_a_reference_is_made_again() {
+fn a_reference_with_a_damaged_record_is_rendered_again() {
     let bench = Bench::finished(EXPERIMENT);
     let (store, table) = (Store::at(bench.dir.path()), bench.read("errors.csv"));
     let (first, last) = (&bench.plan.cells[0], bench.plan.cells.last().unwrap());
@@ -178,14 +179,14 @@ fn failed_rows(bench: &Bench) -> usize {
 }
 
 #[test]
-fn a_failing_method_leaves_the_rest_and_is_tried_again() {
+fn a_failing_method_does_not_stop_the_rest_and_is_tried_again() {
     let (bench, broken) = (Bench::new(EXPERIMENT), log());
     broken.borrow_mut().broken_method = Some("split-sum");
     let outcome = bench.invoke(&broken, usize::MAX).unwrap();
     assert_eq!((outcome.failures.len(), failed_rows(&bench), bench.table("errors.csv").rows.len()), (8, 8, 32));
     assert!(outcome.failures.iter().all(|f| f.reason == "the shader is broken" && f.label.contains("split-sum")));
     assert!(summary(bench.dir.path()).contains("the shader is broken"));
-    // A reference fails its cells only.
+    // A failed reference fails only its cells.
     let (other, no_reference) = (Bench::new(EXPERIMENT), log());
     no_reference.borrow_mut().broken_method = Some("reference");
     let outcome = other.invoke(&no_reference, usize::MAX).unwrap();
@@ -198,9 +199,9 @@ fn a_failing_method_leaves_the_rest_and_is_tried_again() {
     }
 }
 
-/// A folder in the place of one image is a fault of its cells: the run goes on, and ends with them when it is gone.
+/// A folder in place of an image is a fault of its cells: the run continues, and renders them once the folder is gone.
 #[test]
-fn a_folder_in_the_place_of_an_image_fails_its_cells_only() {
+fn a_folder_in_place_of_an_image_fails_only_its_cells() {
     let whole = Bench::finished(EXPERIMENT);
     let images = whole.images();
     let cell = whole.plan.cells.iter().find(|cell| cell.point.get("method").to_string() == "split-sum").unwrap();
@@ -223,7 +224,7 @@ fn a_folder_in_the_place_of_an_image_fails_its_cells_only() {
         std::fs::remove_dir(&place).unwrap();
         assert!(bench.invoke(&log(), usize::MAX).unwrap().failures.is_empty());
         assert!(bench.images() == images && bench.read("errors.csv") == whole.read("errors.csv"), "{name}");
-        // The same in the place of an image of a finished cell.
+        // The same in place of an image of a finished cell.
         std::fs::remove_file(&place).unwrap();
         std::fs::create_dir(&place).unwrap();
         assert_eq!(bench.invoke(&log(), usize::MAX).unwrap().failures.len(), count, "{name}");
@@ -231,7 +232,7 @@ fn a_folder_in_the_place_of_an_image_fails_its_cells_only() {
 }
 
 #[test]
-fn a_folder_that_is_no_run_is_refused() {
+fn a_folder_that_is_not_a_run_is_refused() {
     let bench = Bench::new(EXPERIMENT);
     std::fs::write(bench.path("thesis.tex"), "years of work").unwrap();
     let error = bench.invoke(&log(), usize::MAX).unwrap_err();
@@ -240,7 +241,7 @@ fn a_folder_that_is_no_run_is_refused() {
 }
 
 #[test]
-fn the_frozen_experiment_of_a_finished_run_comes_back() {
+fn the_frozen_experiment_of_a_finished_run_is_restored() {
     let bench = Bench::finished(EXPERIMENT);
     let (path, dir) = (bench.path("experiment.toml"), bench.dir.path());
     let (whole, provenance) = (read(&path), bench.read("provenance.json"));
@@ -252,7 +253,7 @@ fn the_frozen_experiment_of_a_finished_run_comes_back() {
         assert!(notes.len() == 1 && notes[0].contains("experiment.toml was missing or edited"), "{notes:?}");
         assert!(renders.is_empty() && read(&path) == whole && bench.read("provenance.json") == provenance);
     }
-    // The same cells from another text: the provenance names the new one.
+    // The same cells from another text: the provenance has the new text.
     let plan: Plan = super::runs::plan(&format!("# A comment.\n{EXPERIMENT}"));
     assert_eq!(plan.hash, bench.plan.hash);
     let other = Bench { plan, ..bench };

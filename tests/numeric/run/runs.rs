@@ -1,4 +1,4 @@
-//! Runs with the renderer made of formulas: how they are started, and what of their folders tests look at.
+//! Runs with the synthetic renderer: how tests start them and read their folders.
 
 use super::fake::Log;
 pub use super::fake::{Silent, fakes};
@@ -16,7 +16,7 @@ use std::path::{Path, PathBuf};
 use std::rc::Rc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// The log of a fake that refuses nothing.
+/// The log of a fake without faults.
 pub fn log() -> Rc<RefCell<Log>> {
     Rc::new(RefCell::new(Log::default()))
 }
@@ -26,7 +26,7 @@ pub fn plan(text: &str) -> Plan {
     Plan::from_text(Path::new("tiny.toml"), text, &[]).unwrap_or_else(|error| panic!("{error}"))
 }
 
-/// Stops the run after a number of steps, and keeps what is noted.
+/// Stops the run after a number of steps, and keeps its notes.
 pub struct Steps<'a> {
     pub stop: &'a AtomicBool,
     pub left: usize,
@@ -48,7 +48,7 @@ impl Progress for Steps<'_> {
     }
 }
 
-/// Follows a run: the label of each step, empty at the start, and what is ahead.
+/// Follows a run: the label of each step, empty at the start, and the remaining work.
 pub struct Each<F>(pub F);
 
 impl<F: FnMut(&str, Ahead)> Progress for Each<F> {
@@ -77,19 +77,19 @@ impl Bench {
         Self { dir: tempfile::tempdir().unwrap(), plan: plan(text) }
     }
 
-    /// With a finished run.
+    /// The same with a finished run.
     pub fn finished(text: &str) -> Self {
         let bench = Self::new(text);
         finished(&bench.plan, bench.dir.path());
         bench
     }
 
-    /// One invocation that is stopped after `steps` steps.
+    /// One invocation that stops after `steps` steps.
     pub fn invoke(&self, log: &Rc<RefCell<Log>>, steps: usize) -> Result<Outcome, RunError> {
         invoke(&self.plan, self.dir.path(), log, steps)
     }
 
-    /// Runs what is not done: what was told, and the method and sample count of each render.
+    /// Runs the unfinished cells; returns the notes, and the method and sample count of each render.
     pub fn again(&self) -> Result<(Vec<String>, Renders), RunError> {
         let (stop, log) = (AtomicBool::new(false), log());
         let mut steps = Steps { stop: &stop, left: usize::MAX, notes: Vec::new() };
@@ -125,14 +125,14 @@ pub fn options<'a>(dir: &Path, stop: &'a AtomicBool) -> RunOptions<'a> {
     RunOptions { command_line, ..RunOptions::new(dir, stop) }
 }
 
-/// One invocation that is stopped after `steps` steps.
+/// One invocation that stops after `steps` steps.
 pub fn invoke(plan: &Plan, dir: &Path, log: &Rc<RefCell<Log>>, steps: usize) -> Result<Outcome, RunError> {
     let stop = AtomicBool::new(false);
     let mut progress = Steps { stop: &stop, left: steps, notes: Vec::new() };
     answered(run(plan, &mut fakes(log) as &mut MakeRenderer, &options(dir, &stop), &mut progress))
 }
 
-/// Writes what the tables of a run say, as the command line does.
+/// Writes the answers of a run, as the command line does.
 fn answered(outcome: Result<Outcome, RunError>) -> Result<Outcome, RunError> {
     let outcome = outcome?;
     written(&outcome.dir).write().unwrap();
@@ -156,8 +156,8 @@ pub fn finished(plan: &Plan, dir: &Path) -> PathBuf {
     dir.to_owned()
 }
 
-/// Checks that a folder holds what a run of the plan from nothing leaves: the same tables, images and records. Times differ, and so does
-/// what says which invocations there were.
+/// Checks that a folder equals the folder of a fresh run of the plan: the same tables, images and records. Times and
+/// the list of invocations differ.
 pub fn assert_like_whole(dir: &Path, plan: &Plan) {
     let whole = tempfile::tempdir().unwrap();
     finished(plan, whole.path());
@@ -180,7 +180,7 @@ pub fn assert_like_whole(dir: &Path, plan: &Plan) {
         let record = |dir: &Path| Store::at(dir).cell(&cell.id).unwrap().expect("a record");
         let [mut found, due] = [record(dir), record(whole.path())];
         (found.spent, found.device) = (due.spent.clone(), due.device.clone());
-        // A tone curve more gives every cell a file more.
+        // A second tone curve gives every cell a further file.
         assert_eq!(found, due);
     }
 }
@@ -190,7 +190,7 @@ pub fn read(path: impl AsRef<Path>) -> Vec<u8> {
     std::fs::read(path.as_ref()).unwrap_or_else(|error| panic!("{}: {error}", path.as_ref().display()))
 }
 
-/// Every file below `dir` with its content and, for files, its time of change.
+/// Every file below `dir` with its content and, for files, its modification time.
 pub fn snapshot(dir: &Path) -> BTreeMap<String, (Vec<u8>, std::time::SystemTime)> {
     let mut files = BTreeMap::new();
     for entry in std::fs::read_dir(dir).unwrap().map(Result::unwrap) {
@@ -205,7 +205,7 @@ pub fn snapshot(dir: &Path) -> BTreeMap<String, (Vec<u8>, std::time::SystemTime)
     files
 }
 
-/// Every file below `dir` with its content; nothing when there is no such folder.
+/// Every file below `dir` with its content; empty without the folder.
 pub fn contents(dir: &Path) -> BTreeMap<String, Vec<u8>> {
     let files = if dir.exists() { snapshot(dir) } else { BTreeMap::new() };
     files.into_iter().map(|(name, (bytes, _))| (name, bytes)).collect()

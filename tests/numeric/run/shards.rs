@@ -1,4 +1,4 @@
-//! Runs by several processes in one folder, with a renderer made of formulas.
+//! Runs by several processes in one folder, with a synthetic renderer.
 
 use super::fake::Log;
 use super::runs::{Silent, assert_like_whole, contents, fakes, options, plan, read};
@@ -50,14 +50,14 @@ impl Bench {
         self.root.path().join("shared")
     }
 
-    /// Does a shard on whatever the log says.
+    /// Runs a shard with this log.
     fn shard(&self, shard: &str, log: &Rc<RefCell<Log>>) -> Result<Outcome, RunError> {
         let stop = AtomicBool::new(false);
         let options = RunOptions { shard: Some(shard.parse().unwrap()), ..options(&self.dir(), &stop) };
         run(&self.plan, &mut fakes(log) as &mut MakeRenderer, &options, &mut Silent)
     }
 
-    /// Does a shard and counts the renders.
+    /// Runs a shard and counts the renders.
     fn done(&self, shard: &str) -> usize {
         let log = log("fake");
         let outcome = self.shard(shard, &log).unwrap_or_else(|error| panic!("{error}"));
@@ -65,7 +65,7 @@ impl Bench {
         log.borrow().renders.len()
     }
 
-    /// Does shards one after the other and counts the renders.
+    /// Runs shards one after the other and counts the renders.
     fn all_done(&self, shards: &[&str]) -> usize {
         shards.iter().map(|shard| self.done(shard)).sum()
     }
@@ -74,7 +74,7 @@ impl Bench {
         merge(&self.plan, &options(&self.dir(), &AtomicBool::new(false)))
     }
 
-    /// Merges what must be whole.
+    /// Merges a complete folder.
     fn merge_whole(&self) {
         let merged = self.merge().unwrap_or_else(|error| panic!("{error}"));
         assert_eq!(merged.missing, Default::default());
@@ -93,7 +93,7 @@ fn log(device: &'static str) -> Rc<RefCell<Log>> {
 }
 
 #[test]
-fn a_merge_is_the_run_of_one_process_whatever_the_count_and_order() {
+fn a_merge_equals_the_run_of_one_process_for_any_count_and_order() {
     let mut random = Random::new(1);
     for count in [1, 2, 3, 5, 40] {
         let bench = Bench::new(EXPERIMENT);
@@ -118,9 +118,9 @@ fn a_merge_is_the_run_of_one_process_whatever_the_count_and_order() {
     }
 }
 
-/// Work that others began: a killed shard, another count, an ordinary run.
+/// Unfinished work of others: a killed shard, another number of shards, an ordinary run.
 #[test]
-fn shards_that_were_killed_are_repeated_and_anything_may_end_the_run() {
+fn killed_shards_are_repeated_and_anything_may_end_the_run() {
     for renders in [0, 1, 3, 7, 12] {
         let bench = Bench::new(EXPERIMENT);
         let lost = log("fake");
@@ -146,7 +146,7 @@ fn shards_that_were_killed_are_repeated_and_anything_may_end_the_run() {
     }
 }
 
-/// Each fault is named with its path, and nothing is written; its shard makes it good.
+/// Each fault is named with its path, and nothing is written; running its shard again repairs it.
 #[test]
 fn damaged_records_and_images_are_found_before_anything_is_written() {
     let bench = Bench::new(EXPERIMENT);
@@ -189,7 +189,7 @@ fn damaged_records_and_images_are_found_before_anything_is_written() {
         assert!(text.contains(&path.display().to_string()) && text.contains(what), "{what}: {text}");
         assert!(contents(&bench.dir()) == before, "{what}: something was written");
         match folder {
-            // A reference is only needed by cells that are not done.
+            // Only unfinished cells need a reference.
             "references" => std::fs::write(&path, whole).unwrap(),
             _ => assert!(bench.all_done(&["1/2", "2/2"]) <= 6, "{what}"),
         }
@@ -236,7 +236,7 @@ fn every_cell_is_in_one_part_and_parts_have_no_image_in_common() {
                     }
                 }
             }
-            // A part ends in the middle of a unit, and the tables of the last one may be made once more.
+            // A part may end in the middle of a unit, and the tables of the last unit may be made twice.
             let due = if timed * count as f64 >= all + timed {
                 all / (count - 1).max(1) as f64
             } else {
@@ -274,7 +274,7 @@ fn a_second_process_for_the_same_cells_is_refused() {
 }
 
 #[test]
-fn a_mix_of_devices_is_named_and_failures_are_kept() {
+fn a_mix_of_devices_is_reported_and_failures_are_kept() {
     let bench = Bench::new(EXPERIMENT);
     let broken = log("rare");
     broken.borrow_mut().broken_method = Some("split-sum");

@@ -16,7 +16,7 @@ fn tile_color(row: u8, column: u8) -> [u8; 3] {
     [10 + 40 * row, 200, 20 + 60 * column]
 }
 
-/// A sheet of 3 columns and 2 rows; the tile at (row, column) is flat in a colour of its own, but the last is missing.
+/// A sheet of 3 columns and 2 rows; the tile at (row, column) has its own flat colour, and the last tile is missing.
 fn sheet() -> ContactSheet {
     let tile = |row: u8, column: u8| flat(tile_color(row, column), "relMSE 0.0123");
     ContactSheet {
@@ -105,7 +105,7 @@ fn a_tall_sheet_leaves_out_groups_of_rows() {
     let page = ContactSheet { rows: (0..60).map(row).collect(), ..sheet() }.page();
     assert!(page.height > PUBLISHED_SIZE[1] / 2 && page.height < PUBLISHED_SIZE[1] + 500, "{}", page.height);
     let shown: Vec<u8> = (0..60).filter(|i| page.data.contains(&[*i, 7, 9])).collect();
-    // The first ones, and whole groups of seven.
+    // The first rows, in whole groups of seven.
     assert!(shown.len() > 7 && shown.len() < 60 && shown.len().is_multiple_of(7), "{shown:?}");
     assert_eq!(shown, (0..shown.len() as u8).collect::<Vec<u8>>());
 }

@@ -34,7 +34,7 @@ fn exponential(random: &mut Random) -> f64 {
     -((random.below(1 << 53) as f64 + 0.5) / (1u64 << 53) as f64).ln()
 }
 
-/// How often an interval of `n` exponential numbers holds their median.
+/// How often an interval of `n` exponential numbers contains their median.
 fn coverage(n: usize, sets: usize, interval: impl Fn(&[f64]) -> [f64; 2]) -> f64 {
     let mut random = Random::new(n as u64);
     let mut covered = 0;
@@ -47,8 +47,8 @@ fn coverage(n: usize, sets: usize, interval: impl Fn(&[f64]) -> [f64; 2]) -> f64
 }
 
 #[test]
-fn the_fewest_samples_of_an_interval_are_those_whose_range_holds_the_median() {
-    // Nothing within the samples is wider than from the smallest to the largest. 40,000 sets: a standard error of 0.0011 at 0.95.
+fn an_interval_needs_samples_whose_range_covers_the_median() {
+    // No interval within the samples is wider than from the smallest to the largest. 40,000 sets: a standard error of 0.0011 at 0.95.
     let range = |samples: &[f64]| {
         samples.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[lo, hi], x| [lo.min(*x), hi.max(*x)])
     };
@@ -66,8 +66,8 @@ fn the_fewest_samples_of_an_interval_are_those_whose_range_holds_the_median() {
 }
 
 #[test]
-fn the_interval_of_a_median_covers_it_as_often_as_it_says() {
-    // Of 2000 sets at 0.95 a binomial count lies above 0.93 but for 1 in 10,000; order statistics are discrete and hold up to 0.985.
+fn the_interval_of_a_median_has_its_stated_coverage() {
+    // With 2000 sets at 0.95 a binomial count is above 0.93 except once in 10,000; order statistics are discrete and cover up to 0.985.
     for n in [6, 7, 9, 11, 15, 25] {
         let covered = coverage(n, 2000, median_interval);
         assert!((0.93..=0.996).contains(&covered), "{n}: {covered}");

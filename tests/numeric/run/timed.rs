@@ -10,7 +10,7 @@ fn timings_are_taken_once_a_configuration_and_kept() {
     let (dir, log) = (tempfile::tempdir().unwrap(), log());
     let plan = plan(&format!("{EXPERIMENT}[timing]\nwarmup = 1\nrounds = 10\n"));
     invoke(&plan, dir.path(), &log, usize::MAX).unwrap();
-    // Two models: each the tables of two methods, and three sample counts and split-sum; neither alpha nor exposure counts.
+    // Two models, each with the tables of two methods, three sample counts and split-sum; alpha and exposure do not count.
     assert_eq!(log.borrow().timings, (4 + 8) * (1 + 10));
     let table = Table::read(&dir.path().join("timings.csv")).unwrap();
     assert_eq!(table.rows.len(), 4 + 8 * 2);
@@ -19,7 +19,7 @@ fn timings_are_taken_once_a_configuration_and_kept() {
     let samples = table.numbers("samples").unwrap();
     for (i, row) in table.rows.iter().enumerate() {
         if row[pass] == "shade-specular" {
-            // Samples n, n + 1, ... n + 4, each twice; split-sum draws none, which the fake sees as 1.
+            // Samples n, n + 1, ... n + 4, each twice; split-sum draws none, which the fake counts as 1.
             let n = samples[i].unwrap_or(1.0);
             let found = [numbers("min_ms")[i], numbers("p05_ms")[i], numbers("median_ms")[i], numbers("p95_ms")[i]];
             let expected = [n, n, n + 2.0, n + 4.0];

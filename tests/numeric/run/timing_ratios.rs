@@ -1,4 +1,4 @@
-//! Two methods timed together, of times that are known.
+//! Two methods timed together, with known times.
 
 use splitsum::run::timing::TimingRecord;
 use splitsum::run::timing_ratios::ratios;
@@ -14,7 +14,7 @@ pub fn record(phase: &str, axes: &[(&str, &str)], passes: &[(&str, f64)]) -> Tim
     let all: serde_json::Map<_, _> = AXES.iter().map(|name| (name.to_string(), value(name).into())).collect();
     let passes: Vec<_> =
         passes.iter().map(|(pass, ms)| serde_json::json!({ "pass": pass, "ms": vec![*ms; 7] })).collect();
-    // Blocks share what is not compared.
+    // Blocks share the axes that are not compared.
     let block = format!("{} {}", value("brdf"), value("masking"));
     serde_json::from_value(serde_json::json!({
         "cell": "0000", "phase": phase, "block": block, "environment_size": [8, 4], "size": [256, 256], "axes": all, "warmup": 1,
@@ -55,7 +55,7 @@ fn two_methods_of_one_kind_are_compared_at_the_same_count() {
         assert_eq!((pair.sampled.axes["method"].as_str(), pair.sampled.axes["samples"].as_str()), ("sampled", "40"));
         assert_eq!(pair.ratio, 1.5);
     }
-    // Of two formats each is beside its own.
+    // Each of two formats is compared with its own.
     let mut formats = Vec::new();
     for format in ["f32", "f16"] {
         for (method, samples) in [("sampled", "4"), ("split-sum", "")] {
@@ -66,7 +66,7 @@ fn two_methods_of_one_kind_are_compared_at_the_same_count() {
     assert_eq!(ratios(&formats).len(), 2);
 }
 
-/// Records of other maps, images and devices are another matter: each pair and its tables are those found without the others.
+/// Records of other maps, images and devices change nothing: each pair and its tables are the same without them.
 #[test]
 fn records_of_other_sizes_and_devices_change_no_ratio() {
     let changes: [fn(&mut TimingRecord); 4] = [
@@ -94,7 +94,7 @@ fn records_of_other_sizes_and_devices_change_no_ratio() {
 }
 
 #[test]
-fn the_published_ratios_are_those_of_their_records() {
+fn the_published_ratios_follow_from_their_records() {
     let dir = Path::new(env!("CARGO_MANIFEST_DIR")).join("results/timing");
     let table = Table::read(&dir.join("answers/times.csv")).unwrap();
     let mut published: Vec<f64> = table.numbers("ratio").unwrap().into_iter().flatten().collect();

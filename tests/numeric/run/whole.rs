@@ -1,4 +1,4 @@
-//! Runs with a renderer made of formulas: what is rendered, scored and written.
+//! Runs with a synthetic renderer: renders, scores and files.
 
 use super::fake::{ERROR_AT_ONE, NOISE, SET_ERROR, SPLIT_SUM_ERROR};
 use super::runs::{Bench, invoke, log, plan, read, snapshot, summary};
@@ -25,7 +25,7 @@ fn a_run_renders_each_radiance_once_and_leaves_everything() {
     let (dir, log, plan) = (tempfile::tempdir().unwrap(), log(), plan(EXPERIMENT));
     let outcome = invoke(&plan, dir.path(), &log, usize::MAX).unwrap();
     assert!(outcome.failures.is_empty() && !outcome.is_stopped);
-    // 2 models x 2 alphas, each with one reference, three sample counts and split-sum; two exposures share all of it.
+    // 2 models x 2 alphas, each with one reference, three sample counts and split-sum; two exposures share all of them.
     let renders = log.borrow().renders.clone();
     assert_eq!(renders.len(), 4 * 5);
     assert_eq!(renders.iter().filter(|r| **r == ("reference".to_owned(), 64)).count(), 4);
@@ -33,7 +33,7 @@ fn a_run_renders_each_radiance_once_and_leaves_everything() {
     let table = Table::read(&dir.path().join("errors.csv")).unwrap();
     assert_eq!(table.rows.len(), 32);
     assert_eq!(table.columns[..7], ["cell", "brdf", "method", "samples", "alpha", "perceptual_roughness", "exposure"]);
-    // What is one value in all rows comes last.
+    // Columns with one value come last.
     let place = |name: &str| table.column(name).unwrap();
     assert!(place("environment") > place("verdict") && place("size") > place("verdict"), "{:?}", table.columns);
     for (row, cell) in table.rows.iter().zip(&plan.cells) {
@@ -49,7 +49,7 @@ fn a_run_renders_each_radiance_once_and_leaves_everything() {
             Some(n) => ERROR_AT_ONE / (n as f32).sqrt(),
         };
         assert_eq!(row[method] == "split-sum", samples[i].is_none());
-        // All error of the fake is a factor; f32 pixels carry it to about 1e-7.
+        // All error of the fake is a factor; f32 pixels hold it to about 1e-7.
         assert!((bias[i].unwrap() - f64::from(expected)).abs() < 1e-5, "{row:?}");
         assert_eq!(row[verdict], "resolved");
     }
@@ -70,11 +70,11 @@ fn a_run_renders_each_radiance_once_and_leaves_everything() {
     let files = snapshot(dir.path());
     let count = |folder: &str, end: &str| files.keys().filter(|f| f.starts_with(folder) && f.ends_with(end)).count();
     assert_eq!(count("images/", ".exr"), 20);
-    // The exposure does not reach the linear error.
+    // The exposure has no effect on the linear error.
     assert_eq!(count("images/", ".error.png"), 16);
     // The exposure is swept, so each cell has its own map of visible differences.
     assert_eq!(count("images/", ".flip.png"), 32);
-    // And a test picture for each cell, and a reference for each model, alpha and exposure.
+    // Each cell has a test picture, and each model, alpha and exposure a reference picture.
     assert_eq!(count("images/", ".png"), 16 + 2 * 32 + 8);
     assert_eq!(count("tables/", ".png"), 2);
     assert_eq!(count("cells/", ".json"), 32);
@@ -96,15 +96,15 @@ fn a_sheet_of_many_columns_shrinks_its_images() {
     assert!(sheet_files(dir.path()).is_empty());
 }
 
-/// What a cell scores does not hang on the cells before it: every tone curve has displays of its own.
+/// A cell's scores do not depend on the cells before it: every tone curve has its own displays.
 #[test]
-fn each_cell_has_the_record_that_it_has_alone() {
+fn a_cells_record_does_not_depend_on_other_cells() {
     let records = |exposures: &str, contrasts: &str| -> BTreeMap<String, serde_json::Value> {
         let text = EXPERIMENT.replace("exposure = [1, 10]", &format!("exposure = {exposures}\ncontrast = {contrasts}"));
         let bench = Bench::finished(&text);
         let record = |cell: &splitsum::experiment::Cell| {
             let mut record = bench.json(&format!("cells/{}.json", cell.id));
-            // A sweep of tone curves has an image more.
+            // A sweep of tone curves has one more image.
             record.as_object_mut().unwrap().retain(|name, _| !["spent", "checksum", "files"].contains(&name.as_str()));
             (cell.id.clone(), record)
         };
@@ -116,7 +116,7 @@ fn each_cell_has_the_record_that_it_has_alone() {
 }
 
 #[test]
-fn repeats_part_bias_from_variance() {
+fn repeats_separate_bias_from_variance() {
     let (dir, plan) = (tempfile::tempdir().unwrap(), plan(&format!("{EXPERIMENT}[bias_variance]\nrepeats = 8\n")));
     let log = log();
     invoke(&plan, dir.path(), &log, usize::MAX).unwrap();
@@ -147,8 +147,8 @@ fn repeats_part_bias_from_variance() {
 }
 
 #[test]
-fn each_row_says_where_its_reference_stopped() {
-    // The fake stops at 16 of 64 samples when an error of 1/1000 or more is asked for, else it takes all.
+fn each_row_has_the_count_at_which_its_reference_stopped() {
+    // The fake stops at 16 of 64 samples if the requested error is 1/1000 or more, else it takes all.
     for (asked, samples, stopped_by) in [
         ("", 64.0, "samples"),
         (", relative_error = 2e-3", 16.0, "relative-error"),
@@ -156,7 +156,7 @@ fn each_row_says_where_its_reference_stopped() {
     ] {
         let text = EXPERIMENT.replace("samples = 64", &format!("samples = 64{asked}"));
         let (dir, plan) = (tempfile::tempdir().unwrap(), plan(&text));
-        // Stopped between two cells of one reference and gone on with: the second invocation reads that reference back.
+        // A run stopped between two cells of one reference and resumed: the second invocation reads that reference back.
         invoke(&plan, dir.path(), &log(), 3).unwrap();
         invoke(&plan, dir.path(), &log(), usize::MAX).unwrap();
         let table = Table::read(&dir.path().join("errors.csv")).unwrap();

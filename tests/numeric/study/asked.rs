@@ -1,4 +1,4 @@
-//! Convergence, error and effects of made-up runs whose answers are known.
+//! Convergence, error and effects of synthetic runs with known answers.
 
 use super::paper::{F64, Made, column, finding, finished, numbers, only};
 use splitsum::experiment::axis::Point;
@@ -31,13 +31,13 @@ fn a_slope_is_fitted_above_the_noise_only() {
     let slopes = numbers(&found.table, "slope");
     assert!(slopes.iter().all(|slope| (slope + 1.0).abs() < F64), "{slopes:?}");
     assert_eq!(numbers(&found.table, "is_resolved"), [1.0, 1.0, 1.0, 1.0, 0.0, 0.0]);
-    assert!(numbers(&found.table, "stops_at").iter().all(|n| n.is_nan()), "the noise of the reference is no bias");
+    assert!(numbers(&found.table, "stops_at").iter().all(|n| n.is_nan()), "the noise of the reference is not a bias");
     assert!(numbers(&found.table, "slope_standard_error").iter().all(|error| *error < F64));
 }
 
 #[test]
 fn an_error_stops_falling_at_its_bias() {
-    // Variance 1/n over a squared bias of 0.1: a doubling takes off (1/n - 1/2n)/(1/n + 0.1), less than a tenth from about 40 on.
+    // Variance 1/n over a squared bias of 0.1: a doubling removes (1/n - 1/2n)/(1/n + 0.1), less than a tenth from about 40 on.
     let run = finished("method = [\"sampled\"]\nsamples = { pow2 = [0, 9] }\nalpha = [0.1, 0.5]\n", |point| {
         let (n, bias) = (samples(point).unwrap(), if point.get("alpha").number() == 0.1 { 0.1 } else { 0.0 });
         Some(Made { bias_variance: Some([bias, 1.0 / n]), ..Made::error(1.0 / n + bias) })
@@ -64,7 +64,7 @@ fn an_error_is_a_root_mean_square_beside_its_square() {
     assert!(said.contains("`split-sum`") && said.contains(" 0.020"), "{said}");
     let rows = digest(&found);
     assert_eq!(rows[0], ["0.1", "0.316", "0.010 (10 % rms)"]);
-    // A metric that is no mean square has no root.
+    // A metric that is not a mean square has no root.
     let frame = splitsum::study::frame::Frame::new(&run, Some("rmse"));
     let question = splitsum::study::questions::question("error").unwrap();
     let of_rmse = (question.answer)(&frame).unwrap();
@@ -74,7 +74,7 @@ fn an_error_is_a_root_mean_square_beside_its_square() {
 
 #[test]
 fn an_effect_is_the_ratio_to_the_first_value_of_its_axis() {
-    // A bias of 1 halves the error, one of 2 triples it. At alpha 0.5 neither the base nor the bias of 2 stands clear of the noise.
+    // A bias of 1 halves the error, a bias of 2 triples it. At alpha 0.5 neither the base nor the bias of 2 is above the noise.
     let axes = "method = [\"sampled\"]\nsamples = [4]\nlod_bias = [0, 1, 2]\nalpha = [0.1, 0.5]\n";
     let run = finished(axes, |point| {
         let bias = point.get("lod_bias").number();
@@ -126,8 +126,8 @@ fn ratios_on_both_sides_of_one_are_listed_along_their_axis() {
 }
 
 #[test]
-fn runs_that_lack_something_say_less_and_do_not_fail() {
-    // What is not finite, zero, or failed makes no case; what is left still answers.
+fn incomplete_runs_answer_less_and_do_not_fail() {
+    // Infinite, zero or failed values make no case; the others still answer.
     let broken =
         finished("method = [\"sampled\", \"split-sum\"]\nsamples = [1, 4, 16, 64]\n", |point| match samples(point) {
             Some(1.0) => Some(Made::error(f64::NAN)),
@@ -171,7 +171,7 @@ fn models_that_oppose_each_other_are_not_pooled() {
 
 #[test]
 fn an_irradiance_map_of_another_size_is_compared_with_coefficients() {
-    // Neither size is the default: the first one run stands for it.
+    // Neither size is the default, so the first one run replaces it.
     let axes = "environment = [\"builtin:sky\"]\nmethod = [\"none\"]\nirradiance_size = [[18, 18], [5, 5]]\n\
                 irradiance_sample_count = [[128, 32], [32, 8]]\nprefilter = [\"sampled\"]\n";
     let text = |point: &Point, name: &str| point.get(name).to_string();

@@ -1,4 +1,4 @@
-//! Break-even of made-up runs whose answers are known.
+//! Break-even of synthetic runs with known answers.
 
 use super::asked::{CURVES, digest, samples};
 use super::paper::{Made, Paper, column, finding, finished, numbers, only};
@@ -44,12 +44,12 @@ fn the_break_even_is_the_first_count_from_which_all_are_better() {
     assert_eq!(counts[..2], [1.0, 64.0]);
     assert!(counts[2].is_nan() && counts[3].is_nan(), "{counts:?}");
     assert_eq!(numbers(&table, "largest_tried"), [256.0; 4]);
-    // Each alpha has its own answer, and none is pooled over them.
+    // Each alpha has its own answer; nothing is pooled over them.
     assert_eq!(digest(&found)[0][3..], ["1", "64", "more than 256", "more than 256"]);
 }
 
 #[test]
-fn each_set_of_tables_has_a_break_even_of_its_own() {
+fn each_set_of_tables_has_its_own_break_even() {
     // Errors 4/n; the split sum errs by 0.3 with one layout and by 2 with the other.
     let run = finished(&format!("{CURVES}layout = [\"cube\", \"octahedral\"]\n"), |point| {
         let fixed = if point.get("layout").text() == "octahedral" { 2.0 } else { 0.3 };
@@ -97,22 +97,22 @@ fn a_figure_of_many_environments_shows_their_middle_first() {
     };
     assert!(near(dot[1], mean.exp()), "{dot:?}");
     assert!(near(from[1], (mean - half).exp()) && near(to[1], (mean + half).exp()), "{from:?} {to:?}");
-    // In all of them the sampled error is 4/n; by count it stands once.
+    // The sampled error is 4/n in all of them; the figure has it once per count.
     let figure = finding(&run, "convergence").figure.unwrap();
     assert_eq!(figure.panels.len(), 1);
     assert!(dots(&figure.panels[0]).iter().all(|[n, error]| near(*error, 4.0 / n)));
 }
 
-/// Environments at whose counts sampling breaks even have their median crossing, and not the median of counts.
+/// The answer is the median crossing of environments, not the median of their counts.
 #[test]
 fn the_median_is_of_crossings() {
     // 4/n meets 0.9 at 4.4 and 0.22 at 18: the middle is 9.0. Of the counts 16 and 64 it would be 32, rounded to 64.
     let found = finding(&under(&[0.9, 0.22]), "break-even");
     assert_eq!(numbers(&of_relmse(found.table.clone()), "break_even"), [16.0]);
-    // Two environments have no interval but a range.
+    // Two environments have a range instead of an interval.
     assert!(numbers(&found.table, "break_even_lo")[0].is_nan());
     assert_eq!(digest(&found)[0][3], "16 (environments 16 to 64)");
-    // Never a win: no count, and words for it in the sentence.
+    // If sampling never wins, there is no count, and the sentence says so.
     let never = finding(&under(&[0.01; 6]), "break-even");
     assert!(
         ["break_even", "break_even_lo", "break_even_hi"].iter().all(|name| numbers(&never.table, name)[0].is_nan())
@@ -133,7 +133,7 @@ fn two_lights(curves: [&[(&str, f64)]; 2]) -> Paper {
     paper
 }
 
-/// What only some curves tried is not known of the others.
+/// A count tried in some curves only is unknown for the others.
 #[test]
 fn curves_of_unequal_counts_answer_where_all_were_tried() {
     let long = [("1", 4.0), ("4", 3.0), ("16", 2.0), ("64", 0.5)];
@@ -142,14 +142,14 @@ fn curves_of_unequal_counts_answer_where_all_were_tried() {
     let early = [("1", 0.9), ("4", 0.5), ("16", 0.1)];
     let found = two_lights([&early, &early[1..]]).finding("break-even");
     assert_eq!((numbers(&found.table, "break_even"), digest(&found)[0][3].as_str()), (vec![4.0], "at most 4"));
-    // Nothing was tried in both.
+    // No count was tried in both.
     let apart = two_lights([&early[..2], &[("16", 0.5), ("64", 0.1)]]);
     assert!((question("break-even").unwrap().answer)(&Frame::new(&apart.run, None)).is_none());
 }
 
-/// A method without samples that no reference can tell from an exact image is not compared.
+/// A method without samples whose error is within the reference's noise is not compared.
 #[test]
-fn the_noise_of_the_reference_removes_no_case() {
+fn the_noise_of_the_reference_does_not_remove_cases() {
     let mut paper = Paper::new(&["alpha", "method", "samples"]);
     for (alpha, floor) in [("0.1", 0.5), ("0.5", 1e-9)] {
         paper.add(&[alpha, "split-sum", ""], 0.5).noise_floors = MetricValues::of(|_| Some(floor));
@@ -164,7 +164,7 @@ fn the_noise_of_the_reference_removes_no_case() {
 
 /// Every pair of methods has its own break-even, by the metric of radiance on the design and by FLIP in the picture.
 #[test]
-fn each_pair_of_methods_breaks_even_by_itself() {
+fn each_pair_of_methods_has_its_own_break_even() {
     let lights = [1.0, 2.0, 4.0, 1.0, 1.0, 1.0];
     let names: Vec<String> = (0..6).map(|i| format!("\"builtin:sky:elevation_deg={}\"", 10 + i)).collect();
     let text = format!(
@@ -195,7 +195,7 @@ fn each_pair_of_methods_breaks_even_by_itself() {
     let said = "`sampled` needs **4 samples per pixel** (95 % 4 to 16) to beat `split-sum` in `relmse` and 64 in `flip`. \
                 To beat `split-sum-two`, which errs least, it needs **16** (95 % 16 to 64) in `relmse` and more than 64 in `flip`.";
     assert!(found.sentence.starts_with(said), "{}", found.sentence);
-    // The figure is in FLIP, over that of the split sum at one lookup; the other reads two.
+    // The figure has FLIP divided by the split sum's, which has one lookup; the other reads two.
     let figure = found.figure.unwrap();
     let [panel] = &figure.panels[..] else { panic!() };
     let dots = |name: &str| -> Vec<[f64; 2]> {
@@ -215,7 +215,7 @@ fn each_pair_of_methods_breaks_even_by_itself() {
 
 /// A setting of the samples alone has an answer for each value; the method without samples has none of its own.
 #[test]
-fn points_of_pixels_have_answers_of_their_own() {
+fn points_of_pixels_have_their_own_answers() {
     let mut paper = Paper::new(&["environment", "method", "samples", "pixel_points"]);
     for light in ["builtin:sky", "builtin:studio"] {
         paper.add(&[light, "split-sum", "", ""], 1.0);

@@ -1,4 +1,4 @@
-//! Intervals over environments, held against simulated studies whose truth is known.
+//! Intervals over environments, compared with simulated studies whose truth is known.
 
 use splitsum::experiment::value::Value;
 use splitsum::run::statistics::{Random, order_coverage};
@@ -17,23 +17,23 @@ pub fn normal(random: &mut Random) -> f64 {
     radius * (TAU * uniform()).cos()
 }
 
-/// What moves the logarithm of a number, as standard deviations.
+/// Standard deviations of the logarithm of a number.
 #[derive(Clone, Copy)]
 struct Spread {
-    /// From one environment to the next.
+    /// Between environments.
     light: f64,
-    /// From model to model within an environment, and from alpha to alpha.
+    /// Between models and between alphas within an environment.
     model: f64,
     alpha: f64,
     /// Between point sets of one case.
     luck: f64,
 }
 
-/// As measured maps have it: they move break-even counts from 4 to 128; models are near-copies of each other.
+/// As with measured maps: they move break-even counts from 4 to 128, and models are near-copies of each other.
 const MEASURED: Spread = Spread { light: 1.0, model: 0.2, alpha: 0.5, luck: 0.1 };
 
-/// A study of three models, five alphas and four point sets under each environment: normal effects, so that the truth is 1 for the
-/// geometric mean and the median alike. A case is told by the mean of its point sets.
+/// A study of three models, five alphas and four point sets under each environment. Effects are normal, so the truth is
+/// 1 for the geometric mean and the median alike. A case is the mean of its point sets.
 fn study(random: &mut Random, environments: usize, spread: Spread) -> Vec<(Value, f64)> {
     let mut values = Vec::new();
     for environment in 0..environments {
@@ -49,11 +49,11 @@ fn study(random: &mut Random, environments: usize, spread: Spread) -> Vec<(Value
     values
 }
 
-/// How often the interval of studies, seen through `told`, holds the truth of 1.
-fn coverage(environments: usize, middle: Middle, told: impl Fn(Vec<(Value, f64)>) -> Vec<(Value, f64)>) -> f64 {
+/// How often the interval of studies, transformed by `seen`, contains the truth of 1.
+fn coverage(environments: usize, middle: Middle, seen: impl Fn(Vec<(Value, f64)>) -> Vec<(Value, f64)>) -> f64 {
     let mut random = Random::new(environments as u64);
     let covers = |_: &usize| {
-        let rows = told(study(&mut random, environments, MEASURED));
+        let rows = seen(study(&mut random, environments, MEASURED));
         let [lo, hi] = estimate(&rows, middle).unwrap().interval.unwrap();
         lo <= 1.0 && 1.0 <= hi
     };
@@ -61,7 +61,7 @@ fn coverage(environments: usize, middle: Middle, told: impl Fn(Vec<(Value, f64)>
 }
 
 #[test]
-fn intervals_over_environments_hold_the_truth_as_often_as_they_say() {
+fn intervals_over_environments_have_their_stated_coverage() {
     for environments in ENVIRONMENTS {
         // Ratios are averaged over models and alphas, break-even counts at one of each.
         let mean = coverage(environments, Middle::GeometricMean, |rows| rows);
@@ -88,7 +88,7 @@ fn prediction_intervals_hold_one_new_environment() {
             assert!((LIMITS[0]..=LIMITS[1]).contains(&found), "{environments}, {middle:?}: {found}");
         }
     }
-    // 0 to 5: mean 2.5, variance 3.5. Below six environments there is none.
+    // 0 to 5: mean 2.5, variance 3.5. Below six environments there is no interval.
     let of = |n: u32| {
         let values: Vec<_> = (0..n).map(|i| (Value::Count(i), f64::from(i))).collect();
         estimate(&values, Middle::Mean).unwrap()
@@ -100,7 +100,8 @@ fn prediction_intervals_hold_one_new_environment() {
 
 #[test]
 fn the_interval_of_a_median_lies_between_two_pairs_of_order_statistics() {
-    // Of six the outermost hold it but for 2/64, the next but for 14/64; 0.95 lies between the two, and so do the ends.
+    // Of six, the outermost contain it except in 2/64 of cases, the next ones except in 14/64; 0.95 lies between the
+    // two, and so do the ends.
     assert!((order_coverage(6, 0) - (1.0 - 2.0 / 64.0)).abs() < 1e-12);
     assert!((order_coverage(6, 1) - (1.0 - 14.0 / 64.0)).abs() < 1e-12);
     // A tenth of the way by coverage is 5/14 by place: 0.1 (6 - 1) / (1 + 0.1 (6 - 2)).
@@ -110,7 +111,7 @@ fn the_interval_of_a_median_lies_between_two_pairs_of_order_statistics() {
 }
 
 #[test]
-fn rows_of_one_environment_are_no_further_evidence() {
+fn more_rows_of_one_environment_are_not_more_evidence() {
     let mut random = Random::new(5);
     let few: Vec<_> = study(&mut random, 8, MEASURED).into_iter().step_by(15).collect();
     let many: Vec<(Value, f64)> = few.iter().flat_map(|row| vec![row.clone(); 20]).collect();
@@ -132,7 +133,7 @@ fn an_infinite_break_even_is_a_value() {
     const ABOVE: f64 = f64::INFINITY;
     let (middle, [lo, hi]) = of(&[4.0, 16.0, 16.0, 64.0, ABOVE, 16.0, 4.0, 64.0]);
     assert!(middle == 16.0 && lo == 4.0 && hi == ABOVE, "{lo} {hi}");
-    // Half of them above: so is the median. All above: so is the interval.
+    // If half of them are above, so is the median. If all are above, so is the interval.
     assert_eq!(of(&[4.0, 4.0, 4.0, ABOVE, ABOVE, ABOVE]), (ABOVE, [4.0, ABOVE]));
     assert_eq!(of(&[ABOVE; 6]), (ABOVE, [ABOVE; 2]));
 }

@@ -1,4 +1,4 @@
-//! Figures: the SVG shows what the marks say.
+//! Figures: the SVG shows the data of the marks.
 
 mod figures;
 mod legible;
@@ -8,12 +8,12 @@ use splitsum::figure::svg::{FILE_WIDTH, WIDTHS, svg};
 use splitsum::figure::{Figure, Mark, Scale, ScaleKind, Shape};
 use std::collections::BTreeSet;
 
-/// An SVG of 500 marks, bytes: each has its words three times, which a packed file does not notice.
+/// An SVG of 500 marks, bytes: each has its words three times, which compress well.
 const SIZE_MOST: usize = 165_000;
 /// A coordinate has two decimals.
 const ROUNDING: f64 = 0.005 + 1e-6;
 
-/// The share of a domain at which a value lies, by the definition of the scale.
+/// The place of a value in a domain from 0 to 1, by the definition of the scale.
 fn share(kind: &ScaleKind, value: f64) -> f64 {
     match kind {
         ScaleKind::Linear { lo, hi } => (value - lo) / (hi - lo),
@@ -153,7 +153,7 @@ fn labels_of_ticks_are_round_and_at_their_values() {
             let [left, _, right, bottom] = drawn.panels()[0];
             let labels = drawn.labels_below(bottom);
             assert!(labels.len() >= 2, "{lo} to {hi}: {labels:?}");
-            // One digit each, or as far from each other as one digit says.
+            // One digit each, or as far apart as one digit allows.
             let values: Vec<f64> = labels.iter().map(|(text, _)| figures::parse_label(text)).collect();
             let is_round = |value: f64| {
                 format!("{value:.6e}").trim_start_matches(|c: char| c.is_ascii_digit()).starts_with(".000000")
@@ -163,11 +163,11 @@ fn labels_of_ticks_are_round_and_at_their_values() {
             assert!(is_even || values.iter().all(|value| is_round(*value)), "{lo} to {hi}: {values:?}");
             for (value, (text, x)) in values.into_iter().zip(labels) {
                 let off = (x - left - share(&kind, value) * (right - left)).abs();
-                assert!(off < 25.0, "{lo} to {hi}: {text} stands {off} px off");
+                assert!(off < 25.0, "{lo} to {hi}: {text} is {off} px off");
             }
         }
     }
-    // Tried sample counts are labelled as they are, and nothing is between two of them.
+    // Tried sample counts have labels, and there are no ticks in between.
     for counts in [&[1.0, 4.0, 16.0, 64.0, 256.0, 1024.0][..], &[1.0, 2.0], &[2.0, 3.0]] {
         let x = Scale::log("", counts.iter().copied()).unwrap();
         let points: Vec<[f64; 2]> = counts.iter().map(|x| [*x, 0.5]).collect();

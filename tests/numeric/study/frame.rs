@@ -1,4 +1,4 @@
-//! Groups, pairs and distinct images of a frame, and lines, on runs that were made up.
+//! Groups, pairs and distinct images of a frame, and lines, on synthetic runs.
 
 use super::paper::{F64, Made, finished};
 use splitsum::experiment::axis::Point;
@@ -22,7 +22,7 @@ fn a_row_is_in_every_group_that_it_does_not_contradict() {
         by(&rows, &axes).iter().map(|(_, own)| own.len()).collect()
     };
     assert_eq!(sizes(&["alpha"]), [4, 4]);
-    // The split sum draws no samples: it stands beside every count.
+    // The split sum draws no samples, so it is in the group of every count.
     assert_eq!(sizes(&["samples"]), [4, 4, 4]);
     assert_eq!(sizes(&["method", "samples"]), [2, 2, 2, 2], "with the method the two contradict each other");
     assert_eq!(by(&rows, &[]).len(), 1);
@@ -43,7 +43,7 @@ fn a_pair_differs_in_one_axis_alone() {
         assert_eq!(row.point.get("alpha"), base.point.get("alpha"));
         assert_eq!(row.point.get("method"), base.point.get("method"));
     }
-    // The method without level bias stands beside the default bias of the other, at the same count and alpha.
+    // The method without level bias is paired with the default bias of the other, at the same count and alpha.
     let methods = pair(&rows, axis("method"), &Value::from("sampled"));
     assert_eq!(methods.len(), 4, "the split sum has no partner: it draws no samples");
     for (row, base) in &methods {
@@ -54,7 +54,7 @@ fn a_pair_differs_in_one_axis_alone() {
 
 #[test]
 fn each_image_counts_once() {
-    // Black metal: neither the diffuse method nor f0 of dielectrics reaches a pixel; of methods without tables neither does their format.
+    // Black metal: neither the diffuse method nor f0 of dielectrics has an effect; methods without tables ignore their format.
     let axes = "alpha = [0.1, 0.5]\nalbedo = [0]\nf0 = [0.04, 0.9]\nmetallic = [1]\nstorage_format = [\"f32\", \"f16\"]\n\
                 method = [\"split-sum\", \"sampled\"]\nsamples = [1, 4, 16, 64]\n";
     let run = finished(axes, |_| Some(Made::error(1.0)));
@@ -64,7 +64,7 @@ fn each_image_counts_once() {
     let copies: usize = frame.rows.iter().map(|row| row.copies.len()).sum();
     assert_eq!(copies + frame.rows.len(), run.cells.len());
     assert!(!frame.shape.is_swept(axis("f0")) && frame.shape.is_swept(axis("storage_format")));
-    // On a surface that is no metal f0 counts.
+    // On a surface that is not a metal, f0 has an effect.
     let run = finished(&axes.replace("metallic = [1]", "metallic = [0]"), |_| Some(Made::error(1.0)));
     assert_eq!(Frame::new(&run, None).rows.len(), 2 * (2 * 4 + 2 * 2));
 }
@@ -84,7 +84,7 @@ fn of_equal_images_the_one_with_a_score_is_kept() {
 fn clips_above_the_peak_are_one_light() {
     let axes = "environment_clip_log2 = [2, 4, 6, 8]\nmethod = [\"split-sum\", \"sampled\"]\nsamples = [1, 4]\n";
     let mut run = flat(axes);
-    // From 2^4 on nothing is cut off.
+    // From 2^4 on nothing is clipped.
     run.lights = [(2.0, 4.0), (4.0, 10.0), (6.0, 10.0), (8.0, 10.0)]
         .map(|(clip, peak)| Light {
             environment: "builtin:sky".to_owned(),
@@ -123,7 +123,7 @@ fn a_curve_has_the_geometric_mean_of_its_point_sets() {
     for curve in &curves {
         assert_eq!(curve.tried(), [4, 16]);
         assert!(curve.points.iter().all(|point| (point.error - 2.0).abs() < F64 && point.rows.len() == 2));
-        // 0.5 is 25 floors of a mean square, 5 in units of the difference: not clear of the noise.
+        // 0.5 is 25 floors of a mean square, 5 in units of the difference: not above the noise.
         assert_eq!(curve.points.iter().map(|point| point.is_resolved).collect::<Vec<_>>(), [true, false]);
     }
 }

@@ -1,11 +1,11 @@
-//! Errors by view, tone curve and light, of runs whose numbers are known.
+//! Errors by view, tone curve and light, for runs with known numbers.
 
 use super::paper::{F64, Paper, bins, column, numbers, only};
 use splitsum::run::tables::HEADLINE;
 use splitsum::study::finished::MetricValues;
 
 #[test]
-fn a_bin_has_the_median_of_what_sees_it() {
+fn a_bin_has_the_median_over_its_environments() {
     // Three models with the errors 1, 2 and 6 times the bins' own; of the counts 16 is nearer to 40 than 4.
     let mut paper = Paper::new(&["alpha", "brdf", "method", "samples"]);
     for (alpha, scale) in [("0.1", 1.0), ("0.5", 10.0)] {
@@ -40,10 +40,10 @@ fn visible_differences_are_listed_by_exposure_and_contrast() {
     }
     let finding = paper.finding("visibility");
     let digest = finding.digest.as_ref().unwrap();
-    let told = |name| column(digest, name).concat();
-    assert_eq!(["most at exposure", "contrast", "mean FLIP there"].map(told), ["1", "5", "2"]);
-    assert_eq!(told("visible at contrast 1"), "exposure 1", "the median of the three is 0.04 at 0.1");
-    assert_eq!(told("visible at contrast 5"), "every tried exposure");
+    let shown = |name| column(digest, name).concat();
+    assert_eq!(["most at exposure", "contrast", "mean FLIP there"].map(shown), ["1", "5", "2"]);
+    assert_eq!(shown("visible at contrast 1"), "exposure 1", "the median of the three is 0.04 at 0.1");
+    assert_eq!(shown("visible at contrast 5"), "every tried exposure");
     let dark = only(&finding.table, &[("exposure", "0.1"), ("contrast", "1")]);
     assert_eq!(
         (numbers(&dark, "visible"), numbers(&dark, "n")),
@@ -89,12 +89,12 @@ fn a_furnace_shows_energy_lost_and_created() {
     let digest = finding.digest.as_ref().unwrap();
     assert_eq!(column(digest, "creates most"), ["", "40 %"], "0.001 is within the noise of a bin");
     assert_eq!(column(digest, "alpha 1"), ["-60 % ± 0.20", "-40 % ± 0.20"]);
-    // The model that creates at grazing views loses over the whole surface all the same.
+    // The model that creates energy at grazing views still loses energy over the whole surface.
     assert!(finding.sentence.contains("phong"), "{}", finding.sentence);
 }
 
 #[test]
-fn a_constant_environment_alone_is_no_furnace() {
+fn a_constant_environment_alone_is_not_a_furnace() {
     assert_eq!(furnace("none", "1").lacks("energy"), None);
     assert!(furnace("reference", "1").lacks("energy").is_some_and(|lack| lack.contains("Lambert")));
     assert!(furnace("none", "0.04").lacks("energy").is_some_and(|lack| lack.contains("f0")));

@@ -1,4 +1,4 @@
-//! Answers by the axis and in the words that an experiment names, of runs whose numbers are known.
+//! Answers by the axis and in the words that an experiment names, for runs with known numbers.
 
 use super::asked::digest;
 use super::paper::{Made, column, finished, numbers};
@@ -17,8 +17,8 @@ fn made(point: &Point) -> Option<Made> {
 
 const METHODS: &str = "method = [\"split-sum\", \"split-sum-one\"]\nalbedo = [0]\n";
 
-/// The one answer of a run that asks one question.
-fn told(head: &str, axes: &str) -> (Finished, Finding) {
+/// The answer of a run that asks one question.
+fn answered(head: &str, axes: &str) -> (Finished, Finding) {
     let text = format!(
         "{head}name = \"made\"\nsize = [16, 16]\nreference = {{ samples = 32 }}\n[axes]\ndiffuse = [\"none\"]\n{METHODS}{axes}"
     );
@@ -32,7 +32,7 @@ fn told(head: &str, axes: &str) -> (Finished, Finding) {
 fn an_experiment_in_perceptual_roughness_is_answered_in_it() {
     let axes = "perceptual_roughness = [0.25, 0.5, 1]\nf0 = [1]\n";
     for question in ["error", "effect"] {
-        let (_, found) = told(&format!("asks = [\"{question}\"]\n"), axes);
+        let (_, found) = answered(&format!("asks = [\"{question}\"]\n"), axes);
         let digest_table = found.digest.as_ref().unwrap();
         assert!(digest_table.columns.contains(&"perceptual_roughness".to_owned()), "{:?}", digest_table.columns);
         assert!(digest_table.columns.iter().all(|name| !name.contains("alpha")), "{:?}", digest_table.columns);
@@ -40,13 +40,13 @@ fn an_experiment_in_perceptual_roughness_is_answered_in_it() {
         let figure = found.figure.unwrap();
         let words = format!("{} {figure:?}", found.sentence);
         assert!(!words.contains("alpha") && words.contains("roughness"), "{question}: {words}");
-        // Programs find both.
+        // The CSV has both columns, for programs.
         assert_eq!(numbers(&found.table, "perceptual_roughness")[..2].len(), 2);
         let squares: Vec<f64> =
             numbers(&found.table, "perceptual_roughness").iter().map(|rough| rough * rough).collect();
         assert_eq!(numbers(&found.table, "alpha"), squares);
     }
-    let (_, found) = told("asks = [\"error\"]\n", axes);
+    let (_, found) = answered("asks = [\"error\"]\n", axes);
     assert!(found.sentence.contains("By perceptual_roughness it ranges from"), "{}", found.sentence);
     assert!(
         found.sentence.contains("for roughness 0.25") && found.sentence.ends_with("3 roughnesses."),
@@ -59,14 +59,14 @@ fn an_experiment_in_perceptual_roughness_is_answered_in_it() {
 fn the_rows_of_an_answer_are_values_of_the_axis_it_names() {
     let axes = "alpha = [0.25, 0.5]\nf0 = [1, 0.04]\n";
     let by = |question: &str| format!("asks = [{{ question = \"{question}\", by = \"f0\" }}]\n");
-    let (_, found) = told(&by("error"), axes);
+    let (_, found) = answered(&by("error"), axes);
     assert_eq!(found.digest.as_ref().unwrap().columns[0], "f0");
     // Means over alpha: √(0.25 · 0.5) and a quarter of it.
     let rows = digest(&found);
     assert_eq!([&rows[0][0], &rows[1][0]], ["0.04", "1"]);
     assert!(rows[0][1].starts_with("0.088 (") && rows[1][1].starts_with("0.35 ("), "{rows:?}");
     assert!(found.sentence.contains("By f0 it ranges from"), "{}", found.sentence);
-    // Every question with such rows takes the axis.
+    // Every question with such rows accepts the axis.
     for question in QUESTIONS.iter().filter(|question| question.has_rows) {
         let run = finished(&format!("{METHODS}{axes}"), made);
         let frame = Frame::new(&run, None);
@@ -79,12 +79,12 @@ fn the_rows_of_an_answer_are_values_of_the_axis_it_names() {
     }
 }
 
-/// What an error depends on most is in every table, swept or not.
+/// The most important axes are in every table, swept or not.
 #[test]
-fn columns_of_answers_do_not_come_and_go() {
-    let (_, one) = told("asks = [\"effect\"]\n", "alpha = [0.25]\n");
+fn columns_of_answers_do_not_depend_on_the_sweep() {
+    let (_, one) = answered("asks = [\"effect\"]\n", "alpha = [0.25]\n");
     let (_, swept) =
-        told("asks = [\"effect\"]\n", "alpha = [0.25, 0.5]\nf0 = [1, 0.04]\nbrdf = [\"ggx\", \"phong\"]\n");
+        answered("asks = [\"effect\"]\n", "alpha = [0.25, 0.5]\nf0 = [1, 0.04]\nbrdf = [\"ggx\", \"phong\"]\n");
     assert_eq!(one.table.columns, swept.table.columns);
     let always = ["weight", "environment", "brdf", "alpha", "perceptual_roughness", "f0"];
     assert_eq!(one.table.columns[..6], always);
@@ -93,7 +93,7 @@ fn columns_of_answers_do_not_come_and_go() {
 }
 
 #[test]
-fn every_method_has_words_of_its_own() {
+fn every_method_has_its_own_words() {
     let titles: BTreeSet<&str> = splitsum::shade::METHODS.iter().map(|method| method.title).collect();
     assert_eq!(titles.len(), splitsum::shade::METHODS.len());
 }

@@ -1,4 +1,4 @@
-//! The report without a browser: what is embedded, what cannot break out of the page, which files it may replace.
+//! The report without a browser: embedded data, escaping, and the files it may replace.
 
 use crate::run::runs::{finished, plan};
 use base64::Engine;
@@ -10,7 +10,7 @@ use splitsum::pixels::packed;
 use splitsum::pixels::{GrayImage, RgbImage};
 use splitsum::report::page::images::{BUDGET_BYTES, Choice, Window, collect};
 use splitsum::report::page::render::in_script;
-use splitsum::report::page::{PageOptions, Told, write};
+use splitsum::report::page::{PageOptions, PageRun, write};
 use splitsum::study::finished::Finished;
 use splitsum::study::questions::{Answer, answers};
 use std::io::Read;
@@ -24,7 +24,7 @@ fn json_in_a_script_element_cannot_end_it() {
     assert_eq!(serde_json::from_str::<serde_json::Value>(&text).unwrap(), value);
 }
 
-/// What the page does: base64, inflate, sum the differences.
+/// Decodes as the page does: base64, inflate, sum of differences.
 pub fn decoded(text: &str, plane: usize) -> Vec<u8> {
     let mut bytes = Vec::new();
     DeflateDecoder::new(BASE64_STANDARD.decode(text).unwrap().as_slice()).read_to_end(&mut bytes).unwrap();
@@ -74,7 +74,7 @@ pub fn finished_run(dir: &Path) -> PathBuf {
     finished(&plan(EXPERIMENT), &dir.join("run"))
 }
 
-/// A finished run with what it answers.
+/// A finished run with its answers.
 pub fn read(dir: &Path) -> (Finished, Vec<Answer>) {
     let run = Finished::read(dir).unwrap_or_else(|error| panic!("{error}"));
     let answers = answers(&run, None);
@@ -89,7 +89,7 @@ fn run(dir: &Path, name: &str, axes: &str, rest: &str) -> (Finished, Vec<Answer>
     read(&finished(&plan(&text(axes, rest)), &dir.join(name)))
 }
 
-/// The model that a page holds.
+/// The model in a page.
 fn model_of(page: &str) -> Value {
     let start = page.find("id=\"model\">").unwrap() + "id=\"model\">".len();
     let end = start + page[start..].find("</script>").unwrap();
@@ -101,10 +101,10 @@ fn a_page_is_the_same_each_time_and_holds_every_cell_and_answer_once() {
     let dir = tempfile::tempdir().unwrap();
     let run = finished_run(dir.path());
     let runs = [read(&run)];
-    let told = Told::of_runs(&runs);
-    let written = write(&PageOptions::in_folder(&run), &told).unwrap();
+    let page_runs = PageRun::of_runs(&runs);
+    let written = write(&PageOptions::in_folder(&run), &page_runs).unwrap();
     let before = std::fs::read(&written.path).unwrap();
-    write(&PageOptions::in_folder(&run), &told).unwrap();
+    write(&PageOptions::in_folder(&run), &page_runs).unwrap();
     assert!(std::fs::read(&written.path).unwrap() == before);
     let page = String::from_utf8(before).unwrap();
     assert!(!page.contains("src=\"http") && !page.contains("href=\"http") && page.contains("default-src 'none'"));
@@ -123,11 +123,11 @@ fn a_page_is_the_same_each_time_and_holds_every_cell_and_answer_once() {
         assert_eq!(axis("alpha")["values"][alpha], json!(cell.point.get("alpha").to_string()));
         assert_eq!(row[place("rmse")].as_f64(), cell.scores.as_ref().unwrap().get("rmse"));
     }
-    // Answers stand in the page as they are: sentence, table, both widths of the figure.
+    // The page holds the answers unchanged: sentence, table, both widths of the figure.
     assert!(!answers.is_empty());
-    for (answer, told) in answers.iter().zip(model["answers"].as_array().unwrap()) {
-        assert_eq!(told["name"], answer.question.name);
-        assert_eq!(told["rows"].as_array().unwrap().len(), answer.finding.table.rows.len());
+    for (answer, shown) in answers.iter().zip(model["answers"].as_array().unwrap()) {
+        assert_eq!(shown["name"], answer.question.name);
+        assert_eq!(shown["rows"].as_array().unwrap().len(), answer.finding.table.rows.len());
         assert!(page.contains(&format!("id=\"{}\"", answer.question.name)));
         for width in splitsum::figure::svg::WIDTHS {
             let figure = answer.finding.figure.as_ref().map(|figure| splitsum::report::write::drawing(figure, width));
@@ -141,7 +141,7 @@ fn images_over_the_budget_become_windows_where_the_error_is() {
     let dir = tempfile::tempdir().unwrap();
     let run = finished_run(dir.path());
     let runs = [read(&run)];
-    let runs = Told::of_runs(&runs);
+    let runs = PageRun::of_runs(&runs);
     let whole = collect(&runs, Choice::Automatic, BUDGET_BYTES).unwrap();
     assert_eq!(whole.images.len(), 2 * (1 + 4));
     assert!(whole.notes.is_empty() && whole.images.iter().all(|image| image.window.unwrap().width == 200));
@@ -175,11 +175,11 @@ fn images_over_the_budget_become_windows_where_the_error_is() {
 }
 
 #[test]
-fn of_many_point_sets_the_first_stays_where_not_all_fit() {
+fn if_not_all_point_sets_fit_the_first_stays() {
     let dir = tempfile::tempdir().unwrap();
     let axes = "environment = [\"builtin:constant\"]\nalpha = [0.5]\nmethod = [\"sampled\", \"split-sum\"]\nsamples = [1, 4]\npoint_set = [3, 1, 2]";
     let runs = [run(dir.path(), "run", axes, "")];
-    let runs = Told::of_runs(&runs);
+    let runs = PageRun::of_runs(&runs);
     let bytes = |choice: Choice, budget: usize| {
         let set = collect(&runs, choice, budget).unwrap();
         (set.payloads.iter().map(String::len).sum::<usize>(), set)
@@ -189,7 +189,7 @@ fn of_many_point_sets_the_first_stays_where_not_all_fit() {
     assert_eq!(whole.images.len(), 1 + 1 + 2 * 3);
     assert!(whole.notes.is_empty(), "{:?}", whole.notes);
     let (used, cut) = bytes(Choice::Automatic, all * 3 / 4);
-    assert!(used <= all * 3 / 4 && cut.notes[0].contains("only those of the first point set"), "{:?}", cut.notes);
+    assert!(used <= all * 3 / 4 && cut.notes[0].contains("only the images of the first point set"), "{:?}", cut.notes);
     for cell in &runs[0].finished.cells {
         let image = &cut.images[cut.index[&(0, cell.images.clone().unwrap().radiance)]];
         let set = cell.point.get("point_set").to_string();
@@ -206,7 +206,7 @@ fn a_crop_leaves_out_the_images_that_end_before_it() {
         "environment = [\"builtin:constant\"]\nalpha = [0.5]\nmethod = [\"split-sum\"]\nsize = [[24, 24], [48, 40]]";
     let text = text(axes, "").replace("size = [24, 24]\nreference", "reference");
     let runs = [read(&finished(&plan(&text), &dir.path().join("run")))];
-    let runs = Told::of_runs(&runs);
+    let runs = PageRun::of_runs(&runs);
     let window = Window { x: 20, y: 10, width: 16, height: 12 };
     let set = collect(&runs, Choice::Crop(window), BUDGET_BYTES).unwrap();
     assert_eq!(set.images.len(), 4);
@@ -222,7 +222,7 @@ fn a_crop_leaves_out_the_images_that_end_before_it() {
     }
     assert!(sizes.contains(&true) && sizes.contains(&false));
     assert!(set.notes.iter().any(|note| note.contains("2 of 4 images do not contain the crop")), "{:?}", set.notes);
-    // In none of the sizes: an error that names them all.
+    // A crop that no size contains: the error names all sizes.
     let beyond = Window { x: 40, y: 0, width: 16, height: 8 };
     let error = collect(&runs, Choice::Crop(beyond), BUDGET_BYTES).unwrap_err();
     assert_eq!(error.sizes, "24 x 24 or 48 x 40");
@@ -234,10 +234,10 @@ fn values_that_round_to_the_same_keep_their_digits() {
     let axes = "environment = [\"builtin:constant\"]\nalpha = [0.22361, 0.22362]\nmethod = [\"sampled\"]\nsamples = [1, 4]\n\
                 lod_bias = [0, 1.2924812503605781]";
     let runs = [run(dir.path(), "run", axes, "")];
-    let axes = splitsum::report::page::model::axes(&Told::of_runs(&runs));
+    let axes = splitsum::report::page::model::axes(&PageRun::of_runs(&runs));
     let words = |name: &str| axes.iter().find(|axis| axis.name == name).unwrap().words.join(", ");
     assert_eq!(words("alpha"), "alpha 0.22361 (roughness 0.47), alpha 0.22362 (roughness 0.47)");
-    // A bare number says what it is.
+    // A bare number gets the name of its axis.
     assert_eq!(words("lod_bias"), "bias 0, bias 1.292");
     assert_eq!(words("method"), "Sampling");
 }

@@ -1,4 +1,4 @@
-//! What a run leaves for the live view, and what of it a report takes.
+//! The files of a run for the live view, and the part that a report embeds.
 
 use crate::gltf_files::{png, textured};
 use crate::scene::gltf::quad;
@@ -11,7 +11,7 @@ use splitsum::experiment::Plan;
 use splitsum::glsl::source::{Language, parse};
 use splitsum::pixels::packed::HALF_MAX;
 use splitsum::precompute::taps::TapCount;
-use splitsum::report::page::Told;
+use splitsum::report::page::PageRun;
 use splitsum::report::page::live::{BUDGET_BYTES, Light};
 use splitsum::report::page::render::shaders;
 use splitsum::run::live::{LIVE_FILE, LiveEnvironment, LiveLobe, LiveRecord, LiveShader, half_scale};
@@ -27,7 +27,7 @@ fn record(run: &Path) -> LiveRecord {
 }
 
 fn light(run: &Path, budget: usize) -> Light {
-    Light::collect(&Told::of_runs(&[read(run)]), budget)
+    Light::collect(&PageRun::of_runs(&[read(run)]), budget)
 }
 
 #[test]
@@ -40,7 +40,7 @@ fn half_scales_are_the_least_powers_of_two_that_fit() {
     }
 }
 
-/// GLSL ES 3.00 takes the shader of every split sum in every layout, and those of the samplers for every model.
+/// GLSL ES 3.00 compiles the shader of every split sum in every layout, and the samplers' shaders for every model.
 #[test]
 fn the_page_has_a_shader_of_every_method_that_its_tables_serve() {
     let dir = tempfile::tempdir().unwrap();
@@ -106,7 +106,7 @@ fn unpacked(text: &str, count: usize) -> Vec<[u16; 3]> {
 #[test]
 fn a_model_is_packed_within_the_errors_that_it_states() {
     let dir = tempfile::tempdir().unwrap();
-    // A ball of flat triangles: more vertices than 16 bits name.
+    // A ball of flat triangles, with more vertices than 16 bits can index.
     let (rings, sectors) = (100, 120);
     let at = |i: usize, k: usize| {
         let (polar, azimuth) = (PI * (i + 1) as f64 / (rings + 2) as f64, TAU * k as f64 / sectors as f64);
@@ -157,7 +157,7 @@ fn a_model_is_packed_within_the_errors_that_it_states() {
         }
     }
     assert!(corners.next().is_none() && (ball.parts[0].surface.alpha, ball.note.as_str()) == (0.5, ""));
-    // A model of too many triangles is a sphere, and the page says so.
+    // A model of too many triangles is replaced by a sphere, and the page says so.
     let twice = "f 1//1 2//2 3//3\n".repeat(TRIANGLES_MAX + 1);
     std::fs::write(
         dir.path().join("large.obj"),
@@ -169,7 +169,7 @@ fn a_model_is_packed_within_the_errors_that_it_states() {
     assert!(large.note.contains("large has 100001 triangles"), "{}", large.note);
 }
 
-/// A model of glTF is there, with the means of its maps: 0 and 255 make a half, and roughness is squared after.
+/// A glTF model is shown with the means of its maps: 0 and 255 make a half, and roughness is squared afterwards.
 #[test]
 fn a_model_has_the_means_of_its_maps() {
     let dir = tempfile::tempdir().unwrap();
@@ -214,14 +214,14 @@ fn tables_beyond_the_budget_lose_their_finest_levels_then_whole_environments() {
     assert!(rest > 0);
     let reduced = light(&run, bytes(&whole) + 1000 - 4096);
     assert_eq!(reduced.environments[0].levels[0].size, [512, 256]);
-    // 256x128 texels stay, whatever the budget; then the last environments go.
+    // 256x128 texels are kept at any budget; then the last environments are dropped.
     let least = light(&run, 0);
     assert_eq!((least.environments.len(), least.environments[0].levels[0].size), (1, [256, 128]));
     assert!(least.notes[0].contains("1 more environment"), "{:?}", least.notes);
 }
 
 #[test]
-fn a_missing_or_broken_file_is_a_note_and_no_failure() {
+fn a_missing_or_broken_file_is_a_note_not_a_failure() {
     let dir = tempfile::tempdir().unwrap();
     let run = finished_run(dir.path());
     let whole = std::fs::read_to_string(run.join(LIVE_FILE)).unwrap();
@@ -232,7 +232,7 @@ fn a_missing_or_broken_file_is_a_note_and_no_failure() {
     }
     std::fs::remove_file(run.join(LIVE_FILE)).unwrap();
     assert!(light(&run, BUDGET_BYTES).notes[0].contains("has no live.json"));
-    // The same run again does what is missing without a renderer only where nothing else is.
+    // Running again keeps the complete file.
     std::fs::write(run.join(LIVE_FILE), &whole).unwrap();
     assert_eq!(finished_run(dir.path()), run);
     assert_eq!(std::fs::read_to_string(run.join(LIVE_FILE)).unwrap(), whole);

@@ -1,4 +1,4 @@
-//! Finished runs that were never rendered: the cells of a plan with scores by a formula, or rows with errors, bins, lights and times of choice.
+//! Finished runs that were never rendered: the cells of a plan with scores by a formula, or rows with given errors, bins, lights and times.
 
 use crate::run::runs;
 use splitsum::experiment::Plan;
@@ -49,10 +49,10 @@ fn cell_of(id: String, point: Point) -> FinishedCell {
     }
 }
 
-/// What an experiment file begins with.
+/// Head of an experiment file.
 pub const HEAD: &str = "name = \"made\"\nsize = [16, 16]\nreference = { samples = 32 }\n[axes]\ndiffuse = [\"none\"]\n";
 
-/// What is made up about a cell.
+/// Synthetic data of a cell.
 #[derive(Clone, Copy, Debug)]
 pub struct Made {
     pub error: f64,
@@ -63,13 +63,13 @@ pub struct Made {
 }
 
 impl Made {
-    /// An error far above the noise, with a difference that nobody sees.
+    /// An error far above the noise, with an invisible difference.
     pub fn error(error: f64) -> Self {
         Self { error, floor: 1e-12, flip: 0.01, bias_variance: None }
     }
 }
 
-/// A finished run of an experiment with these lines of axes; nothing for a cell that failed.
+/// A finished run of an experiment with these lines of axes; `None` for a cell that failed.
 pub fn finished(axes: &str, cell: impl Fn(&Point) -> Option<Made>) -> Finished {
     finished_of(&format!("{HEAD}{axes}"), cell)
 }
@@ -91,7 +91,7 @@ pub fn finished_of(text: &str, cell: impl Fn(&Point) -> Option<Made>) -> Finishe
     Finished { experiment: plan.config.text.clone(), cells, config: Some(plan.config), ..empty("made") }
 }
 
-/// Every number of the cells multiplied by a factor that hangs on the point.
+/// Multiplies every number of the cells by a factor that depends on the point.
 pub fn scaled(run: &mut Finished, factor: impl Fn(&Point) -> f64) {
     let names = || METRICS.iter().map(|metric| metric.name);
     for cell in &mut run.cells {
@@ -137,7 +137,7 @@ impl Paper {
         self.run.cells.last_mut().unwrap()
     }
 
-    /// What the run lacks for a question.
+    /// The missing part of the run for a question.
     pub fn lacks(&self, name: &str) -> Option<&'static str> {
         (question(name).unwrap().lacks)(&Frame::new(&self.run, None).shape)
     }
@@ -183,7 +183,7 @@ fn cells<'t>(table: &'t Table, name: &str) -> impl Iterator<Item = &'t Cell> {
     table.rows.iter().map(move |row| &row[place])
 }
 
-/// As people read them; numbers with the digits that they have.
+/// As text; numbers with all their digits.
 pub fn column(table: &Table, name: &str) -> Vec<String> {
     cells(table, name).map(|cell| if let Cell::Number(x) = cell { x.to_string() } else { shown(cell) }).collect()
 }
@@ -194,12 +194,12 @@ pub fn numbers(table: &Table, name: &str) -> Vec<f64> {
         Cell::Number(x) => *x,
         Cell::Integer(n) => *n as f64,
         Cell::Missing => f64::NAN,
-        Cell::Text(text) => panic!("{name}: {text} is no number"),
+        Cell::Text(text) => panic!("{name}: {text} is not a number"),
     };
     cells(table, name).map(number).collect()
 }
 
-/// The rows whose cells in these columns read so.
+/// The rows with these texts in these columns.
 pub fn only(table: &Table, wanted: &[(&str, &str)]) -> Table {
     let columns: Vec<Vec<String>> = wanted.iter().map(|(name, _)| column(table, name)).collect();
     let is_it = |i: &usize| columns.iter().zip(wanted).all(|(column, (_, text))| column[*i] == *text);

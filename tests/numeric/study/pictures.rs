@@ -1,4 +1,4 @@
-//! Pictures against the classic split sum, on runs whose ratios are known.
+//! Pictures against the textbook's split sum, for runs with known ratios.
 
 use super::paper::{F64, Paper, column, numbers, only};
 use splitsum::metrics::PICTURE_SCORES;
@@ -127,7 +127,7 @@ fn runs_without_several_orientations_or_a_base_are_refused() {
     assert!(lack(&[other, ["sphere", "a.hdr", "2", "0.1", "split-sum-one"]]).unwrap().contains("no `split-sum`"));
     let design = |[_, a, b, c, d]: [&'static str; 5]| ["design", a, b, c, d];
     assert!(lack(&[design(base), design(other)]).unwrap().contains("not a picture"));
-    // A design beside the pictures does not hide them.
+    // A design in the same run does not hide the pictures.
     let mut paper = six_maps();
     paper.add(&["design", "map0.hdr", "1", "0.1", "split-sum"], 1.0);
     let answers = answers(&paper.run, None);

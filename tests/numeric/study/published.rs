@@ -1,4 +1,4 @@
-//! What the repository shows of published runs is what they say, and every column is explained.
+//! The repository's pages show the numbers of published runs, and every column is explained.
 
 use crate::run::runs::{invoke, log, plan};
 use crate::run::whole::EXPERIMENT;
@@ -48,7 +48,7 @@ fn blocks_choose_rows_and_columns_and_name_their_faults() {
         let page = run(head).unwrap_or_else(|error| panic!("{error}"));
         page.split_once("-->").unwrap().1.split_once("<!-- /csv").unwrap().0.to_owned()
     };
-    // The same number, however it is written; no filtered and no empty column.
+    // The same number in any notation; no filtered and no empty column.
     let table = "\n| model | n·v below 0.2 |\n|-------|--------------:|\n| ggx   |        0.0123 |\n| phong |             3 |\n";
     assert_eq!(content("csv run/answers/q.csv alpha=0.1"), table);
     assert_eq!(content("csv run/answers/q.csv alpha=0.5 show=model"), "ggx");
@@ -88,8 +88,8 @@ fn every_column_of_every_table_is_explained() {
         let table = Table::read(&dir.path().join(file)).unwrap();
         for name in &table.columns {
             let bare = name.strip_suffix("_noise_floor").unwrap_or(name);
-            let is_told = known.contains(&bare) || columns.iter().any(|column| column.name == *name);
-            assert!(is_told, "{file}: the column {name} is not explained");
+            let is_known = known.contains(&bare) || columns.iter().any(|column| column.name == *name);
+            assert!(is_known, "{file}: the column {name} is not explained");
         }
         for column in *columns {
             assert!(table.columns.iter().any(|name| name == column.name), "{file} has no column {}", column.name);

@@ -14,8 +14,8 @@ use splitsum::study::questions::{Finding, QUESTIONS, Question, question};
 use std::path::Path;
 use std::sync::OnceLock;
 
-/// Experiments that together serve every question: the name, what stands before the axes, the axes and what follows. Seven environments are
-/// enough for intervals.
+/// Experiments that together serve every question: the name, the text before the axes, the axes and the text after
+/// them. Seven environments are enough for intervals.
 const EXPERIMENTS: [[&str; 3]; 8] = [
     [
         "methods",
@@ -123,7 +123,7 @@ fn runs() -> &'static [Finished] {
         let mut runs = Vec::new();
         let folder = scratch();
         for [name, head, axes] in EXPERIMENTS {
-            // Some questions read the images of their run, which must outlive this.
+            // Some questions read the images of their run, so the folder must live longer.
             let dir = folder.join(name);
             finished(&plan(&format!("name = \"{name}\"\nsize = [16, 16]\n{head}\n[axes]\n{axes}\n")), &dir);
             runs.push(Finished::read(&dir).unwrap());
@@ -155,7 +155,7 @@ fn asked(run: &Finished) -> Vec<(&'static Question, Finding)> {
     let name = run.text("/name");
     let answer = |asked: &&'static Question| {
         let finding = (asked.answer)(&frame);
-        // The made renderer errs in no diffuse term: a ratio of its errors says nothing.
+        // The synthetic renderer has no error in the diffuse term, so a ratio of its errors has no meaning.
         assert!(finding.is_some() || name == "diffuse", "{}: no answer of {name}", asked.name);
         Some((*asked, finding?))
     };
@@ -174,7 +174,7 @@ fn each(check: impl Fn(&Finished, &'static Question, &Finding)) {
 }
 
 #[test]
-fn every_question_is_served_by_a_made_run() {
+fn every_question_is_served_by_a_synthetic_run() {
     let served: Vec<&str> = runs().iter().flat_map(asked).map(|(question, _)| question.name).collect();
     for question in QUESTIONS {
         assert!(served.contains(&question.name), "{}", question.name);
@@ -255,7 +255,7 @@ fn every_figure_is_well_formed_and_its_cells_exist() {
 }
 
 #[test]
-fn a_failed_cell_leaves_the_others_answer() {
+fn a_failed_cell_does_not_prevent_an_answer() {
     for run in runs().iter().step_by(2) {
         let whole = asked(run);
         let last = run.cells.len() - 1;
@@ -265,7 +265,7 @@ fn a_failed_cell_leaves_the_others_answer() {
             let frame = Frame::new(&broken, None);
             for (question, before) in &whole {
                 let Some(after) = (question.answer)(&frame) else {
-                    // All that is left of so small a run may be too little.
+                    // The resolved part of so small a run may be too small.
                     assert!(before.table.rows.len() <= 4, "{} says nothing", question.name);
                     continue;
                 };
@@ -278,7 +278,7 @@ fn a_failed_cell_leaves_the_others_answer() {
     }
 }
 
-/// A question that no experiment asks is answered nowhere and read by nobody.
+/// A question that no experiment asks would never be answered.
 #[test]
 fn every_question_is_asked_by_an_experiment() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("experiments");

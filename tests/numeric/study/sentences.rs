@@ -1,4 +1,4 @@
-//! Whether sentences say what tables say.
+//! Checks that sentences agree with tables.
 
 use splitsum::study::questions::Finding;
 use splitsum::study::table::Table;
@@ -11,12 +11,12 @@ pub fn sentences(text: &str) -> Vec<&str> {
     text.trim().split_inclusive(". ").map(str::trim).collect()
 }
 
-/// Words of a sentence: what has a letter or digit.
+/// Words of a sentence: parts with a letter or digit.
 pub fn word_count(sentence: &str) -> usize {
     sentence.split_whitespace().filter(|word| word.contains(char::is_alphanumeric)).count()
 }
 
-/// The text without what stands in backticks: names, not words.
+/// The text without its code spans, which are names, not words.
 fn without_names(text: &str) -> String {
     text.split('`').step_by(2).collect::<Vec<_>>().join(" ")
 }
@@ -75,7 +75,7 @@ fn known(table: &Table, found: &mut HashSet<String>) {
             }
             *counts.entry(format!("{:?}", row[column])).or_default() += 1;
         }
-        // A row over all values is none of them.
+        // A row over all values does not count as a value.
         let over_all = usize::from(counts.contains_key("Text(\"all\")"));
         add(&(counts.len() - over_all).to_string());
         let of_names = counts.iter().filter(|(value, _)| value.starts_with("Text"));
@@ -83,8 +83,9 @@ fn known(table: &Table, found: &mut HashSet<String>) {
     }
 }
 
-/// What a sentence of a finding says that its table and digest do not: numbers that are none of theirs, no count of their rows or of those
-/// with one name in a column, and no count of the distinct values of a column. The 95 of "95 %" is the size of every interval.
+/// Numbers in a sentence of a finding that its table and digest lack: they are neither numbers there, nor counts of
+/// rows, of rows with one name in a column, or of distinct values of a column. The 95 of "95 %" is the size of every
+/// interval.
 pub fn unfounded(finding: &Finding) -> Vec<String> {
     let mut known_numbers = HashSet::new();
     [Some(&finding.table), finding.digest.as_ref()]

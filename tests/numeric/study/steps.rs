@@ -1,4 +1,4 @@
-//! The steps of the split sum's error as told, of runs whose shares are written down; and whose word counts for how much.
+//! The steps of the split sum's error in answers, for runs with given shares; and the weight of each environment.
 
 use super::paper::{F64, Paper, column, numbers, only};
 use splitsum::study::finished::{Bin, StepRow};
@@ -25,10 +25,10 @@ fn steps(seen: [f64; 2], masking: f64, noise: f64) -> Vec<StepRow> {
 fn run(lights: &[(&str, f64, f64)]) -> Finding {
     let mut paper = Paper::new(&["scene", "environment", "method", "alpha"]);
     for (light, all, facing) in lights {
-        let told = [steps([0.0, 1.0], *all, 1e-6), steps([0.8, 1.0], *facing, 1e-6)].concat();
-        paper.add(&["design", light, "split-sum", "0.5"], 1.0).steps = told;
+        let listed = [steps([0.0, 1.0], *all, 1e-6), steps([0.8, 1.0], *facing, 1e-6)].concat();
+        paper.add(&["design", light, "split-sum", "0.5"], 1.0).steps = listed;
     }
-    // Under constant light nothing stands clear of the noise.
+    // Under constant light no error is above the noise.
     paper.add(&["design", "builtin:constant", "split-sum", "0.5"], 1e-3).steps = steps([0.0, 1.0], 0.5, 0.2);
     let mut frame = splitsum::study::frame::Frame::new(&paper.run, None);
     (frame.shape.has_ladder, frame.shape.reference_method) = (true, "reference".to_owned());
@@ -57,7 +57,7 @@ fn shares_are_means_over_maps_with_formulas_apart() {
     for (name, right) in [("share", 0.2), ("share_lo", 0.2 - half), ("share_hi", 0.2 + half), ("first_in", 0.1)] {
         assert!((numbers(&row, name)[0] - right).abs() < 1e-4, "{name}: {:?}", numbers(&row, name));
     }
-    // A formula has its own row, and constant light none.
+    // A formula has its own row; constant light has none.
     let own = [("environment", "builtin:sky"), ("n_dot_v_from", "0"), ("rung", "masking")];
     assert!((numbers(&only(&finding.table, &own), "share")[0] - 0.9).abs() < F64);
     assert!(!column(&finding.table, "environment").contains(&"builtin:constant".to_owned()));
@@ -100,7 +100,7 @@ fn tables_are_judged_in_every_band_of_the_view() {
     assert_eq!(numbers(&small, "texels")[0], texels);
 }
 
-/// Beside a design, pictures tell nothing in a metric of radiance: their errors are not averaged with its own.
+/// If there is a design, pictures do not count in a metric of radiance: their errors are not averaged with the design's.
 #[test]
 fn a_design_alone_answers_for_metrics_of_radiance() {
     let mut paper = Paper::new(&["scene", "environment", "method", "alpha"]);

@@ -1,11 +1,11 @@
-//! Which tables one ships, of runs whose tables err by what is written down.
+//! Recommended tables, for runs with given errors of tables.
 
 use super::paper::{F64, Paper, column, numbers, only};
 use splitsum::study::questions::Finding;
 
 const FROM_HERE: &str = "smallest tables that are enough from here on";
 
-/// A run that is judged by this method.
+/// A run with this method as the reference.
 fn judged_by(method: &str) -> Paper {
     let mut paper = Paper::new(&[
         "environment",
@@ -48,7 +48,7 @@ fn run() -> Paper {
 }
 
 #[test]
-fn tables_are_enough_where_they_err_by_a_tenth_of_the_split() {
+fn tables_are_enough_if_they_err_by_a_tenth_of_the_split() {
     let finding = run().finding("tables");
     // 2 x 0.19 is 0.38 of 1 and 0.095 of 4; of equal sizes the better mapping leads, though both are enough.
     let [tables, share, error] =
@@ -71,7 +71,7 @@ fn tables_are_enough_where_they_err_by_a_tenth_of_the_split() {
 }
 
 #[test]
-fn where_no_tables_are_enough_the_best_are_named() {
+fn if_no_tables_are_enough_the_best_are_named() {
     let mut paper = judged_by("ladder-view");
     for (alpha, split) in [("0.1", 0.01), ("0.5", 1.0)] {
         paper.add(&["builtin:sky", alpha, "reference", "", "", "", ""], split);
@@ -82,9 +82,9 @@ fn where_no_tables_are_enough_the_best_are_named() {
     let finding = paper.finding("tables");
     let shown = |alpha| shown(&finding, alpha, [FROM_HERE, "share at most, from here on"]);
     assert_eq!(shown("0.1"), ["none; best 256 samples", "50.0 %"]);
-    // Enough at 0.5, where nothing was enough at 0.1.
+    // Enough at 0.5, although nothing was enough at 0.1.
     assert_eq!(shown("0.5"), ["64 samples", "2.0 %"]);
-    // What can be shipped comes first.
+    // The shippable set comes first.
     let said = &finding.sentence;
     assert!(said.starts_with("From alpha 0.5 (roughness 0.71) on, ship **64 samples**: at most 2.0 %"), "{said}");
     assert!(said.contains("Below, the best, 256 samples, reach 50.0 % (sky · alpha 0.1)"), "{said}");

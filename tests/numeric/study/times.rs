@@ -1,4 +1,4 @@
-//! Times of frames and tables, of runs whose times are known.
+//! Times of frames and tables, for runs with known times.
 
 use super::paper::{Paper, column, numbers, only};
 use crate::run::timing_ratios::swept;
@@ -29,7 +29,7 @@ fn five_rounds_have_no_interval() {
     assert!(!found.sentence.contains("NaN") && !found.digest.unwrap().markdown().contains("NaN"));
 }
 
-/// A split sum beside a sampled image, with these times.
+/// A split sum and a sampled image with these times.
 fn beside(records: Vec<TimingRecord>) -> Paper {
     let mut paper = Paper::new(&["method", "samples"]);
     paper.add(&["split-sum", ""], 0.3);
@@ -39,7 +39,7 @@ fn beside(records: Vec<TimingRecord>) -> Paper {
 }
 
 #[test]
-fn ratios_are_those_of_frames_timed_together() {
+fn ratios_come_from_frames_timed_together() {
     let finding = beside(swept()).finding("times");
     let ratio = |method, samples, over| {
         let own =
@@ -52,7 +52,7 @@ fn ratios_are_those_of_frames_timed_together() {
     assert_eq!(ratio("sampled", "40", "sampled-unfiltered 16"), [0.0; 0]);
     let split = only(&finding.table, &[("method", "split-sum"), ("phase", "frame")]);
     assert_eq!((numbers(&split, "ms"), column(&split, "over")), (vec![2.0; 2], vec![String::new(); 2]));
-    // 2 ms of passes within 1 ms of the host's time cannot be.
+    // 2 ms of passes within 1 ms of the host's time are impossible.
     assert!(column(&finding.table, "host_check").iter().all(|check| check == "passes-exceed-wall"));
 }
 
@@ -73,7 +73,7 @@ fn alternative_tables_are_a_range_and_never_a_sum() {
 }
 
 #[test]
-fn each_set_of_tables_has_rows_of_its_own() {
+fn each_set_of_tables_has_its_own_rows() {
     let finding = beside(swept()).finding("times");
     let sets = only(&finding.table, &[("phase", "precompute")]);
     let keys = ["method", "masking", "prefilter_sample_count", "pass"].map(|name| column(&sets, name));
@@ -81,6 +81,7 @@ fn each_set_of_tables_has_rows_of_its_own() {
     let all = seen.len();
     seen.sort();
     seen.dedup();
-    // Per masking: two sets of three passes and their sum, and the mips of the sampled method with their sum. What has no table has no row.
+    // For each masking: two sets of three passes and their sum, and the mips of the sampled method with their sum. A
+    // method without tables has no row.
     assert_eq!((seen.len(), all), (2 * (2 * 4 + 2), 2 * (2 * 4 + 2)));
 }

@@ -80,9 +80,9 @@ fn the_picture_weight_integrates_an_error_over_2_n_dot_v() {
     }
 }
 
-/// The noise floor under a weight is the expected score of an exact image, as without one.
+/// The noise floor under a weight is the expected score of an exact image, as without a weight.
 #[test]
-fn weighted_noise_floors_are_what_an_exact_image_scores() {
+fn weighted_noise_floors_are_the_scores_of_an_exact_image() {
     let sigma = |cosine: f64| 0.02 * (1.2 - cosine);
     let (exact, error) = (image(|cosine| 0.5 + cosine), image(sigma));
     let mut random = Random::new(3);
@@ -111,7 +111,7 @@ fn weighted_noise_floors_are_what_an_exact_image_scores() {
     }
 }
 
-/// A run as it is written and read: its bins together are the whole.
+/// A run as written and read: its bins together are the whole.
 #[test]
 fn recorded_bins_determine_scores_and_floors() {
     let bench = Bench::finished(
@@ -160,7 +160,7 @@ fn answers_have_the_rows_of_each_weight() {
     let found = ratios(&run);
     assert_eq!(found.iter().map(|(weight, _)| &**weight).collect::<Vec<_>>(), ["picture", "uniform"]);
     assert!((found[0].1 - 0.25 / 0.4).abs() < F64 && (found[1].1 - 0.2 / 0.6).abs() < F64, "{found:?}");
-    // As the sphere shows them, 1/5 and 4/5: 0.36 and 0.26.
+    // With the weight of the sphere, 1/5 and 4/5: 0.36 and 0.26.
     let of_scene = run.clone().with_weights(&["sphere".to_owned()]).unwrap();
     let [(name, ratio)] = &ratios(&of_scene)[..] else { panic!() };
     assert!(name == "sphere" && (ratio - 0.26 / 0.36).abs() < F64, "{ratio}");
@@ -179,8 +179,8 @@ fn answers_have_the_rows_of_each_weight() {
 }
 
 #[test]
-fn runs_without_bins_or_floors_keep_what_they_have() {
-    // Older programs record no floor by bin: that of the whole image stays.
+fn runs_without_bins_or_floors_keep_their_scores() {
+    // Older programs record no floor by bin, so the floor of the whole image stays.
     let run = two_views().run;
     assert_eq!(run.weighted(&Weight::Picture).cells[0].noise_floors.get("relmse"), Some(1e-9));
     let mut bare = run;
@@ -188,7 +188,7 @@ fn runs_without_bins_or_floors_keep_what_they_have() {
     let found = ratios(&bare);
     assert!(found.len() == 1 && found[0].0 == "uniform" && (found[0].1 - 0.2 / 0.6).abs() < F64, "{found:?}");
     assert!(bare.with_weights(&["picture".to_owned()]).unwrap_err().contains("errors_by_n_dot_v.csv"));
-    // A picture's pixels count as they are.
+    // A picture's pixels count once each.
     let axes = "environment = [\"builtin:sky\"]\nmethod = [\"split-sum\", \"split-sum-one\"]\n";
     let run = finished_of(&format!("{}{axes}", super::paper::HEAD), |_| Some(Made::error(0.5)));
     assert_eq!(ratios(&run), [("picture".to_owned(), 1.0)]);

@@ -29,7 +29,7 @@ fn owned(names: &[&str]) -> Vec<String> {
     names.iter().map(|name| (*name).to_owned()).collect()
 }
 
-/// A number in [0, 1) that looks random.
+/// A pseudo-random number in [0, 1).
 fn noise(seed: usize) -> f64 {
     ((seed as f64 * 12.9898).sin() * 43_758.545).fract().abs()
 }
@@ -43,7 +43,7 @@ const SCENES: [&str; 6] = [
     "royal_esplanade_4k_without_a_place_to_break",
 ];
 
-/// Long names, many rows, tiles, bars, intervals; and those of answers.
+/// Long names, many rows, tiles, bars, intervals; and the figures of answers.
 pub fn hard() -> Vec<Figure> {
     let made = [rows(), tiles(false), tiles(true), long(), shared()];
     made.into_iter().chain(questions::figures()).collect()
@@ -135,7 +135,7 @@ pub fn hostile() -> Figure {
     Figure { title: name("title"), note: name("note"), panels: vec![panel.clone(), panel], series, ramp }
 }
 
-/// The number that a label says.
+/// The number of a label.
 pub fn parse_label(text: &str) -> f64 {
     let digits = |c: char| "⁰¹²³⁴⁵⁶⁷⁸⁹".chars().position(|d| d == c).map(|d| (b'0' + d as u8) as char);
     let plain = text.replace('\u{2212}', "-");
@@ -151,14 +151,14 @@ pub fn parse_label(text: &str) -> f64 {
     }
 }
 
-/// An SVG that was read again.
+/// A parsed SVG.
 pub struct Drawn {
     document: Document<'static>,
 }
 
 impl Drawn {
     pub fn new(text: &str) -> Self {
-        // The document borrows its text; a test's text may stay.
+        // The document borrows its text, so the test leaks it.
         let text: &'static str = Box::leak(text.to_owned().into_boxed_str());
         Self { document: Document::parse(text).unwrap_or_else(|error| panic!("{error}\n{text}")) }
     }
@@ -199,7 +199,7 @@ impl Drawn {
         mark.children().find_map(|node| node.attribute("d")).map(numbers).unwrap()
     }
 
-    /// Where marks of panels start whose paths have a class.
+    /// Starts of the panels' marks whose paths have a class.
     pub fn starts(&self, class: &str) -> Vec<[f64; 2]> {
         self.vertices_of(class).into_iter().map(|path| path[0]).collect()
     }
@@ -208,7 +208,7 @@ impl Drawn {
         self.vertices_of(class).into_iter().flatten().collect()
     }
 
-    /// Points of paths of absolute commands; the rest of those with relative ones is left out.
+    /// Points of paths with absolute commands; parts with relative commands are skipped.
     fn vertices_of(&self, class: &str) -> Vec<Vec<[f64; 2]>> {
         let is_own = |node: &Node| {
             let in_panel =

@@ -1,4 +1,4 @@
-//! What is drawn can be read: words beside each other and within the picture, colours that stand out.
+//! Figures are legible: words do not overlap and stay within the picture, and colours have contrast.
 
 use super::figures::{Drawn, hard};
 use crate::table;
@@ -68,7 +68,7 @@ fn no_words_leave_the_picture_or_hide_others() {
     }
 }
 
-/// Words that were cut short have all of them for people who point at them.
+/// Shortened words have the full words as a tooltip.
 #[test]
 fn words_that_are_cut_short_are_whole_in_their_title() {
     for figure in hard() {
