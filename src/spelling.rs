@@ -120,7 +120,8 @@ pub fn expected(what: &str, names: &[&str]) -> String {
     match (what, names.len().saturating_sub(NAMES_SHOWN)) {
         (_, 0) if names.len() < 2 => names.first().unwrap_or(&"none").to_string(),
         (_, 0) => format!("one of {}", names.join(", ")),
-        ("axis", _) => "a name of `splitsum list axes`".to_owned(),
+        ("axis" | "setting of a bake", _) => "a name of `splitsum list axes`".to_owned(),
+        ("command", _) => "a command of `splitsum --help`".to_owned(),
         ("method" | "metric" | "question", _) => format!("a name of `splitsum list {what}s`"),
         ("key", _) => "a key of experiments/README.md".to_owned(),
         (_, rest) => format!("one of {} and {rest} more", names[..NAMES_SHOWN].join(", ")),

@@ -169,11 +169,11 @@ const PLAIN: Preset = Preset {
 pub static PRESETS: &[Preset] = &[
     Preset {
         name: "splitsum",
-        about: "what splitsum bake writes; bake.json is read",
+        about: "the files of splitsum bake, with bake.json",
         masking: MaskingShadowing::Separable,
         product: Product {
             engine: "raw",
-            about: "faces as EXR in 32 bits, +x -x +y -y +z -z, a table in four forms: for your own importer",
+            about: "faces as 32-bit EXR (+x -x +y -y +z -z) and the table in four formats, for your own importer",
             specular: "specular",
             irradiance: Some("diffuse"),
             tables: &["dfg.exr", "dfg.ktx2", "dfg.dds", "dfg.png"],
@@ -185,12 +185,12 @@ pub static PRESETS: &[Preset] = &[
     },
     Preset {
         name: "cmgen",
-        about: "Filament's cmgen as it mirrors by default; --axes -x+y+z for its --no-mirror",
+        about: "Filament's cmgen with its default mirroring; for --no-mirror add --axes=-x+y+z",
         mapping: "quadratic",
         table_axes: "n+r-",
         product: Product {
             engine: "filament",
-            about: "Filament: a KTX 1 as cmgen writes it, SH in it and beside it",
+            about: "one KTX 1 in the form of cmgen; SH is a key in it, and sh.txt",
             specular: "ibl.ktx",
             tables: &["dfg.exr"],
             sh: Some("sh.txt"),
@@ -206,7 +206,7 @@ pub static PRESETS: &[Preset] = &[
         axes: "-z+y+x",
         product: Product {
             engine: "khronos",
-            about: "the glTF Sample Viewer: two KTX 2 cubes and the table",
+            about: "two KTX 2 cubes and the table, for the glTF Sample Viewer",
             irradiance: Some("diffuse.ktx2"),
             tables: &["lut_ggx.png"],
             ..Product::PLAIN
@@ -215,11 +215,11 @@ pub static PRESETS: &[Preset] = &[
     },
     Preset {
         name: "bevy",
-        about: "cubes as Bevy looks them up, (x, y, -z): checked by pictures of Bevy 0.19.1 and its DFG table",
+        about: "cubes for Bevy's lookup (x, y, -z); checked with pictures of Bevy 0.19.1 and its DFG table",
         axes: "+x+y-z",
         product: Product {
             engine: "bevy",
-            about: "EnvironmentMapLight of Bevy: two KTX 2 cubes; features ktx2 and zstd",
+            about: "two KTX 2 cubes for EnvironmentMapLight (Bevy's features ktx2 and zstd)",
             irradiance: Some("diffuse.ktx2"),
             language: "WGSL",
             texel: "rgb9e5",
@@ -230,10 +230,10 @@ pub static PRESETS: &[Preset] = &[
     },
     Preset {
         name: "cesium",
-        about: "cubes as Cesium looks them up, x east and z south: from its shader, not checked against a bake",
+        about: "cubes for Cesium's lookup, x east and z south; from its shader, not checked with a bake",
         product: Product {
             engine: "cesium",
-            about: "Cesium: a KTX 2 cube for specularEnvironmentMaps, SH for sphericalHarmonicCoefficients, both of one run",
+            about: "a KTX 2 cube for specularEnvironmentMaps and SH for sphericalHarmonicCoefficients; use both of one run",
             sh: Some("sh.txt"),
             ..Product::PLAIN
         },
@@ -241,12 +241,12 @@ pub static PRESETS: &[Preset] = &[
     },
     Preset {
         name: "unity",
-        about: "left-handed cubes with Unity's 7 levels: from its shaders, not checked against a bake",
+        about: "left-handed cubes with Unity's 7 levels; from its shaders, not checked with a bake",
         axes: "-x+y+z",
         mapping: "unity",
         product: Product {
             engine: "unity",
-            about: "a DDS cube of 7 levels and the table as DDS; for an importer of your own, as Unity filters what it imports",
+            about: "a DDS cube of 7 levels and the table as DDS, for your own importer: Unity filters the maps that it imports",
             specular: "specular.dds",
             tables: &["dfg.dds"],
             language: "HLSL",
@@ -258,8 +258,8 @@ pub static PRESETS: &[Preset] = &[
     },
 ];
 
-listed!(TableAxes, "table axes", TABLE_AXES);
-listed!(TableChannels, "table channels", TABLE_CHANNELS);
+listed!(TableAxes, "order of table axes", TABLE_AXES);
+listed!(TableChannels, "order of table channels", TABLE_CHANNELS);
 listed!(
     Preset,
     "preset",

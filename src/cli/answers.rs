@@ -28,7 +28,7 @@ pub struct Arguments {
     /// Weigh views by these, first the leading one [default: the experiment's].
     #[arg(long, value_name = "NAME", value_delimiter = ',')]
     weights: Vec<String>,
-    /// Copy each run's tables to FOLDER/NAME; update README.md and docs/ beside it.
+    /// Copy each run's tables to FOLDER/NAME; update README.md and docs/ next to it.
     #[arg(long, value_name = "FOLDER")]
     publish: Option<PathBuf>,
     /// Replace a published run of another plan.

@@ -27,7 +27,7 @@ use std::path::{Path, PathBuf};
     A good level is within 3 % rms (relmse 0.001). For a larger error the verdict names the slip that explains it: a width, a gain, swapped \
     or turned faces, channels, an encoding, a cut, another weight, missing levels. Level 0, the mirror, is compared with the environment \
     averaged over each texel.\n\n\
-    Exit codes: 0, or 1 if a --fail flag is not met, 2 for wrong input.\n\n\
+    Exit codes: 0 if every limit holds, 1 if a --fail limit is exceeded, 2 for wrong input.\n\n\
     Unsure of a convention? --guess tries them all.\n\n\
     Examples:\n  splitsum check-bake studio_ibl.ktx studio_sh.txt --environment studio.hdr --preset cmgen\n  \
     splitsum check-bake specular.ktx2 lut_ggx.png --environment studio.hdr --preset khronos --guess\n  \

@@ -90,8 +90,8 @@ fn after_help() -> String {
         FAMILIES.iter().map(|Family { name, generation, card, .. }| format!("  {name:8} {generation}, {card}\n"));
     format!(
         "\
-Mesa's RADV compiles the program's own shaders for GPUs that this machine does not have (Debian: apt-get install mesa-vulkan-drivers). The
-command counts their instructions inside and outside the loop over samples. Nothing is executed or timed.
+Mesa's RADV compiles the program's own shaders for GPUs that this machine does not have (Debian: apt-get install mesa-vulkan-drivers). \
+The command counts their instructions inside and outside the loop over samples. Nothing is executed or timed.
 
 Families, each with one of its cards:
 {}

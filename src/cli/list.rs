@@ -95,9 +95,10 @@ fn listing(what: What) -> String {
         What::Axes => {
             for named in Named::all() {
                 let default = if named.is_second() { String::new() } else { (named.entry().default)().to_string() };
-                let default = if default.is_empty() { "the scene's own".to_owned() } else { default };
+                let unset = if named.about().contains("[default") { "" } else { "; default the scene's own" };
+                let default = if default.is_empty() { unset.to_owned() } else { format!("; default {default}") };
                 let form = named.kind().set_form().map_or_else(String::new, |form| format!("; with --set {form}"));
-                add(named.name(), &format!("{}; {}{form}; default {default}", named.about(), named.kind().describe()));
+                add(named.name(), &format!("{}; {}{form}{default}", named.about(), named.kind().describe()));
             }
         }
     }

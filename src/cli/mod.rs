@@ -202,6 +202,7 @@ fn usage_fault(error: &clap::Error) -> String {
             return not_one_of("name", &value, &text(ContextKind::ValidValue).split(", ").collect::<Vec<_>>(), "");
         }
         (ErrorKind::InvalidValue | ErrorKind::MissingRequiredArgument, _) => format!("{argument} is missing"),
+        (ErrorKind::TooManyValues, _) => format!("{flag} takes no value"),
         (ErrorKind::ArgumentConflict, _) => format!("{argument} cannot be used with {}", name(ContextKind::PriorArg)),
         (ErrorKind::UnknownArgument, _) => match text(ContextKind::SuggestedArg) {
             near if near.is_empty() => format!("{argument} is unknown"),

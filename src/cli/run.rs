@@ -26,7 +26,7 @@ use std::time::Instant;
     and reprints its summary. Cells with missing or changed images are rendered again.\n\n\
     A larger sweep continues in the folder of a smaller one: add values or axes. An experiment that lacks a finished cell of the folder is \
     refused. Configurations that are compared by time are timed again if one joins them.\n\n\
-    The experiment.toml in a run's folder can be run again; provenance.json beside it has its paths and --set.\n\n\
+    The experiment.toml in a run's folder can be run again; provenance.json in the same folder has its paths and --set.\n\n\
     Examples:\n  splitsum run experiments/quick.toml\n  \
     splitsum run experiments/quick.toml --set alpha=0.1,0.5 --set brdf=ggx --out runs/short\n  \
     splitsum run experiments/quick.toml --set alpha=0.1,0.25,0.5 --set brdf=ggx --out runs/short\n  \

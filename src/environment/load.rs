@@ -39,7 +39,7 @@ pub static FORMATS: &[Format] = &[
     Format {
         name: "openexr",
         extension: "exr",
-        about: "OpenEXR, first part with colour or FILE#NAME for a layer or part: RGB, XYZ or luminance-chroma, half, float or uint",
+        about: "OpenEXR with R, G, B channels (half, float or uint): the first part with colour, or FILE#NAME for a layer or part",
         read: exr::read_bytes,
     },
 ];

@@ -45,7 +45,7 @@ pub static SEQUENCES: &[Sequence] = &[
     },
     Sequence {
         name: "random",
-        about: "independent uniform points by hash: what the other sequences are to be better than",
+        about: "independent uniform points by hash, the baseline of the other sequences",
         point: |i, _, set| random(set, i),
     },
 ];

@@ -27,13 +27,12 @@ pub static SCENES: &[SceneEntry] = &[
     },
     SceneEntry {
         name: "shader-ball",
-        description: "a sphere with an opening that shows a smaller one, in a cup; one material, as of `sphere`",
+        description: "a sphere with an opening that shows a smaller one, in a cup; the material of `sphere`",
         build: shader_ball,
     },
     SceneEntry {
         name: "design",
-        description: "no picture but a design: every pixel has a direction of reflection, an n·v and a plane of incidence of its own, spread \
-                      evenly; for statistics",
+        description: "for statistics, not a picture: every pixel has its own mirror direction, n·v and plane of incidence, spread evenly",
         build: design,
     },
     SceneEntry {

@@ -285,5 +285,5 @@ fn every_count_is_exact_or_has_exact_neighbours() {
             }
         }
     }
-    assert_eq!(pair_count(44).unwrap_err().to_string().split("expected ").last(), Some("40 or 48"));
+    assert_eq!(pair_count(44).unwrap_err().to_string().split("such as ").last(), Some("40 or 48"));
 }

@@ -6,7 +6,7 @@ use glam::DVec3;
 
 pub static CAP: Builtin = Builtin {
     name: "cap",
-    about: "A uniform spherical cap over an even ambient radiance",
+    about: "a uniform spherical cap over an even ambient radiance",
     parameters: &[
         parameter("half_angle_deg", "angle from the cap's centre to its edge", 10.0, [0.01, 180.0]),
         parameter("radiance", "radiance within the cap", 100.0, [0.0, 1e9]),

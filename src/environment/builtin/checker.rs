@@ -8,7 +8,7 @@ const SAMPLES_PER_SIDE: u32 = 8;
 
 pub static CHECKER: Builtin = Builtin {
     name: "checker",
-    about: "Longitude-latitude checkerboard: hard edges in every direction",
+    about: "longitude-latitude checkerboard: hard edges in every direction",
     parameters: &[
         parameter("columns", "cells around; a whole, even count closes the pattern", 8.0, [2.0, 512.0]),
         parameter("rows", "cells from pole to pole", 4.0, [1.0, 256.0]),

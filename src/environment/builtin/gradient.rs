@@ -5,7 +5,7 @@ use glam::DVec3;
 
 pub static GRADIENT: Builtin = Builtin {
     name: "gradient",
-    about: "A grey vertical gradient with an exact irradiance: mean + slope y, never below 0",
+    about: "a grey vertical gradient with an exact irradiance: mean + slope y, never below 0",
     parameters: &[
         parameter("mean", "radiance at the horizon", 0.52, [0.0, 1e6]),
         parameter("slope", "radiance up minus radiance at the horizon", 0.5, [-1e6, 1e6]),

@@ -41,7 +41,7 @@ const LAMP_RADIANCE: DVec3 = DVec3::new(1500.0, 1250.0, 950.0);
 
 pub static STUDIO: Builtin = Builtin {
     name: "studio",
-    about: "A dark room with a large key softbox, a fill, two rim strips, a top light and a small hot lamp",
+    about: "a dark room with a large key softbox, a fill, two rim strips, a top light and a small hot lamp",
     parameters: &[],
     make,
 };

@@ -278,7 +278,7 @@ const IMAGE_AXES: &[Axis] = &[
     Axis {
         name: "environment_clip_log2",
         label: "Light clip (2^x)",
-        about: "clips radiance at 2 to this power, for the reference too",
+        about: "clips radiance at 2 to this power, for the reference too [default: not clipped]",
         plural: "clips",
         symbol: Symbol::Before("clip 2^"),
         feeds: &[MIPS, SH9, PREFILTER, IRRADIANCE],

@@ -46,7 +46,7 @@ const AIM: f64 = 0.9;
 /// Images that are read and encoded together.
 const CHUNK: usize = 32;
 
-pub const DESIGN: &str = "each pixel is an experiment of its own, not a picture";
+pub const DESIGN: &str = "each pixel is a separate surface, not part of a picture";
 
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct EmbeddedImage {

@@ -242,12 +242,12 @@ fn sentence(frame: &Frame, parameters: &[usize], tails: &[Tail]) -> Option<Strin
             let from = frame.names.heading(frame.row_axis(), &tails[place].from);
             let share = share_text(enough, one.worst().share());
             let ship = format!("From {from} on, ship **{}**: at most {share} of the split's `{metric}`.", words(one));
-            (format!("{ship} Below, the best, {}, reach {}.", words(best), reached(best)), one)
+            (format!("{ship} Below that, the best tables add {}: {}.", reached(best), words(best)), one)
         }
         None => {
             let part = if frame.metric.power == 2.0 { "a tenth" } else { "a third" };
             let none = format!("No tried tables err by {part} of the split's own `{metric}` or less.");
-            (format!("{none} The best, {}, reach {}.", words(best), reached(best)), best)
+            (format!("{none} The best add {}: {}.", reached(best), words(best)), best)
         }
     };
     Some(format!("{text} To bake them: {}.", command(parameters, &ship.tables)))

@@ -87,7 +87,7 @@ fn if_no_tables_are_enough_the_best_are_named() {
     // The shippable set comes first.
     let said = &finding.sentence;
     assert!(said.starts_with("From alpha 0.5 (roughness 0.71) on, ship **64 samples**: at most 2.0 %"), "{said}");
-    assert!(said.contains("Below, the best, 256 samples, reach 50.0 % (sky · alpha 0.1)"), "{said}");
+    assert!(said.contains("Below that, the best tables add 50.0 % (sky · alpha 0.1): 256 samples."), "{said}");
 }
 
 #[test]
