@@ -140,10 +140,10 @@ fn execute_for(
     let table = match baked.table_error {
         None => String::new(),
         Some(0.0) => ", the table is exact".to_owned(),
-        Some(error) => format!(", the table within {error:.0e}"),
+        Some(error) => format!(", the table is within {error:.0e}"),
     };
-    let last = format!("the last one between its texels within {between:.1e}");
-    print(&format!("Every level as written is within relmse {worst:.1e} of its integral; {last}{table}.\n"))
+    let last = format!("lookups between the texels of the last level are within {between:.1e}");
+    print(&format!("As written, every level is within relmse {worst:.1e} of its integral; {last}{table}.\n"))
 }
 
 /// Parses `name=value` of an axis that changes the tables.

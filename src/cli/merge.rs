@@ -14,7 +14,7 @@ use std::path::PathBuf;
 /// Write the tables, answers and report of a run made by shards.
 #[derive(Args, Debug)]
 #[command(
-    after_help = "The folder is then what one `splitsum run` would have left. Exit codes: 0 complete; 1 a record or an image is damaged; 2 not \
+    after_help = "The folder then equals the folder of one `splitsum run`. Exit codes: 0 complete; 1 a record or an image is damaged; 2 not \
     a run; 4 cells failed or are missing, listed with commands to render them; 75 a shard is still running.\n\n\
     Example:\n  splitsum run sweep.toml --shard 1/2 --out /shared/sweep   (and 2/2, on any machine, in any order)\n  \
     splitsum merge /shared/sweep"
