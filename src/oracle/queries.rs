@@ -36,7 +36,9 @@ impl fmt::Display for QueryFaults {
         for (i, Fault { line, column, what }) in self.faults.iter().enumerate() {
             let end_of_last = if i > 0 { "\n" } else { "" };
             let separator = if column.is_empty() { "" } else { ":" };
-            write!(f, "{end_of_last}{}:{line}{separator}{column}: {what}", self.path.display())?;
+            // Line 0 is the file as a whole.
+            let line = if *line == 0 { String::new() } else { format!(":{line}") };
+            write!(f, "{end_of_last}{}{line}{separator}{column}: {what}", self.path.display())?;
         }
         Ok(())
     }
@@ -48,7 +50,7 @@ impl Queries {
     /// Reads a CSV file with a header. Environments are loaded once each; relative paths start at the file's folder.
     pub fn read(path: &Path, kind: Kind, options: &LoadOptions) -> Result<Self, QueryFaults> {
         let bytes = read_given(path, TEXT_BYTES_MAX)
-            .map_err(|error| one_fault(path, 1, format!("cannot be read ({error}); expected a CSV file of queries")))?;
+            .map_err(|error| one_fault(path, 0, format!("cannot be read ({error}); expected a CSV file of queries")))?;
         Self::from_bytes(path, &bytes, kind, options)
     }
 
@@ -62,7 +64,6 @@ impl Queries {
         Reader::new(path, kind, options).read(text).map_err(|faults| QueryFaults { path: path.to_owned(), faults })
     }
 
-    /// Number of rows.
     pub fn len(&self) -> usize {
         self.queries.len()
     }

@@ -105,8 +105,7 @@ pub(super) fn filled<T: Clone>(count: usize, value: T) -> Result<Vec<T>, Fault> 
 /// Prefix of unfinished files, which end in `.part`.
 pub const PART_PREFIX: &str = ".splitsum-";
 
-/// Writes through `fill` to a temporary file, then renames it, so `path` never holds a part. Failure leaves nothing
-/// behind.
+/// Writes through `fill` to a temporary file, then renames it: `path` never holds a part, and failure leaves nothing.
 pub(crate) fn write_atomically(
     path: &Path,
     fill: impl FnOnce(&mut BufWriter<&mut File>) -> std::io::Result<()>,
