@@ -143,8 +143,6 @@ struct Objective {
     /// Measure, and for several taps `1/(b + ŵ)²` above the horizon; over the sum of the errors of no tap and of one along
     /// the lobe's first moment at its own level.
     weights: Vec<f64>,
-    /// Of the squared error of the first moment.
-    moment_penalty: f64,
     kernels: Vec<Box<dyn Fn(f64) -> f64>>,
 }
 
@@ -171,16 +169,14 @@ impl Objective {
             measures: nodes.iter().map(|(_, measure)| *measure).collect(),
             directions: nodes.into_iter().map(|(l, _)| l).collect(),
             lobe,
-            moment_penalty: 0.0,
             kernels: (1..LEVELS).map(kernel).collect(),
         };
         let alone: f64 = objective.lobe.iter().zip(&objective.weights).map(|(lobe, weight)| weight * lobe * lobe).sum();
         let moment = objective.first_moment(&objective.lobe);
         let m = DVec3::new(moment[0], 0.0, moment[1]).normalize();
         let own = objective.difference(m, f64::from(LEVELS - 1) * alpha.sqrt());
-        let scale = alone + own.iter().map(|part| part * part).sum::<f64>();
+        let scale = alone + own[..own.len() - 2].iter().map(|part| part * part).sum::<f64>();
         objective.weights.iter_mut().for_each(|weight| *weight /= scale);
-        objective.moment_penalty = if is_of_several { 40.0 } else { 0.0 };
         objective
     }
 
@@ -190,7 +186,8 @@ impl Objective {
         [|l: &DVec3| l.x, |l: &DVec3| l.z].map(|axis| parts().map(|((l, measure), f)| axis(l) * measure * f).sum())
     }
 
-    /// The difference of a lookup's kernel and the lobe, by the square root of the weight, then the difference of their moments.
+    /// The differences of a lookup's kernel and the lobe, times the square root of the weight, then the differences of the moments,
+    /// times the root of 40.
     fn difference(&self, direction: DVec3, level: f64) -> Vec<f64> {
         // Below level 1 the kernel belongs to the width itself.
         let finer = (level as usize).clamp(1, self.kernels.len() - 1);
@@ -204,7 +201,7 @@ impl Objective {
             (1.0 - share) * of(finer) + share * of(finer + 1)
         };
         let difference: Vec<f64> = self.directions.iter().zip(&self.lobe).map(|(l, lobe)| value(l) - lobe).collect();
-        let moment = self.first_moment(&difference).map(|part| part * self.moment_penalty.sqrt());
+        let moment = self.first_moment(&difference).map(|part| part * 40.0_f64.sqrt());
         let parts = difference.iter().zip(&self.weights).map(|(difference, weight)| difference * weight.sqrt());
         parts.chain(moment).collect()
     }
@@ -264,8 +261,9 @@ fn tables_match_a_search_over_all_pairs() {
             "{node:?} f0 {f0}: best {least_of_one:.4}, one {one:.4}; pairs {least:.4}, two {two:.4}, four {four:.4}"
         );
         assert!(one < 1.1 * least_of_one + 1e-3, "{node:?}: {one} {least_of_one}");
-        // Smoothing takes the most at grazing views.
-        assert!(two < 1.5 * least + 1e-3, "{node:?}: {two} {least}");
+        // Smoothing costs most at n·v 0.016: 1.45 times; elsewhere at most 1.17 times.
+        let room = if n_dot_v < 0.02 { 1.5 } else { 1.2 };
+        assert!(two < room * least + 1e-3, "{node:?}: {two} {least}");
         assert!(four < 1.1 * least + 1e-3, "{node:?}: {four} {least}");
     }
 }
@@ -311,7 +309,7 @@ fn taps_change_smoothly() {
 }
 
 /// Under light linear in direction a lookup shows its kernel's first moment. With two or four taps it is within 0.09 of
-/// the lobe's, with the textbook's lookup within 0.8.
+/// the lobe's, with one tap within 0.12, with the textbook's lookup within 0.8.
 #[test]
 fn first_moments_of_the_taps_are_near_the_lobes() {
     let (chain, rule) = (chain(), GaussLegendre::<32>::new());
@@ -338,16 +336,16 @@ fn first_moments_of_the_taps_are_near_the_lobes() {
             let r = at(n_dot_v.acos());
             let own_level = f64::from(LEVELS - 1) * alpha.sqrt();
             let textbook = (mean_cosine(own_level) * r).distance(wanted);
-            let [_, two, four] = TABLES.each_ref().map(|table| {
+            let errors = TABLES.each_ref().map(|table| {
                 let taps = table.taps(n_dot_v, alpha, dielectric);
                 let moment = |[place, level, weight]: &[f64; 3]| {
                     weight * mean_cosine(*level) * DVec3::Z.lerp(r, *place).normalize()
                 };
                 taps.iter().map(moment).sum::<DVec3>().distance(wanted)
             });
-            let place = format!("{n_dot_v} {alpha} {f0}: textbook {textbook:.4}, two {two:.4}, four {four:.4}");
-            assert!(two < 0.09 && two < textbook + 1e-3, "{place}");
-            assert!(four < 0.09 && four < textbook + 1e-3, "{place}");
+            println!("{n_dot_v} {alpha} {f0}: textbook {textbook:.4}, taps {errors:.4?}");
+            let is_near = |(error, [bound, more]): (&f64, [f64; 2])| *error < bound && *error < textbook + more;
+            assert!(errors.iter().zip([[0.12, 0.01], [0.09, 1e-3], [0.09, 1e-3]]).all(is_near));
         }
     }
 }
