@@ -1,12 +1,13 @@
 //! Meaning of a bake's numbers as data: conventions by name, and presets of known tools.
 
-use super::product::{Chain, Product};
+use super::product::Product;
 use crate::brdf::MaskingShadowing;
-use crate::precompute::prefilter::LevelMapping;
-use crate::spelling::Listed;
-use crate::spelling::listed;
+use crate::precompute::prefilter::{LevelMapping, WEIGHTS, Weight};
+use crate::spelling::{Listed, listed};
 use glam::{DVec2, DVec3};
+use serde::Deserialize;
 use std::fmt;
+use std::sync::LazyLock;
 
 /// World axes in file axes: in `-z+y+x` the world's x is the file's -z. A file's own axes are the axes of a Vulkan cube
 /// map, or of our lat-long map ([`crate::math::equirect`]).
@@ -140,123 +141,55 @@ pub struct Convention {
     pub table_axes: &'static TableAxes,
     pub table_channels: &'static TableChannels,
     pub masking: MaskingShadowing,
+    /// Weight of a direction in a texel's mean.
+    pub weight: &'static Weight,
 }
 
-#[derive(Debug)]
+/// The conventions of a tool: one of `assets/bakes/presets.json`, or a TOML file of the user.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields, default)]
 pub struct Preset {
     pub name: &'static str,
     pub about: &'static str,
+    /// Program or repository with version, file and function.
+    pub source: &'static str,
     axes: &'static str,
-    mapping: &'static str,
+    level_mapping: &'static str,
+    alphas: Option<Vec<f64>>,
+    scale: f64,
+    irradiance_scale: f64,
     table_axes: &'static str,
-    pub masking: MaskingShadowing,
-    /// Output of `splitsum bake --for`.
-    pub product: Product,
+    table_channels: &'static str,
+    masking: &'static str,
+    weight: &'static str,
+    product: Option<Product>,
 }
 
-/// Most common values; presets override the others.
-const PLAIN: Preset = Preset {
-    name: "",
-    about: "",
-    axes: "+x+y+z",
-    mapping: "linear",
-    table_axes: "n+r+",
-    masking: MaskingShadowing::Correlated,
-    product: Product::PLAIN,
-};
+impl Default for Preset {
+    /// The most common values.
+    fn default() -> Self {
+        Self {
+            name: "",
+            about: "",
+            source: "",
+            axes: "+x+y+z",
+            level_mapping: "linear",
+            alphas: None,
+            scale: 1.0,
+            irradiance_scale: 1.0,
+            table_axes: TABLE_AXES[0].name,
+            table_channels: TABLE_CHANNELS[0].name,
+            masking: "correlated",
+            weight: WEIGHTS[0].name,
+            product: None,
+        }
+    }
+}
 
 /// Every preset; the first is the default.
-pub static PRESETS: &[Preset] = &[
-    Preset {
-        name: "splitsum",
-        about: "the files of splitsum bake, with bake.json",
-        masking: MaskingShadowing::Separable,
-        product: Product {
-            engine: "raw",
-            about: "faces as 32-bit EXR (+x -x +y -y +z -z) and the table in four formats, for your own importer",
-            specular: "specular",
-            irradiance: Some("diffuse"),
-            tables: &["dfg.exr", "dfg.ktx2", "dfg.dds", "dfg.png"],
-            sh: Some("sh.txt"),
-            texel: "rgba32f",
-            ..Product::PLAIN
-        },
-        ..PLAIN
-    },
-    Preset {
-        name: "cmgen",
-        about: "Filament's cmgen with its default mirroring; for --no-mirror add --axes=-x+y+z",
-        mapping: "quadratic",
-        table_axes: "n+r-",
-        product: Product {
-            engine: "filament",
-            about: "one KTX 1 in the form of cmgen; SH is a key in it, and sh.txt",
-            specular: "ibl.ktx",
-            tables: &["dfg.exr"],
-            sh: Some("sh.txt"),
-            texel: "r11g11b10f",
-            chain: Chain::DownTo(16),
-            ..Product::PLAIN
-        },
-        ..PLAIN
-    },
-    Preset {
-        name: "khronos",
-        about: "glTF-IBL-Sampler: roughness level/(levels - 1), y down, a quarter turn from ours",
-        axes: "-z+y+x",
-        product: Product {
-            engine: "khronos",
-            about: "two KTX 2 cubes and the table, for the glTF Sample Viewer",
-            irradiance: Some("diffuse.ktx2"),
-            tables: &["lut_ggx.png"],
-            ..Product::PLAIN
-        },
-        ..PLAIN
-    },
-    Preset {
-        name: "bevy",
-        about: "cubes for Bevy's lookup (x, y, -z); checked with pictures of Bevy 0.19.1 and its DFG table",
-        axes: "+x+y-z",
-        product: Product {
-            engine: "bevy",
-            about: "two KTX 2 cubes for EnvironmentMapLight (Bevy's features ktx2 and zstd)",
-            irradiance: Some("diffuse.ktx2"),
-            language: "WGSL",
-            texel: "rgb9e5",
-            is_packed: true,
-            ..Product::PLAIN
-        },
-        ..PLAIN
-    },
-    Preset {
-        name: "cesium",
-        about: "cubes for Cesium's lookup, x east and z south; from its shader, not checked with a bake",
-        product: Product {
-            engine: "cesium",
-            about: "a KTX 2 cube for specularEnvironmentMaps and SH for sphericalHarmonicCoefficients; use both of one run",
-            sh: Some("sh.txt"),
-            ..Product::PLAIN
-        },
-        ..PLAIN
-    },
-    Preset {
-        name: "unity",
-        about: "left-handed cubes with Unity's 7 levels; from its shaders, not checked with a bake",
-        axes: "-x+y+z",
-        mapping: "unity",
-        product: Product {
-            engine: "unity",
-            about: "a DDS cube of 7 levels and the table as DDS, for your own importer: Unity filters the maps that it imports",
-            specular: "specular.dds",
-            tables: &["dfg.dds"],
-            language: "HLSL",
-            sh: Some("sh.txt"),
-            chain: Chain::Exactly(7),
-            ..Product::PLAIN
-        },
-        ..PLAIN
-    },
-];
+pub static PRESETS: LazyLock<Vec<Preset>> = LazyLock::new(|| {
+    serde_json::from_str(include_str!("../../assets/bakes/presets.json")).expect("the file is part of the program")
+});
 
 listed!(TableAxes, "order of table axes", TABLE_AXES);
 listed!(TableChannels, "order of table channels", TABLE_CHANNELS);
@@ -266,22 +199,60 @@ listed!(
     PRESETS,
     /// Finds a preset by its name or its engine's.
     fn by_name(name: &str) -> Option<&'static Self> {
-        Self::all().find(|preset| preset.name == name || preset.product.engine == name)
+        Self::all().find(|preset| preset.name == name || preset.has_product() && preset.product().engine == name)
     }
 );
 
 impl Preset {
+    /// Reads a user's preset from JSON. Fails on an unknown field, name or number.
+    pub fn from_json(text: String) -> Result<&'static Self, String> {
+        // Names live as long as those of the listed presets.
+        // Its line and column are not the user's.
+        let preset: Result<Self, _> = serde_json::from_str(text.leak());
+        let preset =
+            preset.map_err(|error| error.to_string().split(" at line ").next().unwrap_or_default().to_owned())?;
+        preset.parsed()?;
+        Ok(Box::leak(Box::new(preset)))
+    }
+
+    /// Lists the presets for which `splitsum bake --for` writes files.
+    pub fn engines() -> impl Iterator<Item = &'static Self> {
+        PRESETS.iter().filter(|preset| preset.has_product())
+    }
+
+    pub fn has_product(&self) -> bool {
+        self.product.is_some()
+    }
+
+    /// Returns the output of `splitsum bake --for`. Panics without [`Self::has_product`].
+    pub fn product(&self) -> &Product {
+        self.product.as_ref().expect("the preset has files")
+    }
+
     pub fn convention(&self) -> Convention {
-        Convention {
-            axes: Axes::parse(self.axes).expect("a preset's axes"),
-            mapping: LevelMapping::listed(self.mapping),
-            alphas: None,
-            scale: 1.0,
-            irradiance_scale: 1.0,
-            table_axes: TABLE_AXES.iter().find(|axes| axes.name == self.table_axes).expect("a preset's table"),
-            table_channels: &TABLE_CHANNELS[0],
-            masking: self.masking,
+        self.parsed().expect("checked where it was read")
+    }
+
+    fn parsed(&self) -> Result<Convention, String> {
+        if let Some(bad) =
+            [self.scale, self.irradiance_scale].iter().find(|scale| !(scale.is_finite() && **scale > 0.0))
+        {
+            return Err(format!("a scale of {bad}; expected a finite number above 0"));
         }
+        if let Some(bad) = self.alphas.iter().flatten().find(|alpha| !(0.0..=1.0).contains(*alpha)) {
+            return Err(format!("alphas: {bad} is outside [0, 1]"));
+        }
+        Ok(Convention {
+            axes: Axes::parse(self.axes)?,
+            mapping: LevelMapping::parse(self.level_mapping)?,
+            alphas: self.alphas.clone(),
+            scale: self.scale,
+            irradiance_scale: self.irradiance_scale,
+            table_axes: TableAxes::parse(self.table_axes)?,
+            table_channels: TableChannels::parse(self.table_channels)?,
+            masking: *MaskingShadowing::parse(self.masking)?,
+            weight: Weight::parse(self.weight)?,
+        })
     }
 }
 

@@ -152,6 +152,7 @@ fn opened(value: &str, dir: &Path) -> Result<Option<(super::Bake, Convention)>, 
     let bake = read(&[dir.join(path).display().to_string()], reading).map_err(|fault| fault.to_string())?;
     let name = preset.or(bake.stated.preset.as_deref()).unwrap_or(PRESETS[0].name);
     let found = Preset::parse(name).map_err(|fault| format!("{value}: {fault}"))?;
-    let convention = Convention { alphas: bake.stated.alphas.clone(), ..found.convention() };
+    let own = found.convention();
+    let convention = Convention { alphas: bake.stated.alphas.clone().or(own.alphas), ..own };
     Ok(Some((bake, convention)))
 }

@@ -27,7 +27,7 @@ use super::container::{Encoding, FACE_COUNT, FORMATS, Format, TEXELS, TEXELS_MAX
 use super::convention::{Convention, Preset, TableAxes};
 use super::parts::Manifest;
 use super::paste::{self, TAPS};
-use super::product::{Chain, LAST_SIDE};
+use super::product::LAST_SIDE;
 use super::source::{FACES, MANIFEST, Reading, read};
 use super::{parts::Map, sh};
 use crate::brdf::{Brdf, Ggx, MaskingShadowing};
@@ -35,7 +35,7 @@ use crate::environment::Environment;
 use crate::environment::layout::LAYOUTS;
 use crate::math::equirect_quadrature::EquirectQuadrature;
 use crate::pixels::{Fault, GrayImage, Pixels, PixelsError, Rgb8Image, RgbImage, exr, png, write_atomically};
-use crate::precompute::prefilter::{Kernel, WEIGHTS, Weight};
+use crate::precompute::prefilter::{Kernel, Weight};
 use crate::precompute::sh9::reference::project_bilinear;
 use crate::spelling::Listed;
 use glam::{DVec2, DVec3};
@@ -103,7 +103,7 @@ struct Planned {
 ///
 /// Fails if a file exists or cannot be written. [`Making::check`] reports settings that the engine's format cannot hold.
 pub fn make(making: &Making, out: &Path) -> Result<Baked, PixelsError> {
-    let (product, convention) = (&making.preset.product, making.preset.convention());
+    let (product, convention) = (making.preset.product(), making.preset.convention());
     let (code_name, code) = paste::file(product.language);
     let names = [Some(product.specular), product.irradiance, product.sh, Some(TAPS), Some(&code_name), Some(MANIFEST)];
     for name in names.into_iter().flatten().chain(product.tables.iter().copied()) {
@@ -113,7 +113,7 @@ pub fn make(making: &Making, out: &Path) -> Result<Baked, PixelsError> {
     }
     std::fs::create_dir_all(out)
         .map_err(|error| Fault::new(format!("cannot be created ({error})"), "a folder").at(out))?;
-    let alphas = convention.alphas(making.level_count as usize).expect("a preset names no widths");
+    let alphas = convention.alphas(making.level_count as usize).expect("an engine has as many widths as levels");
     let kernel = Kernel::new(making.brdf, making.weight, making.masking);
     let truth = Truth::new(making.environment, kernel, &alphas);
     let sides = (0..making.level_count).map(|k| (making.side >> k).max(1));
@@ -140,7 +140,7 @@ pub fn make(making: &Making, out: &Path) -> Result<Baked, PixelsError> {
     }
     let axes = convention.table_axes;
     let table = (!product.tables.is_empty()).then(|| dfg(making.brdf, making.masking, axes, making.table_side));
-    for name in product.tables {
+    for name in &product.tables {
         let path = out.join(name);
         write_table(table.as_ref().expect("made above"), &keys[..keys.len() - 1], &path)?;
         files.push(path);
@@ -179,35 +179,35 @@ pub fn make(making: &Making, out: &Path) -> Result<Baked, PixelsError> {
 impl<'a> Making<'a> {
     /// Starts with an engine's defaults: GGX, faces of `side` texels, its pixel format and number of levels.
     pub fn new(preset: &'static Preset, environment: &'a Environment, side: u32) -> Self {
-        let product = &preset.product;
+        let (convention, product) = (preset.convention(), preset.product());
         Self {
             preset,
             environment,
             brdf: &Ggx,
-            masking: preset.masking,
-            weight: &WEIGHTS[0],
+            masking: convention.masking,
+            weight: convention.weight,
             texel: TEXELS.iter().find(|texel| texel.name == product.texel).expect("a listed format"),
             side,
             irradiance_side: IRRADIANCE_SIDE,
             table_side: TABLE_SIDE,
-            level_count: product.chain.level_count(side),
+            level_count: product.levels(side),
         }
     }
 
     /// Reports settings that the engine's format cannot hold.
     pub fn check(&self) -> Result<(), String> {
-        let product = &self.preset.product;
+        let product = self.preset.product();
         let engine = product.engine;
         let is_exr = |name: &&str| name.ends_with(".exr") || container(name).is_none() && !name.ends_with(".png");
-        if !exr::IS_BUILT && [product.specular].iter().chain(product.tables).any(is_exr) {
+        if !exr::IS_BUILT && [product.specular].iter().chain(&product.tables).any(is_exr) {
             return Err(format!("--for {engine} writes OpenEXR; build with the feature exr"));
         }
         let most = self.side.max(1).ilog2() + 1;
         if !self.side.is_power_of_two() || self.side < 8 || 8 * u64::from(self.side).pow(2) > TEXELS_MAX {
             return Err(format!("faces of {} texels; --for {engine} needs a power of 2 from 8 to 1024", self.side));
         }
-        match product.chain {
-            Chain::Exactly(count) if self.level_count != count || count > most => {
+        match product.level_count {
+            Some(count) if self.level_count != count || count > most => {
                 return Err(format!(
                     "{} levels, faces of {} texels; --for {engine} needs {count} levels and faces of at least {}",
                     self.level_count,
@@ -262,7 +262,7 @@ fn write_map(
     files: &mut Vec<PathBuf>,
 ) -> Result<(), PixelsError> {
     if let Some(format) = container(map.name) {
-        let is_packed = making.preset.product.is_packed;
+        let is_packed = making.preset.product().is_packed;
         let encoding = Encoding { texel: making.texel, levels: &map.levels, keys, is_packed };
         write_bytes(path, &(format.write)(&encoding))?;
         files.push(path.to_owned());
@@ -312,7 +312,7 @@ pub(super) fn write_bytes(path: &Path, bytes: &[u8]) -> Result<(), PixelsError> 
 }
 
 fn manifest(making: &Making, convention: &Convention, alphas: &[f64]) -> Manifest {
-    let product = &making.preset.product;
+    let product = making.preset.product();
     let owned = |name: &str| name.to_owned();
     Manifest {
         version: format!("splitsum {}", env!("CARGO_PKG_VERSION")),
@@ -364,12 +364,12 @@ fn keys(manifest: &Manifest, radiance: &crate::precompute::sh9::reference::Sh9) 
 fn between(making: &Making, truth: &Truth, convention: &Convention, alpha: f64, map: &Map) -> (f64, Option<String>) {
     let faces = &map.levels[map.levels.len() - 1];
     let relmse = level::between_texels(truth, map.layout, faces, convention, alpha);
-    let why = (relmse > GOOD && faces[0].width < LAST_SIDE).then(|| match making.preset.product.chain {
-        Chain::Exactly(count) => {
-            let engine = making.preset.product.engine;
+    let why = (relmse > GOOD && faces[0].width < LAST_SIDE).then(|| match making.preset.product().level_count {
+        Some(count) => {
+            let engine = making.preset.product().engine;
             format!("{engine} needs {count} levels; use faces of {} for {LAST_SIDE} texels", LAST_SIDE << (count - 1))
         }
-        Chain::DownTo(_) => "use fewer levels or larger faces".to_owned(),
+        None => "use fewer levels or larger faces".to_owned(),
     });
     (relmse, why)
 }

@@ -1,10 +1,10 @@
 //! `splitsum bake`: precomputed tables as files.
 
-use super::shared::InputFlags;
+use super::shared::{InputFlags, preset};
 use super::{Failure, print, progress};
 use clap::Args;
 use splitsum::bakes::container::Texel;
-use splitsum::bakes::convention::{PRESETS, Preset};
+use splitsum::bakes::convention::Preset;
 use splitsum::bakes::make::{self, Making};
 use splitsum::bakes::plain::{Baking, SETTINGS};
 use splitsum::brdf::MODELS;
@@ -46,13 +46,17 @@ pub struct Arguments {
 }
 
 fn parse_engine(text: &str) -> Result<&'static Preset, String> {
-    let engines: Vec<&str> = PRESETS.iter().map(|preset| preset.product.engine).collect();
-    Preset::by_name(text).ok_or_else(|| not_one_of("engine", text, &engines, ""))
+    let engines: Vec<&str> = Preset::engines().map(|preset| preset.product().engine).collect();
+    let found = if text.ends_with(".toml") { Some(preset(text)?) } else { Preset::by_name(text) };
+    found.filter(|preset| preset.has_product()).ok_or_else(|| match text.ends_with(".toml") {
+        true => "it has no [product]".to_owned(),
+        false => not_one_of("engine", text, &engines, ""),
+    })
 }
 
 fn engines_help() -> String {
-    let line = |preset: &Preset| format!("  {}: {}", preset.product.engine, preset.product.about);
-    let lines: Vec<String> = PRESETS.iter().map(line).collect();
+    let line = |preset: &Preset| format!("  {}: {}", preset.product().engine, preset.product().about);
+    let lines: Vec<String> = Preset::engines().map(line).collect();
     format!("Write an engine's files instead:\n{}", lines.join("\n"))
 }
 
@@ -91,7 +95,7 @@ fn execute_for(
     environment: &Environment,
     settings: &Settings,
 ) -> Result<(), Failure> {
-    let product = &preset.product;
+    let (product, convention) = (preset.product(), preset.convention());
     let engine = product.engine;
     let known = [BRDF, MASKING, PREFILTER_WEIGHT, PREFILTER_SIZE, PREFILTER_LEVEL_COUNT, IRRADIANCE_SIZE, DFG_SIZE];
     if let Some((axis, _)) = arguments.settings.iter().find(|(axis, _)| !known.contains(axis)) {
@@ -113,12 +117,12 @@ fn execute_for(
     let side = square(PREFILTER_SIZE, make::SIDE)?;
     let making = Making {
         brdf: settings.shading.brdf,
-        masking: value(MASKING).map_or(preset.masking, |_| settings.shading.masking_shadowing),
-        weight: settings.shading.precompute.prefilter_weight,
+        masking: value(MASKING).map_or(convention.masking, |_| settings.shading.masking_shadowing),
+        weight: value(PREFILTER_WEIGHT).map_or(convention.weight, |_| settings.shading.precompute.prefilter_weight),
         texel: arguments.format.unwrap_or_else(|| Texel::listed(product.texel)),
         irradiance_side: square(IRRADIANCE_SIZE, make::IRRADIANCE_SIDE)?,
         table_side: value(DFG_SIZE).map_or(make::TABLE_SIDE, Value::count),
-        level_count: value(PREFILTER_LEVEL_COUNT).map_or(product.chain.level_count(side), Value::count),
+        level_count: value(PREFILTER_LEVEL_COUNT).map_or(product.levels(side), Value::count),
         ..Making::new(preset, environment, side)
     };
     making.check().map_err(Failure::input)?;

@@ -1,7 +1,7 @@
 //! `splitsum check-bake`: how wrong a bake is.
 
 use super::bake_scores::{Limits, as_json, as_text, rows};
-use super::shared::{InputFlags, check_out};
+use super::shared::{InputFlags, check_out, preset};
 use super::{Failure, print, print_data, progress};
 use clap::Args;
 use splitsum::bakes::Stated;
@@ -40,8 +40,8 @@ pub struct Arguments {
     /// Compare with the baked map: builtin:NAME, .hdr or .exr; not for a DFG table.
     #[arg(long, value_name = "MAP")]
     environment: Option<String>,
-    /// Use the conventions of a tool; the flags below override them.
-    #[arg(long, value_name = "NAME", long_help = presets_help(), value_parser = Preset::parse)]
+    /// Use the conventions of a tool, or of a FILE.toml; the flags below override them.
+    #[arg(long, value_name = "NAME", long_help = presets_help(), value_parser = preset)]
     preset: Option<&'static Preset>,
     /// Set the file's axes for the world's x, y and z, such as -x+y+z (y is up).
     #[arg(long, value_parser = Axes::parse, allow_hyphen_values = true)]
@@ -97,7 +97,7 @@ pub struct Arguments {
 fn presets_help() -> String {
     let lines: Vec<String> = PRESETS.iter().map(|preset| format!("  {}: {}", preset.name, preset.about)).collect();
     format!(
-        "Use the conventions of a tool [default: {} unless the files state one]:\n{}",
+        "Use the conventions of a tool, or of a FILE.toml (docs/bakes.md) [default: {} unless the files state one]:\n{}",
         PRESETS[0].name,
         lines.join("\n")
     )
@@ -175,9 +175,7 @@ fn check_limits(limits: &Limits, has_map: bool, has_table: bool) -> Result<(), F
 
 /// Applies the preset, the files' statements and the flags, in this order.
 fn judging(arguments: &Arguments, preset: &'static Preset, stated: &Stated) -> Result<Judging, Failure> {
-    let stated = Stated { preset: Some(preset.name.to_owned()), ..stated.clone() };
-    let judging = Judging::stated(&stated).map_err(Failure::input)?;
-    let mut convention = judging.convention;
+    let mut convention = Judging::by(preset, stated).map_err(Failure::input)?.convention;
     if let Some(mapping) = arguments.level_mapping {
         (convention.mapping, convention.alphas) = (mapping, None);
     }
@@ -185,16 +183,11 @@ fn judging(arguments: &Arguments, preset: &'static Preset, stated: &Stated) -> R
     convention.masking = arguments.masking.copied().unwrap_or(convention.masking);
     convention.table_axes = arguments.table_axes.unwrap_or(convention.table_axes);
     convention.table_channels = arguments.table_channels.unwrap_or(convention.table_channels);
+    convention.weight = arguments.weight.unwrap_or(convention.weight);
     convention.axes = arguments.axes.unwrap_or(convention.axes);
     convention.scale = arguments.scale.unwrap_or(convention.scale);
     convention.irradiance_scale = arguments.irradiance_scale.unwrap_or(convention.irradiance_scale);
-    Ok(Judging {
-        brdf: arguments.brdf,
-        weight: arguments.weight.unwrap_or(judging.weight),
-        convention,
-        is_guessed: arguments.guess,
-        has_image: !arguments.no_image,
-    })
+    Ok(Judging { brdf: arguments.brdf, convention, is_guessed: arguments.guess, has_image: !arguments.no_image })
 }
 
 fn positive(text: &str) -> Result<f64, String> {

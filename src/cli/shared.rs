@@ -2,11 +2,14 @@
 
 use super::{Failure, warn_all};
 use clap::Args;
+use splitsum::bakes::convention::Preset;
 use splitsum::environment::{Environment, LoadOptions};
+use splitsum::files::{RECORD_BYTES_MAX, read_text};
 use splitsum::pipeline::{DeviceChoice, Options, Pipeline};
 use splitsum::run::RenderFault;
 use splitsum::scene::Scene;
 use splitsum::shade::{FILE_PREFIX, own};
+use splitsum::spelling::Listed;
 use std::path::{Path, PathBuf};
 
 #[derive(Args, Clone, Copy, Debug)]
@@ -34,6 +37,15 @@ pub fn own_method(name: &str) -> Result<(), Failure> {
     let is_missing = name.strip_prefix(FILE_PREFIX).is_some_and(|path| !Path::new(path).exists());
     let hinted = |why| if is_missing { format!("--method: {why}; expected file:PATH of your shader") } else { why };
     own::load(name, Path::new("")).map(drop).map_err(|why| Failure::input(hinted(why)))
+}
+
+/// Finds a preset by its name, or reads it from a TOML file relative to the current folder.
+pub fn preset(text: &str) -> Result<&'static Preset, String> {
+    let Some(name) = text.strip_suffix(".toml") else { return Preset::parse(text) };
+    let toml = read_text(Path::new(text), RECORD_BYTES_MAX).map_err(|error| error.to_string())?;
+    let mut table: toml::Table = toml::from_str(&toml).map_err(|error| error.to_string())?;
+    table.entry("name").or_insert_with(|| name.into());
+    Preset::from_json(serde_json::to_string(&table).map_err(|error| error.to_string())?)
 }
 
 /// Loads a scene: a name or a file relative to the current folder.

@@ -3,7 +3,7 @@
 use super::end_to_end::folder;
 use super::{assert_ends, assert_refusals, ok, splitsum};
 use serde_json::Value;
-use splitsum::bakes::convention::PRESETS;
+use splitsum::bakes::convention::Preset;
 use splitsum::pixels::{GrayImage, RgbImage, exr};
 
 #[test]
@@ -46,8 +46,8 @@ fn our_own_bakes_score_near_zero_in_every_layout() {
 #[test]
 fn bakes_for_every_engine_score_as_exact() {
     let dir = tempfile::tempdir().unwrap();
-    for preset in PRESETS {
-        let product = &preset.product;
+    for preset in Preset::engines() {
+        let product = preset.product();
         let set = ["--set", "prefilter_size=64x64", "--set", "dfg_size=8"];
         ok(
             dir.path(),

@@ -11,14 +11,13 @@ use crate::bakes::convention::{Axes, Convention, PRESETS, Preset};
 use crate::bakes::parts::{Bake, Stated};
 use crate::brdf::{Brdf, Ggx, MaskingShadowing};
 use crate::environment::Environment;
-use crate::precompute::prefilter::{Kernel, WEIGHTS, Weight};
+use crate::precompute::prefilter::{Kernel, Weight};
 use crate::spelling::Listed;
 use glam::DVec3;
 
 #[derive(Clone, Debug)]
 pub struct Judging {
     pub brdf: &'static dyn Brdf,
-    pub weight: &'static Weight,
     pub convention: Convention,
     /// Tries every convention and uses the best.
     pub is_guessed: bool,
@@ -53,14 +52,20 @@ pub const IRRADIANCE: &str = "irradiance map";
 impl Judging {
     /// Judges GGX by the conventions that the files state, else by the conventions of `splitsum bake`. Fails on an unknown name.
     pub fn stated(stated: &Stated) -> Result<Self, String> {
-        let preset = stated.preset.as_deref().map_or(Ok(&PRESETS[0]), Preset::parse)?;
+        Self::by(stated.preset.as_deref().map_or(Ok(&PRESETS[0]), Preset::parse)?, stated)
+    }
+
+    /// Judges GGX by the conventions of a preset; statements of the files override them.
+    pub fn by(preset: &Preset, stated: &Stated) -> Result<Self, String> {
         let mut convention = preset.convention();
-        convention.alphas = stated.alphas.clone();
+        convention.alphas = stated.alphas.clone().or(convention.alphas);
         if let Some(name) = &stated.masking {
             convention.masking = *MaskingShadowing::parse(name)?;
         }
-        let weight = stated.weight.as_deref().map_or(Ok(&WEIGHTS[0]), Weight::parse)?;
-        Ok(Self { brdf: &Ggx, weight, convention, is_guessed: false, has_image: false })
+        if let Some(name) = &stated.weight {
+            convention.weight = Weight::parse(name)?;
+        }
+        Ok(Self { brdf: &Ggx, convention, is_guessed: false, has_image: false })
     }
 
     /// Scores each part of `bake` against its integral over `environment`.
@@ -78,7 +83,7 @@ impl Judging {
         doing: impl Fn(&'static str),
     ) -> Result<Judged, String> {
         let mut convention = self.convention.clone();
-        let kernel = Kernel::new(self.brdf, self.weight, convention.masking);
+        let kernel = Kernel::new(self.brdf, convention.weight, convention.masking);
         let alphas = bake.specular.as_ref().map_or(Ok(Vec::new()), |map| convention.alphas(map.levels.len()))?;
         doing("integrating the exact maps");
         // The surfaces of an image have their own widths.

@@ -8,7 +8,6 @@ use splitsum::bakes::container::{Encoding, FORMATS, TEXELS, from_bytes, read_tex
 use splitsum::bakes::convention::{Axes, PRESETS, Preset, TABLE_AXES};
 use splitsum::bakes::given;
 use splitsum::bakes::make::{GOOD, Making, make};
-use splitsum::bakes::product::Chain;
 use splitsum::bakes::sh;
 use splitsum::bakes::source::{Reading, read};
 use splitsum::brdf::{Ggx, MaskingShadowing};
@@ -42,25 +41,14 @@ const LOOKUPS: &[Lookup] = &[
 
 pub fn making<'a>(engine: &str, environment: &'a Environment) -> Making<'a> {
     let preset = Preset::listed(engine);
-    let product = &preset.product;
-    Making {
-        preset,
-        environment,
-        brdf: &Ggx,
-        masking: preset.masking,
-        weight: &WEIGHTS[0],
-        texel: TEXELS.iter().find(|texel| texel.name == product.texel).unwrap(),
-        side: 64,
-        irradiance_side: 16,
-        table_side: 8,
-        level_count: if let Chain::Exactly(count) = product.chain { count } else { 4 },
-    }
+    let level_count = preset.product().level_count.unwrap_or(4);
+    Making { irradiance_side: 16, table_side: 8, level_count, ..Making::new(preset, environment, 64) }
 }
 
 #[test]
 fn every_direction_is_where_the_engine_looks() {
     let light = marked_light();
-    assert_eq!(LOOKUPS.len(), PRESETS.len());
+    assert_eq!(LOOKUPS.len(), Preset::engines().count());
     let hot = DVec3::new(0.35, 0.6, 0.72).normalize();
     for (engine, lookup) in LOOKUPS {
         let dir = tempfile::tempdir().unwrap();
@@ -108,7 +96,8 @@ fn taps_are_for_the_levels_of_the_engine() {
     ] {
         let dir = tempfile::tempdir().unwrap();
         make(&making(engine, &light), dir.path()).unwrap();
-        let kernel = Kernel::new(&Ggx, &WEIGHTS[0], MaskingShadowing::Correlated);
+        let weight = Preset::listed(engine).convention().weight;
+        let kernel = Kernel::new(&Ggx, weight, MaskingShadowing::Correlated);
         let levels = taps::Chain::new(kernel, LevelMapping::listed(mapping), level_count);
         let table = taps::TapTable::fit(&levels, &Ggx, MaskingShadowing::Correlated, taps::TapCount::Two).texels;
         let found = read_texture(&dir.path().join("taps.ktx2")).unwrap();
@@ -125,8 +114,8 @@ fn taps_are_for_the_levels_of_the_engine() {
 fn given_tables_are_turned_to_our_axes() {
     let light = marked_light();
     let dir = tempfile::tempdir().unwrap();
-    let loaded = PRESETS.iter().map(|preset| {
-        let engine = preset.product.engine;
+    let loaded = Preset::engines().map(|preset| {
+        let engine = preset.product().engine;
         let making = Making { masking: MaskingShadowing::Correlated, ..making(engine, &light) };
         make(&making, &dir.path().join(engine)).unwrap();
         let value = format!("file:{engine}");
@@ -134,9 +123,9 @@ fn given_tables_are_turned_to_our_axes() {
         assert_eq!(map.levels.len(), making.level_count as usize);
         assert_eq!((map.mapping.name, map.side), (preset.convention().mapping.name, 64));
         // bake.json is not needed if the preset is given.
-        let named = given::map(&format!("file:{engine}/{}#{}", preset.product.specular, preset.name), dir.path());
+        let named = given::map(&format!("file:{engine}/{}#{}", preset.product().specular, preset.name), dir.path());
         assert_eq!(named.unwrap().unwrap().hash, map.hash);
-        let table = (!preset.product.tables.is_empty()).then(|| given::table(&value, dir.path()).unwrap().unwrap());
+        let table = (!preset.product().tables.is_empty()).then(|| given::table(&value, dir.path()).unwrap().unwrap());
         (map, table)
     });
     let loaded: Vec<_> = loaded.collect();
@@ -287,7 +276,7 @@ fn the_last_level_has_enough_texels_for_lookups() {
     let last = |engine: &str, level_count: Option<u32>| {
         let folder = tempfile::tempdir().unwrap();
         let making = making(engine, &environment);
-        let level_count = level_count.unwrap_or_else(|| making.preset.product.chain.level_count(64));
+        let level_count = level_count.unwrap_or_else(|| making.preset.product().levels(64));
         let baked = make(&Making { level_count, ..making }, folder.path()).unwrap();
         let last = baked.levels.iter().rfind(|level| level.name != "irradiance");
         (last.unwrap().side, baked.last_between)
@@ -300,4 +289,24 @@ fn the_last_level_has_enough_texels_for_lookups() {
     assert!(side == 4 && relmse > GOOD && why.is_some(), "{side}, {relmse}");
     let (_, (_, why)) = last("unity", None);
     assert!(why.is_some_and(|why| why.contains("7 levels; use faces of 512")));
+}
+
+/// A user's preset overrides what it names; a wrong name, field or number is refused by its name.
+#[test]
+fn a_preset_is_read_from_its_own_fields() {
+    let read = |text: &str| Preset::from_json(text.to_owned()).map(Preset::convention);
+    let own =
+        read(r#"{"name": "own", "axes": "-z+y+x", "alphas": [0, 0.5], "weight": "masking", "scale": 0.5}"#).unwrap();
+    assert_eq!((own.axes.to_string().as_str(), own.weight.name, own.scale), ("-z+y+x", "masking", 0.5));
+    assert_eq!((own.alphas(2).unwrap(), own.masking), (vec![0.0, 0.5], MaskingShadowing::Correlated));
+    for (text, why) in [
+        (r#"{"axis": "+x+y+z"}"#, "axis"),
+        (r#"{"axes": "+x+x+z"}"#, "+x+x+z"),
+        (r#"{"weight": "fg"}"#, "fg"),
+        (r#"{"alphas": [0, 1.5]}"#, "1.5"),
+        (r#"{"irradiance_scale": -1}"#, "-1"),
+    ] {
+        let fault = read(text).unwrap_err();
+        assert!(fault.contains(why) && !fault.contains("line 1"), "{fault}");
+    }
 }
