@@ -304,8 +304,13 @@ fn figure(frame: &Frame, parameters: &[usize], all: &[&Tried]) -> Option<Figure>
         let mut marks = vec![Mark::neutral(Form::HorizontalRule(enough(frame)))];
         let all = combinations(own.iter().copied());
         for (place, name) in series.iter().enumerate() {
-            let of_kind = all.iter().map(Combination::worst).filter(|worst| kind(worst) == *name);
-            let dots = of_kind.map(|worst| {
+            let mut of_kind: Vec<&Tried> =
+                all.iter().map(Combination::worst).filter(|worst| kind(worst) == *name).collect();
+            // Of tables that differ by their small levels or DFG, the best.
+            let size = |one: &Tried| one.texels().log2().round();
+            of_kind.sort_by(|a, b| size(a).total_cmp(&size(b)).then(a.share().total_cmp(&b.share())));
+            of_kind.dedup_by_key(|one| size(one));
+            let dots = of_kind.into_iter().map(|worst| {
                 let share = percent(worst.share());
                 let at = self::place(frame, worst, &[ENVIRONMENT]);
                 let tip = format!("{}: {share} of the split's error · {at}", words(frame, parameters, &worst.tables));
@@ -320,7 +325,7 @@ fn figure(frame: &Frame, parameters: &[usize], all: &[&Tried]) -> Option<Figure>
     Chart {
         title: "Error of tables and of the split",
         note: format!(
-            "{} of tables over the error of the split itself, in the worst condition; below the line the split dominates",
+            "{} of the best tables of each size over the error of the split itself, worst condition; below the line the split dominates",
             frame.metric_name()
         ),
         x: Along::Log("texels"),
