@@ -5,6 +5,7 @@ use crate::experiment::axis::{AXES, DFG, IRRADIANCE, MIPS, PREFILTER, Point, SH9
 use crate::experiment::config::Warmup;
 use crate::experiment::plan::{Cell, Plan};
 use crate::experiment::value::Value;
+use crate::precompute::PrefilterBy;
 use crate::run::timing::{FRAME, TimingJob, WARMUP_TIME_MAX};
 use std::collections::{BTreeMap, BTreeSet, HashSet};
 
@@ -35,6 +36,9 @@ const STATED_NS: [(&str, f64, f64); 15] = [
     // A cell in the tables, contact sheets, answers and report.
     (END, 150.0, 0.0),
 ];
+
+/// Time of a map by harmonics over its part on the device, which alone is timed.
+const HARMONIC_HOST: f64 = 90.0;
 
 /// Assumed frames of a warm-up that lasts until the times settle.
 const STABLE_WARMUP_FRAMES: u32 = 64;
@@ -116,7 +120,11 @@ impl<'p> Steps<'p> {
                 work.item("ladder", "", Amount { samples: own.pixels * f64::from(samples), ..own });
             }
         }
-        for Table { key, table, amount } in tables(plan, point).into_iter().chain(tables(plan, &reference)) {
+        for Table { key, table, mut amount } in tables(plan, point).into_iter().chain(tables(plan, &reference)) {
+            let by = point.settings().shading.precompute.prefilter;
+            if table == PREFILTER && by == PrefilterBy::Harmonic {
+                amount.samples *= HARMONIC_HOST;
+            }
             if self.seen.insert(key) {
                 work.item("table", table, amount);
             }
