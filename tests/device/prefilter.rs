@@ -82,12 +82,13 @@ fn prefiltered_levels_converge_to_the_exact_integral() {
             let recipe = Recipe { kernel, mapping, lod_bias: 0.0 };
             let is_default = *weight == WEIGHTS[0];
             for (sample_count, tolerance) in SAMPLES.into_iter().skip(usize::from(!is_default)) {
+                // The step converges more slowly.
+                let sample_count = if weight.name == "none" { 2 * sample_count } else { sample_count };
                 let map = prefilter::pass::map(gpu, equirect(), [128, 64], 3).unwrap();
                 poison_image(gpu, &map);
                 let points = Points::upload(gpu, sample_count, &SEQUENCES[0], 0, PixelPoints::Shared).unwrap();
                 prefilter::pass::run(gpu, recipe, equirect(), &image, &points, &map).unwrap();
                 let map = read_map(gpu, equirect(), &map);
-                let tolerance = if weight.name == "none" { relative(3e-2) } else { tolerance };
                 let name = format!("{} by {sample_count}, weight {} {masking:?}", model.name(), weight.name);
                 for level in 1..map.levels.len() {
                     let alpha = mapping.alpha_from_mip(level as f64, 3);

@@ -2,7 +2,7 @@
 
 mod screen;
 
-use screen::{Screen, Win};
+use screen::{Screen, Win, cpu_s};
 use splitsum::experiment::axis::{AXES, Named, PREFILTER_BY, Part};
 use splitsum::experiment::value::Kind;
 use splitsum::pixels::{Rgb8Image, exr};
@@ -371,7 +371,10 @@ fn the_window_stays_fast_while_it_is_turned() {
     let rate = seen / begun.elapsed().as_secs_f64();
     let each = (win.cpu_s() - spent_before) / seen;
     println!("{rate:.1} pictures a second while the camera turns, 960x770, {each:.3} CPU s each");
-    // Five pictures a second on two slow cores, even with other processes running.
-    assert!(each < 0.4, "{each} CPU s a picture, {seen} pictures");
+    // Machines differ by a factor of two. A picture takes 1.5 to 1.9 times as long as these sines.
+    let spent_before = cpu_s("thread-self");
+    std::hint::black_box((0..20_000_000).map(|i| f64::from(i).sin()).sum::<f64>());
+    let unit = cpu_s("thread-self") - spent_before;
+    assert!(each < 2.5 * unit, "{each} CPU s a picture, {seen} pictures; {unit} for the sines");
     win.close();
 }
