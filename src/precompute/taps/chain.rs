@@ -9,7 +9,7 @@ use std::f64::consts::TAU;
 /// Intervals of a tabulated kernel, over `1 - alpha / √(q + alpha²)`, `q = sin² γ/2`: every model is smooth there.
 const INTERVALS: usize = 512;
 
-/// Below level 1 the kernel is that of the width in between, tabulated at so many levels. The device blends level 1
+/// Below level 1 the kernel has the width in between, tabulated at this many levels. The device blends level 1
 /// with the mirror there. Taken as such, it would never be used, because light is smooth over texels.
 const PARTS_OF_LEVEL_1: u32 = 8;
 

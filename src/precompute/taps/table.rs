@@ -14,7 +14,7 @@ pub struct TapTable {
     pub texels: Pixels<[f32; 4]>,
 }
 
-/// Returns the share in [0, 1] of the taps of f0 = 0.04, the others being those of f0 = 1.
+/// Returns the share in [0, 1] of the taps for f0 = 0.04; the rest of the mix are the taps for f0 = 1.
 ///
 /// Of the light reflected for an f0, the part of weight Fc has the share `s = B/(f0 A + B)`; this is how far s is from
 /// its value at 1 to its value at 0.04.
