@@ -206,12 +206,21 @@ listed!(
 impl Preset {
     /// Reads a user's preset from JSON. Fails on an unknown field, name or number.
     pub fn from_json(text: String) -> Result<&'static Self, String> {
-        // Names live as long as those of the listed presets.
+        // The text is never freed, as listed presets are not.
         // Its line and column are not the user's.
         let preset: Result<Self, _> = serde_json::from_str(text.leak());
         let preset =
             preset.map_err(|error| error.to_string().split(" at line ").next().unwrap_or_default().to_owned())?;
         preset.parsed()?;
+        if let Some(product) = &preset.product {
+            let given = [("alphas", preset.alphas.is_some()), ("scale", preset.scale != 1.0)];
+            if let Some((name, _)) = given.iter().find(|(_, is_given)| *is_given) {
+                return Err(format!(
+                    "{name}: a preset with [product] writes radiance by a level_mapping; leave it out"
+                ));
+            }
+            product.check().map_err(|fault| format!("product.{fault}"))?;
+        }
         Ok(Box::leak(Box::new(preset)))
     }
 
@@ -239,8 +248,10 @@ impl Preset {
         {
             return Err(format!("a scale of {bad}; expected a finite number above 0"));
         }
-        if let Some(bad) = self.alphas.iter().flatten().find(|alpha| !(0.0..=1.0).contains(*alpha)) {
-            return Err(format!("alphas: {bad} is outside [0, 1]"));
+        if let Some(alphas) =
+            self.alphas.as_ref().filter(|all| !all.is_sorted() || all.iter().any(|x| !(0.0..=1.0).contains(x)))
+        {
+            return Err(format!("alphas: {alphas:?}; expected ascending widths from 0 to 1"));
         }
         Ok(Convention {
             axes: Axes::parse(self.axes)?,

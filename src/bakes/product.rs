@@ -1,6 +1,11 @@
 //! Output for each engine as data ([`super::convention::PRESETS`]).
 
+use super::container::Texel;
+use super::paste::{TAPS, code};
+use super::source::MANIFEST;
+use crate::spelling::{Listed, not_one_of};
 use serde::Deserialize;
+use std::path::Path;
 
 /// The files that `splitsum bake --for` writes, beside the table of two taps.
 #[derive(Debug, Deserialize)]
@@ -57,6 +62,42 @@ impl Default for Product {
 }
 
 impl Product {
+    /// Fails on a file name that is not a plain name of a form that is written, and on unknown formats.
+    pub fn check(&self) -> Result<(), String> {
+        let names = [Some(self.specular), self.irradiance, self.sh, Some(TAPS), Some(MANIFEST)];
+        let names: Vec<&str> = names.into_iter().flatten().chain(self.tables.iter().copied()).collect();
+        let is_plain = |name: &str| Path::new(name).file_name().is_some_and(|own| own == name) && !name.contains('\\');
+        for (index, name) in names.iter().enumerate() {
+            if !is_plain(name) {
+                return Err(format!("{name:?}: expected a file name without a folder"));
+            }
+            if names[..index].contains(name) {
+                return Err(format!("{name:?}: two files have this name"));
+            }
+        }
+        let ends = |name: &str, known: &[&str]| {
+            let end = Path::new(name).extension().map(|end| end.to_string_lossy().into_owned());
+            end.is_none_or(|end| !known.contains(&end.as_str())).then(|| not_one_of("format", name, known, ""))
+        };
+        let maps = [Some(self.specular), self.irradiance].into_iter().flatten().filter(|name| name.contains('.'));
+        let faults = maps.filter_map(|name| ends(name, &["ktx2", "ktx", "dds"]));
+        let tables = self.tables.iter().filter_map(|name| ends(name, &["exr", "ktx2", "dds", "png"]));
+        if let Some(fault) = faults.chain(tables).next() {
+            return Err(fault);
+        }
+        Texel::parse(self.texel).map_err(|fault| format!("texel: {fault}"))?;
+        if code(self.language, "split-sum-two").is_none() {
+            return Err(format!(
+                "language: {}",
+                not_one_of("shading language", self.language, &["GLSL", "HLSL", "WGSL"], "")
+            ));
+        }
+        match (self.last_side, self.level_count) {
+            (1..=1024, None | Some(2..=16)) => Ok(()),
+            _ => Err("last_side, level_count: expected a side from 1 to 1024 and 2 to 16 levels".to_owned()),
+        }
+    }
+
     /// Returns the default number of levels for faces of `side` texels.
     pub fn levels(&self, side: u32) -> u32 {
         self.level_count.unwrap_or_else(|| (side / self.last_side).max(2).ilog2() + 1)

@@ -124,7 +124,10 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let stated = &bake.stated;
     let preset = match (arguments.preset, &stated.preset) {
         (Some(preset), _) => preset,
-        (None, name) => name.as_deref().map_or(Ok(&PRESETS[0]), Preset::parse).map_err(Failure::input)?,
+        (None, name) => name
+            .as_deref()
+            .map_or(Ok(&PRESETS[0]), Preset::parse)
+            .map_err(|fault| Failure::input(format!("bake.json: {fault}; give your own as --preset FILE.toml")))?,
     };
     let judging = judging(arguments, preset, stated)?;
     let environment = arguments.inputs.environment(light)?;

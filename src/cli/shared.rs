@@ -42,7 +42,8 @@ pub fn own_method(name: &str) -> Result<(), Failure> {
 /// Finds a preset by its name, or reads it from a TOML file relative to the current folder.
 pub fn preset(text: &str) -> Result<&'static Preset, String> {
     let Some(name) = text.strip_suffix(".toml") else { return Preset::parse(text) };
-    let toml = read_text(Path::new(text), RECORD_BYTES_MAX).map_err(|error| error.to_string())?;
+    let toml =
+        read_text(Path::new(text), RECORD_BYTES_MAX).map_err(|error| format!("{error}; expected a TOML file"))?;
     let mut table: toml::Table = toml::from_str(&toml).map_err(|error| error.to_string())?;
     table.entry("name").or_insert_with(|| name.into());
     Preset::from_json(serde_json::to_string(&table).map_err(|error| error.to_string())?)

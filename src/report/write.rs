@@ -7,20 +7,40 @@ use crate::figure::{Figure, ScaleKind};
 use crate::files::holds;
 use crate::pixels::Staged;
 use crate::run::store::ANSWERS_FOLDER;
-use crate::shade::{Role, words_in};
+use crate::shade::words_in;
 use crate::study::finished::Finished;
 use crate::study::questions::Answer;
 use std::path::PathBuf;
 
 pub const SUMMARY_FILE: &str = "summary.md";
 
+/// Methods in the order of [`SERIES`](crate::figure::ink::SERIES): each has one colour in all figures.
+const INKED: [&str; 10] = [
+    "split-sum",
+    "split-sum-two",
+    "sampled",
+    "sampled-vndf",
+    "split-sum-cap",
+    "split-sum-one",
+    "split-sum-unity",
+    "split-sum-frostbite",
+    "split-sum-four",
+    "sampled-unfiltered",
+];
+
+/// The colour of the method whose name a series begins with.
+fn ink(series: &str) -> Option<usize> {
+    let method = series.split(' ').next();
+    INKED.iter().position(|name| Some(*name) == method)
+}
+
 /// The SVG of a figure, with methods in words and in their colours.
 pub fn drawing(figure: &Figure, width: u32) -> String {
     let mut own = figure.clone();
     own.note = words_in(&own.note);
     for series in &mut own.series {
+        series.ink = ink(&series.name);
         series.name = words_in(&series.name);
-        series.ink = Role::of_words(&series.name).map(|role| role as usize);
     }
     for panel in &mut own.panels {
         panel.title = words_in(&panel.title);

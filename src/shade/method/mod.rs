@@ -213,13 +213,6 @@ pub enum Role {
     Other,
 }
 
-impl Role {
-    /// The role of the method whose title starts a text.
-    pub fn of_words(text: &str) -> Option<Self> {
-        METHODS.iter().filter(|method| text.starts_with(method.title)).find_map(Method::role)
-    }
-}
-
 /// Replaces the code names of methods in a text by their titles: "Split sum (textbook)" for `split-sum`, "Sampling, 16
 /// samples" for `sampled 16`. The words `none`, `reference` and `sampled` alone stay: they mean other things, too.
 pub fn words_in(text: &str) -> String {

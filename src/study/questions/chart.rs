@@ -12,26 +12,6 @@ const PANELS_MAX: usize = 12;
 /// Added to a note if marks have intervals.
 pub const INTERVAL: &str = "; whiskers: 95 % over environments";
 
-/// Methods in the order of [`SERIES`](crate::figure::ink::SERIES): each has one colour in all figures.
-const INKED: [&str; 10] = [
-    "split-sum",
-    "split-sum-two",
-    "sampled-vndf",
-    "sampled",
-    "split-sum-cap",
-    "split-sum-one",
-    "split-sum-unity",
-    "split-sum-frostbite",
-    "split-sum-four",
-    "sampled-unfiltered",
-];
-
-/// The colour of the method whose name a series begins with.
-fn ink(series: &str) -> Option<usize> {
-    let method = series.split(' ').next();
-    INKED.iter().position(|name| Some(*name) == method)
-}
-
 /// A direction of a chart, with its label.
 pub enum Along<'n> {
     Log(&'n str),
@@ -82,7 +62,7 @@ impl Chart<'_> {
             title: self.title.to_owned(),
             note: self.note,
             panels: self.panels.into_iter().map(panel).collect(),
-            series: self.series.into_iter().map(|name| Series { ink: ink(&name), is_dashed: false, name }).collect(),
+            series: self.series.into_iter().map(|name| Series { name, is_dashed: false, ink: None }).collect(),
             ramp: None,
         })
     }

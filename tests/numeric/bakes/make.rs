@@ -305,6 +305,18 @@ fn a_preset_is_read_from_its_own_fields() {
         (r#"{"weight": "fg"}"#, "fg"),
         (r#"{"alphas": [0, 1.5]}"#, "1.5"),
         (r#"{"irradiance_scale": -1}"#, "-1"),
+        (r#"{"alphas": [0.5, 0]}"#, "ascending"),
+        (r#"{"product": {}, "alphas": [0, 1]}"#, "alphas"),
+        (r#"{"product": {}, "scale": 2}"#, "scale"),
+        (r#"{"product": {"texel": "rgba17f"}}"#, "rgba17f"),
+        (r#"{"product": {"last_side": 0}}"#, "last_side"),
+        (r#"{"product": {"level_count": 1}}"#, "level_count"),
+        (r#"{"product": {"language": "MSL"}}"#, "MSL"),
+        (r#"{"product": {"specular": "../map.ktx2"}}"#, "../map.ktx2"),
+        (r#"{"product": {"specular": ""}}"#, "without a folder"),
+        (r#"{"product": {"specular": "map.jpg"}}"#, "map.jpg"),
+        (r#"{"product": {"tables": ["dfg.bmp"]}}"#, "dfg.bmp"),
+        (r#"{"product": {"sh": "taps.ktx2"}}"#, "taps.ktx2"),
     ] {
         let fault = read(text).unwrap_err();
         assert!(fault.contains(why) && !fault.contains("line 1"), "{fault}");
