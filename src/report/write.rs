@@ -7,7 +7,8 @@ use crate::figure::{Figure, ScaleKind};
 use crate::files::holds;
 use crate::pixels::Staged;
 use crate::run::store::ANSWERS_FOLDER;
-use crate::shade::words_in;
+use crate::shade::{Method, words_in};
+use crate::spelling::Listed;
 use crate::study::finished::Finished;
 use crate::study::questions::Answer;
 use std::path::PathBuf;
@@ -28,10 +29,12 @@ const INKED: [&str; 10] = [
     "sampled-unfiltered",
 ];
 
-/// The colour of the method whose name a series begins with.
+/// The colour of the method whose title a series begins with.
 fn ink(series: &str) -> Option<usize> {
-    let method = series.split(' ').next();
-    INKED.iter().position(|name| Some(*name) == method)
+    let title = |name: &str| Method::listed(name).title;
+    let found = INKED.iter().filter(|name| series.starts_with(title(name)));
+    let method = found.max_by_key(|name| title(name).len())?;
+    INKED.iter().position(|name| name == method)
 }
 
 /// The SVG of a figure, with methods in words and in their colours.
@@ -39,8 +42,8 @@ pub fn drawing(figure: &Figure, width: u32) -> String {
     let mut own = figure.clone();
     own.note = words_in(&own.note);
     for series in &mut own.series {
-        series.ink = ink(&series.name);
         series.name = words_in(&series.name);
+        series.ink = ink(&series.name);
     }
     for panel in &mut own.panels {
         panel.title = words_in(&panel.title);
