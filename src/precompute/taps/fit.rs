@@ -10,7 +10,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 /// Flux of even light over a small lamp's, in the relative error of several taps. Chosen on five maps.
 pub const AMBIENT: f64 = 4.0;
 
-/// Penalty of the squared error of the first moment of several taps: without it light that is linear in direction comes
+/// Penalty of the squared error of the first moment of the taps: without it light that is linear in direction comes
 /// out too dark or too bright. Found on ten maps; builtin environments agree.
 pub const MOMENT: f64 = 40.0;
 /// Penalty of squared weights: without it two taps of opposite weights cancel where that gains nothing.
@@ -45,7 +45,6 @@ pub struct Fit<'a> {
     measures: Vec<f64>,
     /// Measure and objective's weight. Over all nodes the errors of no tap and of one along the moment add up to 1.
     weights: Vec<f64>,
-    moment_penalty: f64,
     /// From the normal to the first moment.
     moment_angle: f64,
     /// `√alpha sin θ`.
@@ -116,7 +115,6 @@ impl<'a> Fit<'a> {
         let mut fit = Self {
             chain,
             weights: weights.collect(),
-            moment_penalty: if count == TapCount::One { 0.0 } else { MOMENT },
             directions,
             densities,
             measures,
@@ -176,7 +174,7 @@ impl<'a> Fit<'a> {
     fn cost(&self, x: &[f64], near: &[f64], pull: f64) -> f64 {
         let taps = self.taps(x);
         let residuals = self.residuals(&taps, &self.kernels(&taps));
-        let moment = self.moment_penalty * self.first_moment(&residuals).length_squared();
+        let moment = MOMENT * self.first_moment(&residuals).length_squared();
         let weights: f64 = taps.iter().map(|tap| tap.weight * tap.weight).sum();
         let far: f64 = x.iter().zip(near).map(|(x, near)| pull * (x - near).powi(2) + PRIOR * x * x).sum();
         self.square(&residuals) + moment + RIDGE * weights + far
@@ -244,9 +242,9 @@ impl<'a> Fit<'a> {
         let moment = self.first_moment(&residuals);
         let moments: Vec<DVec2> = columns.iter().map(|column| self.first_moment(column)).collect();
         for p in 0..size {
-            gradient[p] += self.moment_penalty * moments[p].dot(moment);
+            gradient[p] += MOMENT * moments[p].dot(moment);
             for q in 0..=p {
-                matrix[p][q] += self.moment_penalty * moments[p].dot(moments[q]);
+                matrix[p][q] += MOMENT * moments[p].dot(moments[q]);
             }
         }
         for k in 1..taps.len() {
