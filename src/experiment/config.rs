@@ -105,7 +105,7 @@ pub struct Config {
     pub timing: Option<Timing>,
     /// Renders of each sampled image with further point sets, to separate bias from variance.
     pub repeats: Option<u32>,
-    /// Samples per pixel for the steps of [ladder].
+    /// Samples per pixel for the steps of `[ladder]`.
     pub ladder: Option<u32>,
     pub ladder_place: Place,
     pub lights: Vec<Light>,

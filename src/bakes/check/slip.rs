@@ -1,7 +1,7 @@
 //! Names the slip that explains a level.
 //!
 //! Each known slip is put into the exact level, and the result is compared with the file. The slip that comes nearest is
-//! named if it leaves at most [`EXPLAINED`] of the error, and at most [`CLOSE`].
+//! named if it leaves at most `EXPLAINED` of the error, and at most `CLOSE`.
 
 use super::directions::Directions;
 use super::exact::exact;

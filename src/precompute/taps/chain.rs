@@ -58,7 +58,7 @@ impl Chain {
         self.mapping.mip_from_alpha(alpha, self.level_count)
     }
 
-    /// Returns the density of a lookup at a real level from [`LEVEL_MIN`] on, by the cosine to its direction, and its
+    /// Returns the density of a lookup at a real level from `LEVEL_MIN` on, by the cosine to its direction, and its
     /// derivative by the level.
     pub fn density(&self, level: f64, cos: f64) -> [f64; 2] {
         if cos <= 0.0 {
