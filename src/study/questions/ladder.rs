@@ -230,7 +230,8 @@ fn sentence(frame: &Frame, groups: &[Group], steps: &[&str], resolved: &[Resolve
         let next = next.map_or(String::new(), |step| format!(", {} {}", step, percent(group.mean(step))));
         text += &format!(" At {} and {} it causes {least}{next}.", view(seen), group.place());
     }
-    let drawn = resolved.iter().filter(|resolved| resolved.step.seen == ALL_VIEWS).map(|resolved| resolved.step.share_error);
+    let drawn =
+        resolved.iter().filter(|resolved| resolved.step.seen == ALL_VIEWS).map(|resolved| resolved.step.share_error);
     let noise = 2.0 * drawn.fold(0.0, f64::max);
     if noise > 0.0 {
         text += &format!(" Sampling noise changes no share over all views by more than {}.", percent(noise));
