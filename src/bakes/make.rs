@@ -25,11 +25,11 @@ pub use super::check::GOOD;
 use super::check::{Directions, Truth, errors, exact, level, table};
 use super::container::{Encoding, FACE_COUNT, FORMATS, Format, TEXELS, TEXELS_MAX, Texel};
 use super::convention::{Convention, Preset, TableAxes};
-use super::parts::Manifest;
+use super::parts::{KEY, Manifest, Map};
 use super::paste::{self, TAPS};
 use super::product::LAST_SIDE;
+use super::sh;
 use super::source::{FACES, MANIFEST, Reading, read};
-use super::{parts::Map, sh};
 use crate::brdf::{Brdf, Ggx, MaskingShadowing};
 use crate::environment::Environment;
 use crate::environment::layout::LAYOUTS;
@@ -60,7 +60,6 @@ pub struct Making<'a> {
 }
 
 /// Default sides, texels.
-pub const SIDE: u32 = 256;
 pub const IRRADIANCE_SIDE: u32 = 32;
 pub const TABLE_SIDE: u32 = 64;
 /// Bound on the relative error of a table's integrals. True errors are at most 7.5e-5 (GGX and Beckmann, 289 texels of
@@ -353,7 +352,7 @@ fn keys(manifest: &Manifest, radiance: &crate::precompute::sh9::reference::Sh9) 
         ("table_axes", &manifest.table_axes),
         ("units", &manifest.units),
     ]
-    .map(|(key, value)| (format!("splitsum.{key}"), value.clone()));
+    .map(|(key, value)| (format!("{KEY}{key}"), value.clone()));
     let lines: String = sh::scaled(radiance).iter().map(|[r, g, b]| format!("{r} {g} {b}\n")).collect();
     let common = [("KTXorientation", "rd"), ("KTXwriter", &manifest.version)];
     let common = common.map(|(key, value)| (key.to_owned(), value.to_owned()));

@@ -23,7 +23,7 @@ pub struct Bake {
     pub stated: Stated,
 }
 
-/// Conventions stated in the manifest of `splitsum bake`.
+/// Conventions stated in the manifest of `splitsum bake`, or in the metadata of its KTX files.
 #[derive(Clone, Debug, Default, Deserialize)]
 pub struct Stated {
     pub preset: Option<String>,
@@ -33,6 +33,22 @@ pub struct Stated {
     pub weight: Option<String>,
     #[serde(rename = "masking_shadowing")]
     pub masking: Option<String>,
+}
+
+/// Prefix of our keys in the metadata of a KTX file.
+pub const KEY: &str = "splitsum.";
+
+impl Stated {
+    /// Takes statements of a file's metadata that nothing stated before.
+    pub(super) fn add(&mut self, keys: &[(String, String)]) {
+        let value =
+            |name: &str| keys.iter().find(|(key, _)| key.strip_prefix(KEY) == Some(name)).map(|(_, v)| v.clone());
+        let alphas = || value("alphas")?.split(',').map(|alpha| alpha.parse().ok()).collect();
+        self.preset = self.preset.take().or_else(|| value("preset"));
+        self.alphas = self.alphas.take().or_else(alphas);
+        self.weight = self.weight.take().or_else(|| value("weight"));
+        self.masking = self.masking.take().or_else(|| value("masking"));
+    }
 }
 
 /// The `bake.json` of a bake for an engine.

@@ -4,11 +4,12 @@ use super::check::{Directions, exact};
 use super::container::{TEXELS_MAX, write_table};
 use super::convention::{Axes, Preset};
 use super::make::{dfg, write_bytes};
+use super::parts::Stated;
 use super::source::MANIFEST;
 use crate::brdf::{Brdf, MaskingShadowing};
 use crate::environment::Environment;
 use crate::environment::layout::{FilteredMap, MapLayout};
-use crate::files::names_in;
+use crate::files::{RECORD_BYTES_MAX, names_in, read_text};
 use crate::math::harmonics::Harmonics;
 use crate::math::sequence::SEQUENCES;
 use crate::pixels::{Fault, Pixels, PixelsError, exr};
@@ -71,6 +72,10 @@ impl Baking<'_> {
         let Self { environment, settings, brdfs, masking } = *self;
         std::fs::create_dir_all(out)
             .map_err(|error| Fault::new(format!("cannot be created ({error})"), "a folder").at(out))?;
+        let manifest = read_text(&out.join(MANIFEST), RECORD_BYTES_MAX).unwrap_or_default();
+        if serde_json::from_str::<Stated>(&manifest).is_ok_and(|stated| stated.preset.is_some()) {
+            return Err(Fault::new("has the files of `bake --for`", "a new or an empty folder").at(out));
+        }
         let is_level = |name: &str| brdfs.iter().any(|brdf| name.starts_with(&format!("prefiltered_{}_", brdf.name())));
         for name in names_in(out).iter().filter(|name| *name == MANIFEST || is_level(name)) {
             let path = out.join(name);

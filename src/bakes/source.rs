@@ -45,7 +45,7 @@ impl Default for Reading<'_> {
 pub fn read(files: &[String], reading: Reading) -> Result<Bake, PixelsError> {
     let mut bake = Bake::default();
     for file in files {
-        let (part, path) = part_and_path(file);
+        let (part, path) = part_and_path(file)?;
         if path.is_dir() {
             read_folder(&path, part, reading, &mut bake)?;
             continue;
@@ -55,10 +55,18 @@ pub fn read(files: &[String], reading: Reading) -> Result<Bake, PixelsError> {
     Ok(bake)
 }
 
-fn part_and_path(file: &str) -> (Option<Part>, PathBuf) {
-    let named = file.split_once('=').filter(|_| !Path::new(file).exists());
-    let found = named.and_then(|(name, path)| Some((PARTS.iter().find(|(known, _)| *known == name)?.1, path)));
-    found.map_or_else(|| (None, file.into()), |(part, path)| (Some(part), path.into()))
+fn part_and_path(file: &str) -> Result<(Option<Part>, PathBuf), PixelsError> {
+    let Some((name, path)) = file.split_once('=').filter(|_| !Path::new(file).exists()) else {
+        return Ok((None, file.into()));
+    };
+    match PARTS.iter().find(|(known, _)| *known == name) {
+        Some((_, part)) => Ok((Some(*part), path.into())),
+        None if Path::new(path).exists() => {
+            let known: Vec<String> = PARTS.iter().map(|(name, _)| format!("{name}=FILE")).collect();
+            Err(Fault::new("is neither a file nor a part of a bake", known.join(", ")).at(Path::new(file)))
+        }
+        None => Ok((None, file.into())),
+    }
 }
 
 fn once<T>(place: &mut Option<T>, value: T, what: &str, path: &Path) -> Result<(), PixelsError> {
@@ -74,7 +82,8 @@ fn add_file(bake: &mut Bake, path: &Path, part: Option<Part>, reading: Reading) 
     if part == Some(Part::Sh) || (part.is_none() && is_text) {
         return once(&mut bake.sh, sh::read(path)?, "SH", path);
     }
-    let Texture { mut levels, .. } = read_texture(path)?;
+    let Texture { mut levels, keys, .. } = read_texture(path)?;
+    bake.stated.add(&keys);
     let first = &levels[0][0];
     let (width, height, faces, count) = (first.width, first.height, levels[0].len(), levels.len());
     let is_square_image = faces == 1 && width == height;

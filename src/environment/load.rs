@@ -114,7 +114,8 @@ fn format_of(spec: &str, path: &Path) -> Result<&'static Format, EnvironmentErro
     let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
     FORMATS.iter().find(|format| format.extension == extension).ok_or_else(|| {
         let expected = FORMATS.iter().map(|format| format!(".{}", format.extension)).collect::<Vec<_>>().join(", ");
-        unusable(spec, format!("the extension is {extension:?}; expected one of {expected}"))
+        let what = if path.is_dir() { "it is a folder".to_owned() } else { format!("the extension is {extension:?}") };
+        unusable(spec, format!("{what}; expected one of {expected}"))
     })
 }
 

@@ -14,7 +14,7 @@ impl Config {
     /// Replaces or adds axes by `--set` texts. If only some axes of a `[[zip]]` are set, keeps the rows with those
     /// values.
     pub(super) fn apply_overrides(&mut self, faults: &mut Faults) {
-        let mut seen: Vec<usize> = Vec::new();
+        let mut seen: Vec<(usize, &str)> = Vec::new();
         let mut given: Vec<(Sweep, Place)> = Vec::new();
         for text in self.overrides.clone() {
             let Some((name, list)) = text.split_once('=') else {
@@ -36,11 +36,15 @@ impl Config {
                 continue;
             };
             let axis = named.axis;
-            if seen.contains(&axis) {
-                faults.add(&place, format!("is set twice; give all values at once: --set {name}=v1,v2"));
+            if let Some((_, earlier)) = seen.iter().find(|(other, _)| *other == axis) {
+                let fault = match *earlier == name {
+                    true => format!("is set twice; give all values at once: --set {name}=v1,v2"),
+                    false => format!("is the axis of --set {earlier} in another unit; give one of them"),
+                };
+                faults.add(&place, fault);
                 continue;
             }
-            seen.push(axis);
+            seen.push((axis, name));
             let items = items(named.kind(), list);
             let (mut values, written) = (Vec::new(), items.len());
             for item in items {
@@ -126,7 +130,7 @@ impl Config {
             let rows = rows.into_iter().collect::<Vec<_>>().join(", ");
             let all = zip.iter().map(|axis| AXES[*axis].name).collect::<Vec<_>>().join(", ");
             let fault = format!(
-                "axes.{name}: {strangers} is in no [[zip]] row; choose from {rows}, or set {all} together for new rows"
+                "axes.{name}: {strangers} is in no row of the file's [[zip]], whose axes vary together; choose from {rows}, or set all of {all}"
             );
             faults.add(place, fault);
             return;

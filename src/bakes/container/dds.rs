@@ -80,7 +80,7 @@ pub fn read(bytes: &[u8]) -> Result<Texture, Fault> {
             rest = after;
         }
     }
-    Ok(Texture { levels: read, texel: texel.name })
+    Ok(Texture { levels: read, texel: texel.name, keys: Vec::new() })
 }
 
 /// Writes a texture whose format has a DXGI code. DDS has no keys.

@@ -3,7 +3,7 @@
 //! A header of 64 bytes, keys and values, then the levels, largest first [KTX 1 file format, section 2].
 
 use super::texel::{TEXELS, Texel};
-use super::{Claim, Encoding, Texture, pairs, truncated};
+use super::{Claim, Encoding, Texture, pairs, truncated, unjoined};
 use crate::pixels::Fault;
 use crate::spelling::Listed;
 
@@ -31,6 +31,7 @@ pub fn read(bytes: &[u8]) -> Result<Texture, Fault> {
         Fault::new(format!("its glInternalFormat is {internal:#06x}"), format!("one of {}", Texel::names().join(", ")))
     })?;
     let mut at = HEADER.saturating_add(keys as usize);
+    let keys = unjoined(bytes.get(HEADER..at).unwrap_or_default());
     let mut read = Vec::new();
     for level in 0..claim.levels {
         let face_bytes = claim.face_bytes(level, texel);
@@ -50,7 +51,7 @@ pub fn read(bytes: &[u8]) -> Result<Texture, Fault> {
         // Levels are padded to 4 bytes.
         at += 4 + needed.next_multiple_of(4);
     }
-    Ok(Texture { levels: read, texel: texel.name })
+    Ok(Texture { levels: read, texel: texel.name, keys })
 }
 
 pub fn write(encoding: &Encoding) -> Vec<u8> {

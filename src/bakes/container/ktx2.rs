@@ -1,7 +1,7 @@
 //! KTX 2: levels anywhere in the file, plain or compressed by zstd.
 
 use super::texel::{TEXELS, Texel};
-use super::{Claim, Encoding, Texture, pairs, truncated};
+use super::{Claim, Encoding, Texture, pairs, truncated, unjoined};
 use crate::pixels::{Fault, Pixels, RgbImage, reserved};
 use crate::spelling::Listed;
 use half::f16;
@@ -56,7 +56,9 @@ pub fn read(bytes: &[u8]) -> Result<Texture, Fault> {
         }
         read.push(claim.faces_of(level, texel, &data)?);
     }
-    Ok(Texture { levels: read, texel: texel.name })
+    let Index { kvd_byte_offset, kvd_byte_length, .. } = header.index;
+    let keys = bytes.get(kvd_byte_offset as usize..).and_then(|keys| keys.get(..kvd_byte_length as usize));
+    Ok(Texture { levels: read, texel: texel.name, keys: keys.map(unjoined).unwrap_or_default() })
 }
 
 /// Writes header, level index, format descriptor, keys, and the levels, smallest first [KTX 2.0, section 3].

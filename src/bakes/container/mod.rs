@@ -23,6 +23,8 @@ pub struct Texture {
     /// Largest level first, each with one image or the faces +x, -x, +y, -y, +z, -z.
     pub levels: Vec<Vec<RgbImage>>,
     pub texel: &'static str,
+    /// Metadata of a KTX file.
+    pub keys: Vec<(String, String)>,
 }
 
 impl Texture {
@@ -124,7 +126,7 @@ fn reader(path: &Path) -> Result<Reader, PixelsError> {
 }
 
 fn read_with(reader: &Reader, path: &Path, bytes: &[u8]) -> Result<Texture, PixelsError> {
-    let image = |decoded: Decoded, texel| Texture { levels: vec![vec![decoded.rgb]], texel };
+    let image = |decoded: Decoded, texel| Texture { levels: vec![vec![decoded.rgb]], texel, keys: Vec::new() };
     let texture = match reader {
         Reader::Container(format) => (format.read)(bytes).map_err(|fault| fault.at(path))?,
         Reader::Image(format) => image(format.read(path, bytes)?, format.name),
@@ -224,6 +226,19 @@ fn pairs<'k>(keys: impl IntoIterator<Item = &'k (String, String)>) -> Vec<u8> {
         pairs.resize(pairs.len().next_multiple_of(4), 0);
     }
     pairs
+}
+
+/// Splits metadata of a KTX file, without pairs that are not text. Inverse: [`pairs`].
+fn unjoined(mut bytes: &[u8]) -> Vec<(String, String)> {
+    let mut keys = Vec::new();
+    while let Some((length, rest)) = bytes.split_first_chunk() {
+        let length = u32::from_le_bytes(*length) as usize;
+        let Some(pair) = rest.get(..length) else { break };
+        let text = std::str::from_utf8(pair).ok().and_then(|pair| pair.split_once('\0'));
+        keys.extend(text.map(|(key, value)| (key.to_owned(), value.trim_end_matches('\0').to_owned())));
+        bytes = rest.get(length.next_multiple_of(4)..).unwrap_or_default();
+    }
+    keys
 }
 
 fn truncated(level: u32, needed: usize, found: usize) -> Fault {

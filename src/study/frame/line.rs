@@ -33,7 +33,7 @@ impl Line {
 /// Two-sided 95 % quantiles of Student's t for 1 to 10 degrees of freedom; beyond, [`NORMAL_95`] with two corrections.
 const T_95: [f64; 10] = [12.706, 4.303, 3.182, 2.776, 2.571, 2.447, 2.365, 2.306, 2.262, 2.228];
 /// Two-sided 95 % quantile of the normal distribution.
-pub const NORMAL_95: f64 = 1.960;
+const NORMAL_95: f64 = 1.960;
 
 /// Two-sided 95 % quantile of Student's t; infinite without a degree of freedom.
 pub fn t_95(degrees: usize) -> f64 {

@@ -1,7 +1,7 @@
 //! The values of each axis of an experiment, which decide before rendering which questions it can answer.
 
 use super::Row;
-use crate::experiment::axis::{AXES, METHOD, Terms};
+use crate::experiment::axis::{AXES, METHOD};
 use crate::experiment::config::Config;
 use crate::experiment::value::Value;
 use crate::shade::{METHODS, Method};
@@ -15,8 +15,6 @@ pub struct Shape {
     pub has_timing: bool,
     pub has_ladder: bool,
     pub reference_method: String,
-    /// Whether the reference always has all terms; assumed if the experiment is unknown.
-    pub judges_all_terms: bool,
 }
 
 impl Shape {
@@ -38,7 +36,6 @@ impl Shape {
                 has_timing: !run.timings.is_empty(),
                 has_ladder: false,
                 reference_method: run.text("/reference/method"),
-                judges_all_terms: true,
             },
         }
     }
@@ -49,7 +46,6 @@ impl Shape {
             has_timing: config.timing.is_some(),
             has_ladder: config.ladder.is_some(),
             reference_method: config.reference.method.clone(),
-            judges_all_terms: config.reference.terms == Terms::All,
         }
     }
 

@@ -53,7 +53,6 @@ questions! {
     n_dot_v,
     visibility,
     pictures,
-    energy,
     times,
 }
 

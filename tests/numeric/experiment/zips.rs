@@ -29,7 +29,7 @@ fn a_value_of_no_row_is_refused_with_the_rows() {
     let fault = rows(&["alpha=0.5,0.3"]).unwrap_err();
     assert_eq!(
         fault,
-        "--set alpha: axes.alpha: 0.3 is in no [[zip]] row; choose from 0.1, 0.5, 1, or set alpha, samples together for new rows"
+        "--set alpha: axes.alpha: 0.3 is in no row of the file's [[zip]], whose axes vary together; choose from 0.1, 0.5, 1, or set all of alpha, samples"
     );
     // An invalid value is the only fault reported.
     let fault = rows(&["alpha=7"]).unwrap_err();
