@@ -35,11 +35,11 @@ use crate::environment::Environment;
 use crate::environment::layout::LAYOUTS;
 use crate::math::equirect_quadrature::EquirectQuadrature;
 use crate::pixels::{Fault, GrayImage, Pixels, PixelsError, Rgb8Image, RgbImage, exr, png, write_atomically};
+use crate::precompute::dfg::patches;
 use crate::precompute::prefilter::{Kernel, Weight};
 use crate::precompute::sh9::reference::project_bilinear;
 use crate::spelling::Listed;
 use glam::{DVec2, DVec3};
-use rayon::prelude::*;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -63,7 +63,7 @@ pub struct Making<'a> {
 pub const IRRADIANCE_SIDE: u32 = 32;
 pub const TABLE_SIDE: u32 = 64;
 /// Bound on the relative error of a table's integrals. True errors are at most 7.5e-5 (GGX and Beckmann, 289 texels of
-/// 128x128).
+/// 128x128); [`patches`] add at most 1e-4.
 const TABLE_WITHIN: f64 = 1e-2;
 
 /// A level as its file has it.
@@ -281,13 +281,13 @@ fn write_map(
 
 /// Computes A and B at texel centres.
 pub(super) fn dfg(brdf: &'static dyn Brdf, masking: MaskingShadowing, axes: &TableAxes, side: u32) -> RgbImage {
-    let texel = |index: u32| {
-        let at = (DVec2::new((index % side).into(), (index / side).into()) + 0.5) / f64::from(side);
-        let at = axes.parameters(at);
-        let [a, b] = table::exact(brdf, masking, at, TABLE_WITHIN).as_vec2().to_array();
+    let table = patches::table(side, |at| table::exact(brdf, masking, at, TABLE_WITHIN));
+    let size = f64::from(side);
+    RgbImage::from_fn(side, side, |x, y| {
+        let at = size * axes.parameters((DVec2::new(x.into(), y.into()) + 0.5) / size);
+        let [a, b] = table.get(at.x as u32, at.y as u32).as_vec2().to_array();
         [a, b, 0.0]
-    };
-    Pixels::new(side, side, (0..side * side).into_par_iter().map(texel).collect())
+    })
 }
 
 fn write_table(table: &RgbImage, keys: &[(String, String)], path: &Path) -> Result<(), PixelsError> {

@@ -7,7 +7,7 @@ use splitsum::experiment::axis::{AXES, CONTRAST, EXPOSURE};
 use splitsum::experiment::value::{Kind, Range};
 use splitsum::metrics::{Comparison, Epsilon, METRICS};
 use splitsum::pixels::{Decoded, GrayImage, exr};
-use splitsum::table::markdown::{Align, MarkdownTable};
+use splitsum::table::markdown::{Align, MarkdownTable, significant};
 use splitsum::tonemap::ToneCurve;
 use std::path::{Path, PathBuf};
 
@@ -87,7 +87,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     ]);
     for ((name, value), metric) in scores.iter().zip(METRICS) {
         let d = metric;
-        table.row(&[*name, &value.to_string(), d.better.name(), d.space.name()]);
+        table.row(&[*name, &significant(*value, 4), d.better.name(), d.space.name()]);
     }
     print(&table.to_string())
 }

@@ -14,7 +14,7 @@ impl Config {
     /// Replaces or adds axes by `--set` texts. If only some axes of a `[[zip]]` are set, keeps the rows with those
     /// values.
     pub(super) fn apply_overrides(&mut self, faults: &mut Faults) {
-        let mut seen: Vec<(usize, &str)> = Vec::new();
+        let mut seen: Vec<Named> = Vec::new();
         let mut given: Vec<(Sweep, Place)> = Vec::new();
         for text in self.overrides.clone() {
             let Some((name, list)) = text.split_once('=') else {
@@ -36,15 +36,15 @@ impl Config {
                 continue;
             };
             let axis = named.axis;
-            if let Some((_, earlier)) = seen.iter().find(|(other, _)| *other == axis) {
-                let fault = match *earlier == name {
+            if let Some(earlier) = seen.iter().find(|other| other.axis == axis).map(|other| other.name()) {
+                let fault = match earlier == name {
                     true => format!("is set twice; give all values at once: --set {name}=v1,v2"),
                     false => format!("is the axis of --set {earlier} in another unit; give one of them"),
                 };
                 faults.add(&place, fault);
                 continue;
             }
-            seen.push((axis, name));
+            seen.push(named);
             let items = items(named.kind(), list);
             let (mut values, written) = (Vec::new(), items.len());
             for item in items {

@@ -165,10 +165,16 @@ impl Judged {
         let own = *fits.iter().find(|fit| fit.axes == used)?;
         let is_explained = !is_like && !is_wrong;
         let is_doubtful = fits[0].axes != used && guess::is_clear(fits[0], own) && !is_explained;
+        let best = fits.iter().filter(|fit| !guess::is_clear(fits[0], **fit)).map(|fit| fit.axes.to_string());
+        let best: Vec<String> = best.collect();
+        let alike = if best.len() > 1 { ", which this map does not tell apart," } else { "" };
         is_doubtful.then(|| {
             format!(
-                "axes {} fit far better than {used} (correlation {:.4}, not {:.4}): --axes={} or --guess{hint}",
-                fits[0].axes, fits[0].correlation, own.correlation, fits[0].axes
+                "axes {}{alike} fit far better than {used} (correlation {:.4}, not {:.4}): --axes={} or --guess{hint}",
+                best.join(" or "),
+                fits[0].correlation,
+                own.correlation,
+                fits[0].axes
             )
         })
     }

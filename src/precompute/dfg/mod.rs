@@ -12,6 +12,7 @@
 mod albedos;
 #[cfg(feature = "gpu")]
 pub mod pass;
+pub mod patches;
 pub mod reference;
 
 pub use albedos::Albedos;

@@ -4,10 +4,12 @@ use super::files;
 use super::scores::marked_light;
 use glam::{DVec2, DVec3};
 use half::f16;
+use splitsum::bakes::Stated;
 use splitsum::bakes::container::{Encoding, FORMATS, TEXELS, from_bytes, read_texture};
 use splitsum::bakes::convention::{Axes, Preset, TABLE_AXES};
 use splitsum::bakes::given;
 use splitsum::bakes::make::{GOOD, Making, make};
+use splitsum::bakes::plain::Baking;
 use splitsum::bakes::sh;
 use splitsum::bakes::source::{Reading, read};
 use splitsum::brdf::{Ggx, MaskingShadowing};
@@ -80,7 +82,19 @@ fn every_direction_is_where_the_engine_looks() {
             assert!((own(DVec3::Z) - own(-DVec3::Z)).z > 0.5, "{engine}: blue shines from +z");
             assert!((own(DVec3::X) - own(-DVec3::X)).x > 0.3, "{engine}: red shines from +x");
         }
-        // No file is overwritten.
+        // A KTX file alone states its conventions as the folder does.
+        let file = dir.path().join(making.preset.product().specular);
+        if file.extension().is_some_and(|form| form != "dds") {
+            let alone = read(&[file.display().to_string()], Reading::default()).unwrap().stated;
+            let of = |stated: &Stated| (stated.preset.clone(), stated.weight.clone(), stated.masking.clone());
+            assert_eq!(of(&alone), of(&bake.stated), "{engine}");
+            let pairs = alone.alphas.as_ref().unwrap().iter().zip(bake.stated.alphas.as_ref().unwrap());
+            let off = pairs.map(|(a, b)| (a - b).abs());
+            assert!(off.fold(0.0, f64::max) < 1e-6, "{engine}");
+        }
+        // No file is overwritten, by neither kind of bake.
+        let plain = Baking { environment: &light, settings: Default::default(), brdfs: &[], masking: making.masking };
+        assert!(plain.bake(dir.path()).unwrap_err().to_string().contains("bake --for"));
         assert!(make(&making, dir.path()).unwrap_err().to_string().contains("exists"));
     }
 }
@@ -289,6 +303,7 @@ fn the_last_level_has_enough_texels_for_lookups() {
     assert!(side == 4 && relmse > GOOD && why.is_some(), "{side}, {relmse}");
     let (_, (_, why)) = last("unity", None);
     assert!(why.is_some_and(|why| why.contains("7 levels; use faces of 512")));
+    assert_eq!(["unity", "khronos"].map(|engine| Preset::listed(engine).product().side()), [512, 256]);
 }
 
 /// A user's preset overrides what it names; a wrong name, field or number is refused by its name.

@@ -1,11 +1,13 @@
 //! Figures are legible: words do not overlap and stay within the picture, and colours have contrast.
 
-use super::figures::{Drawn, hard};
+use super::figures::{Drawn, dots, hard};
 use crate::table;
 use roxmltree::Node;
 use splitsum::figure::ink::{INKS, SERIES};
 use splitsum::figure::svg::{WIDTHS, svg};
 use splitsum::figure::text::{ASCENT, AXIS, DESCENT, Font, LABEL, NAME, NOTE, TILE, TITLE};
+use splitsum::figure::{Mark, ScaleKind, Series, Shape};
+use splitsum::report::write::drawing;
 
 /// Contrast of words, and of series with their names, with their ground (WCAG 2.2, 1.4.3).
 const WORDS_LEAST: f64 = 4.5;
@@ -134,4 +136,29 @@ fn words_on_tiles_have_contrast() {
         }
     }
     assert!(count > 300, "{count} tiles have words");
+}
+
+/// Every figure of methods, whichever it shows and in whichever order, gives a method the same colour.
+#[test]
+fn a_method_has_one_colour_in_every_figure() {
+    let names = ["split-sum", "split-sum-one", "split-sum-two", "sampled", "sampled-vndf"];
+    let mut colors = std::collections::BTreeMap::new();
+    for shown in [vec![0, 1, 2, 3, 4], vec![4, 2], vec![3, 1, 0], vec![1]] {
+        let mut figure = dots([ScaleKind::Linear { lo: 0.0, hi: 1.0 }, ScaleKind::Linear { lo: 0.0, hi: 1.0 }], &[]);
+        let series = shown.iter().map(|of| names[*of].to_owned());
+        figure.series = series.map(|name| Series { name, is_dashed: false, ink: None }).collect();
+        let mark = |(i, _)| Mark::new(Shape::Dot([0.5, i as f64 / 8.0]), i);
+        figure.panels[0].marks = shown.iter().enumerate().map(mark).collect();
+        let drawn = Drawn::new(&drawing(&figure, WIDTHS[0]));
+        let labels = drawn.document().descendants().filter(|node| {
+            node.attribute("class").is_some_and(|class| class.starts_with("fig-n fig-s")) && node.text().is_some()
+        });
+        let labels: Vec<_> = labels.map(|node| (node.text().unwrap(), node.attribute("class").unwrap())).collect();
+        assert!(shown.len() == 1 || labels.len() == shown.len(), "{labels:?}");
+        for (name, class) in labels {
+            assert_eq!(*colors.entry(name.to_owned()).or_insert(class.to_owned()), class, "{name}");
+        }
+    }
+    let distinct: std::collections::BTreeSet<&String> = colors.values().collect();
+    assert!(colors.len() == names.len() && distinct.len() == names.len(), "{colors:?}");
 }
