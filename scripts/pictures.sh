@@ -44,16 +44,16 @@ sphere() { # NAME METHOD TEXT OPTION...: at $alpha
     done
     [ "$name" = 0 ] || text="$text
 FLIP $("$program" compare --json "$folder/$name.exr" "$folder/0.exr" | sed -n 's/.*"flip": \([0-9.]\{5\}\).*/\1/p')"
-    label "$name.png" 13 "$text"
+    label "$name.png" 16 "$text"
 }
 
 for alpha in 0.1 0.25 0.5; do
-    sphere 0 reference "Reference
+    sphere 0 reference "reference
 alpha $alpha" --samples 4096
-    sphere 1 split-sum "Textbook, 1 lookup"
-    sphere 2 split-sum-one "Fitted, 1 lookup"
-    sphere 3 split-sum-two "Fitted, 2 lookups"
-    sphere 4 split-sum-four "Fitted, 4 lookups"
+    sphere 1 split-sum "1 lookup, textbook"
+    sphere 2 split-sum-one "1 lookup, fitted"
+    sphere 3 split-sum-two "2 lookups, fitted"
+    sphere 4 split-sum-four "4 lookups, fitted"
     sphere 5 sampled-vndf "4 samples" --samples 4 --pixel-points owen
     sphere 6 sampled-vndf "16 samples" --samples 16 --pixel-points owen
     sphere 7 sampled-vndf "64 samples" --samples 64 --pixel-points owen
