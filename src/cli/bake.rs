@@ -32,7 +32,7 @@ pub struct Arguments {
     /// Write the files to DIR.
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
-    /// Set a size, format, masking or brdf (`splitsum list axes`).
+    /// Set a size, level_mapping, masking, brdf or another axis of tables (`splitsum list axes`).
     #[arg(long = "set", value_name = "NAME=VALUE", value_parser = setting)]
     settings: Vec<(usize, Value)>,
     #[command(flatten)]

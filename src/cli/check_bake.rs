@@ -22,7 +22,7 @@ use std::path::{Path, PathBuf};
 #[command(
     allow_negative_numbers = true,
     after_help = "FILES belong to one bake: .ktx2, .ktx or .dds cubes, a folder of faces (m0_px.exr, m0_nx.exr, ...), lat-long .exr or .hdr \
-    levels in order, a folder of `splitsum bake`, a square .png, .exr or .dds DFG table, and SH as .txt or .json. Name ambiguous files: \
+    levels in order, a folder of `splitsum bake`, a square .png, .exr, .dds or .ktx2 DFG table, and SH as .txt or .json. Name ambiguous files: \
     irradiance=FILE, specular=FILE, dfg=FILE, sh=FILE.\n\n\
     A good level is within 3 % rms (relmse 0.001). For a larger error the verdict names the slip that explains it: a width, a gain, swapped \
     or turned faces, channels, an encoding, a cut, another weight, missing levels. Level 0, the mirror, is compared with the environment \
