@@ -1,7 +1,7 @@
 //! Reads a method's file and compiles it for the device.
 
 use super::super::Method;
-use super::{FUNCTION, absent, keep, of_names_read};
+use super::{FUNCTION, absent, keep, of_names_read, wgsl};
 use crate::files::read_given;
 use crate::glsl::constants::FILE_PREFIX;
 use crate::glsl::source::{Choice, Language, METHOD_INCLUDE, compile};
@@ -13,6 +13,8 @@ use std::path::Path;
 const FILE_BYTES_MAX: u64 = 1 << 20;
 /// The pass that calls the method.
 const ENTRY: &str = "shade/specular.comp";
+/// The text that calls a function without `Surface`, beside `shaders/`.
+const CALL: &str = "call.glsl";
 /// Hex digits of the text's hash in a shader's name.
 const HASH_LENGTH: usize = 16;
 
@@ -20,21 +22,41 @@ const HASH_LENGTH: usize = 16;
 ///
 /// The error is `PATH:LINE: message of the compiler`.
 pub fn load(name: &str, dir: &Path) -> Result<&'static Method, String> {
+    load_function(name, dir, FUNCTION)
+}
+
+/// Does the same with another function of the file. In WGSL any function, in GLSL any but [`FUNCTION`], takes n, v,
+/// perceptual roughness and f0.
+pub fn load_function(name: &str, dir: &Path, function: &str) -> Result<&'static Method, String> {
     let path = dir.join(name.strip_prefix(FILE_PREFIX).unwrap_or(name));
     let fault = |what: String| format!("{}: {what}", path.display());
     let bytes = read_given(&path, FILE_BYTES_MAX).map_err(|e| fault(e.to_string()))?;
-    let text = String::from_utf8(bytes).map_err(|_| fault("not UTF-8 text".into()))?;
-    let stem = format!("{FILE_PREFIX}{}", &blake3::hash(text.as_bytes()).to_hex()[..HASH_LENGTH]);
-
-    let mut sources = shader_sources();
-    let own = format!("{FILE_PREFIX}{}", path.display());
-    sources.0.insert(own.clone(), text.clone());
-    let choice = Choice::from([(METHOD_INCLUDE.to_owned(), own)]);
+    let mut text = String::from_utf8(bytes).map_err(|_| fault("not UTF-8 text".into()))?;
+    let is_wgsl = path.extension().is_some_and(|extension| extension == "wgsl");
+    if is_wgsl {
+        text = wgsl::to_glsl(&text, function, &path)?;
+    }
+    let (mut sources, own) = (shader_sources(), format!("{FILE_PREFIX}{}", path.display()));
+    let mut choice = Choice::from([(METHOD_INCLUDE.to_owned(), own.clone())]);
+    let (mut hashed, mut parameters) = (text.clone(), "Surface s");
+    if is_wgsl || function != FUNCTION {
+        let called = if is_wgsl { wgsl::FUNCTION } else { function };
+        let call = format!(
+            "#include \"{own}\"\n#include \"lib/prefilter_mapping.glsl\"\n\
+            vec3 {FUNCTION}(Surface s) {{ return {called}(s.n, s.v, perceptual_roughness_from_alpha(s.alpha), s.f0); }}"
+        );
+        (hashed, parameters) = (hashed + &call, "vec3 n, vec3 v, float perceptual_roughness, vec3 f0");
+        sources.0.insert(CALL.to_owned(), call);
+        choice.insert(METHOD_INCLUDE.to_owned(), CALL.to_owned());
+    }
+    sources.0.insert(own, text.clone());
+    let stem = format!("{FILE_PREFIX}{}", &blake3::hash(hashed.as_bytes()).to_hex()[..HASH_LENGTH]);
+    let expected = format!("vec3 {function}({parameters})");
     let mut reads = BTreeSet::new();
     for (permutation, choice) in sources.permutations(ENTRY, &choice)? {
         let code = sources.expand(ENTRY, &choice, Language::Vulkan).and_then(|text| compile(ENTRY, &text));
         let shader = shader_name(&permutation, &stem);
-        add_shader(shader.clone(), &code.map_err(|log| first_error(&log, &path))?);
+        add_shader(shader.clone(), &code.map_err(|log| first_error(&log, &path, &expected))?);
         reads.append(&mut names_read(&shader, FUNCTION).map_err(|e| fault(e.to_string()))?);
     }
     let method = Method { text: Some(Box::leak(text.into_boxed_str())), ..absent(name.to_owned()) };
@@ -49,11 +71,11 @@ pub fn shader_name(permutation: &str, stem: &str) -> String {
 }
 
 /// Returns the first error of a compiler's log, as `PATH:LINE: message`. Errors in the pass around the file count as errors of the file.
-fn first_error(log: &str, path: &Path) -> String {
+fn first_error(log: &str, path: &Path, expected: &str) -> String {
     let first = log.lines().find_map(|line| line.trim().strip_prefix("ERROR: ")).unwrap_or_else(|| log.trim());
     if !first.starts_with("shaders/") {
         return first.to_owned();
     }
     let what = first.splitn(3, ':').last().unwrap_or_default().trim();
-    format!("{}: expected a definition of `vec3 {FUNCTION}(Surface s)` and no main: {what}", path.display())
+    format!("{}: expected a definition of `{expected}` and no main: {what}", path.display())
 }

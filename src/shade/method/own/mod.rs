@@ -6,9 +6,11 @@
 
 #[cfg(feature = "gpu")]
 mod load;
+#[cfg(feature = "gpu")]
+mod wgsl;
 
 #[cfg(feature = "gpu")]
-pub use load::{load, shader_name};
+pub use load::{load, load_function, shader_name};
 
 use super::Method;
 use crate::glsl::constants::FILE_PREFIX;
