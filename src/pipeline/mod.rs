@@ -14,6 +14,7 @@ mod light_tables;
 mod prepare;
 mod request;
 mod resources;
+pub mod shader_check;
 mod shared_work;
 
 pub use crate::gpu::{DeviceChoice, DeviceInfo, Options, PassTime, chosen_device, devices};

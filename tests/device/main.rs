@@ -24,6 +24,7 @@ mod prefilter;
 mod probe;
 mod reference;
 mod scale;
+mod shader_check;
 mod symmetry;
 mod tables;
 mod tonemap;

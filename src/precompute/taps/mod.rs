@@ -22,6 +22,7 @@ mod table;
 
 pub use chain::Chain;
 pub use fit::AMBIENT;
+pub use lobe::Lobe;
 pub use nodes::{SIDE, parameters_from_node};
 pub use table::{TapTable, dielectric_share};
 
