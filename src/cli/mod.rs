@@ -5,6 +5,7 @@ mod bake;
 mod bake_scores;
 mod cache;
 mod check_bake;
+mod check_shader;
 mod compare;
 mod cost;
 mod devices;
@@ -63,6 +64,7 @@ enum Command {
     #[command(name = COMMAND, hide = true)]
     CompileShaders,
     CheckBake(Box<check_bake::Arguments>),
+    CheckShader(check_shader::Arguments),
     /// List the Vulkan devices.
     Devices,
     List(list::Arguments),
@@ -157,6 +159,7 @@ pub fn main() -> ExitCode {
         Command::Cost(arguments) => cost::execute(&arguments),
         Command::CompileShaders => cost::compile_shaders(),
         Command::CheckBake(arguments) => check_bake::execute(&arguments),
+        Command::CheckShader(arguments) => check_shader::execute(&arguments),
         Command::Devices => devices::execute(),
         Command::List(arguments) => list::execute(&arguments),
         Command::Integrate(arguments) => integrate::execute(&arguments),

@@ -2,6 +2,7 @@
 
 mod bad_input;
 mod check_bake;
+mod check_shader;
 mod cost;
 mod end_to_end;
 mod faults;

@@ -1,0 +1,58 @@
+//! `check-shader` through the binary: limits, exit codes, wrong functions.
+
+use super::bad_input::folder;
+use super::end_to_end::has_device;
+use super::{assert_ends, assert_refusals, ok, splitsum};
+use serde_json::Value;
+
+const TEXTBOOK: &str = "#include \"lib/split_sum.glsl\"\nvec3 specular_radiance(Surface s) {\n    \
+    return prefiltered_radiance(reflect(-s.v, s.n), perceptual_roughness_from_alpha(s.alpha)) * reflectance(s);\n}\n";
+
+#[test]
+fn limits_decide_the_exit_code() {
+    if !has_device() {
+        return;
+    }
+    let dir = folder(&[
+        ("my.glsl", TEXTBOOK),
+        ("nan.glsl", "vec3 f(vec3 n, vec3 v, float r, vec3 f0) { return f0 * uintBitsToFloat(0x7fc00000u); }\n"),
+    ]);
+    let text = ok(dir.path(), &["check-shader", "my.glsl", "--fail-above", "0.01,0.1,90"]);
+    assert!(text.contains("\nVerdict: wrong: direction 60."), "{text}");
+    let output = splitsum(dir.path(), &["check-shader", "my.glsl", "--json", "--fail-above", "0.01,0.1,20"]);
+    assert_ends(&output, 1, &["direction above 20: direction 60.", "at alpha 1, f0 1"]);
+    let found: Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!((&found["passes"], found["rows"].as_array().unwrap().len()), (&Value::Bool(false), 8));
+    assert_ends(&splitsum(dir.path(), &["check-shader", "my.glsl", "--fail-on-wrong"]), 1, &["wrong: direction"]);
+    assert_ends(
+        &splitsum(dir.path(), &["check-shader", "nan.glsl", "--entry", "f"]),
+        2,
+        &["nan.glsl: 64 pixels", "are not finite"],
+    );
+}
+
+#[test]
+fn wrong_functions_are_refused() {
+    let dir = folder(&[
+        ("nothing.glsl", "vec3 f(vec3 n, vec3 v, float r, vec3 f0) {\n    return nothing;\n}\n"),
+        ("my.glsl", TEXTBOOK),
+        ("nothing.wgsl", "fn f(n: vec3f, v: vec3f, r: f32, f0: vec3f) -> vec3f {\n    return nothing;\n}\n"),
+        ("type.wgsl", "fn f(n: vec3f) -> vec3f {\n    return 1.0;\n}\n"),
+        ("short.wgsl", "fn f(n: vec3f) -> vec3f { return n; }\n"),
+    ]);
+    assert_refusals(
+        "commands_of_check_shader_that_are_refused",
+        dir.path(),
+        &[
+            "check-shader",
+            "check-shader no.glsl",
+            "check-shader nothing.glsl",
+            "check-shader nothing.glsl --entry f",
+            "check-shader my.glsl --entry g",
+            "check-shader nothing.wgsl --entry f",
+            "check-shader type.wgsl --entry f",
+            "check-shader short.wgsl",
+            "check-shader my.glsl --fail-above 5",
+        ],
+    );
+}
