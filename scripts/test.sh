@@ -201,6 +201,7 @@ check "doc tests" cargo test --release --locked --features view --quiet --doc
 check scripts/examples.sh sh scripts/examples.sh
 
 check_in_ci scripts/check-clients.sh
+check_in_ci scripts/check-shaders.sh
 check_in_ci scripts/cluster-test.sh local
 # The parts that a driver can change; without arguments it runs all.
 check_in_ci scripts/second-driver.sh golden furnace methods tables
