@@ -45,8 +45,7 @@ Kinds, their columns (any order; [optional]) and what is added (_r _g _b, then _
               diffuse         of albedo 1, with 1 - F(v.h) inside the integral
               lambert         of albedo 1, without: irradiance over pi
   ladder      as shading, and [levels] -> reference, ladder_fresnel, ladder_masking, ladder_view, ladder_levels (the rungs
-              between the integral and the split sum), and the rungs of albedo 1 from the diffuse integral to nine coefficients:
-              diffuse_fresnel_inside, diffuse_reference, diffuse_ladder_truncation, diffuse_ladder_clamp
+              between the integral and the split sum)
   dfg         brdf,alpha,n_dot_v [masking,id] -> f0_scale,f90_scale,albedo,error (the albedo is the sum: a white furnace)
   prefilter   environment,brdf,alpha,rx,ry,rz [weight,masking,id] -> prefiltered (the split sum's first factor)
   irradiance  environment,nx,ny,nz [id] -> irradiance (not divided by pi)

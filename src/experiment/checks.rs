@@ -8,7 +8,6 @@ use super::config::{Config, Placed, Sweep};
 use super::fault::{Faults, Place};
 use super::inputs::Inputs;
 use super::value::Value;
-use crate::ladder::{SPLIT_SUM, ladder_of};
 use crate::pipeline::{BUFFER_BYTES_MAX, image_buffer_bytes};
 use crate::precompute::PrefilterBy;
 use crate::precompute::prefilter::harmonic;
@@ -56,13 +55,12 @@ const LADDER_PIXELS_MIN: u32 = 64;
 
 /// Reports cells whose error [ladder] cannot take apart.
 fn check_ladder(config: &Config, point: &Point, faults: &mut Faults) {
-    let of = ladder_of(point.method(), point.diffuse());
-    let Some(of) = of.filter(|_| config.ladder.is_some() && is_design(point[SCENE].text())) else { return };
+    if !point.method().has_ladder || config.ladder.is_none() || !is_design(point[SCENE].text()) {
+        return;
+    }
     let (diffuse, [width, height]) = (point.diffuse(), point[SIZE].pair());
-    if !diffuse.is_none() && !diffuse.has_ladder {
-        let known: Vec<&str> = DIFFUSE.iter().filter(|other| other.has_ladder).map(|other| other.name).collect();
-        let text =
-            format!("diffuse: [ladder] has no steps for {}; expected none, {}", diffuse.name, known.join(" or "));
+    if !diffuse.is_none() {
+        let text = format!("diffuse: [ladder] has no steps for {}; expected none", diffuse.name);
         faults.add(&config.place_of(DIFFUSE_METHOD, point), text);
     }
     if width * height < LADDER_PIXELS_MIN {
@@ -81,7 +79,7 @@ fn check_ladder(config: &Config, point: &Point, faults: &mut Faults) {
         faults.add(&config.place_of(axis, point), text);
     }
     let alpha = f64::from(point.settings().material.alpha.unwrap_or(1.0));
-    if std::ptr::eq(of, &SPLIT_SUM) && alpha < harmonic::ALPHA_MIN {
+    if alpha < harmonic::ALPHA_MIN {
         let place = config.place_of(ALPHA, point);
         let text =
             format!("alpha: {} is too narrow for [ladder]; expected at least {:.4}", point[ALPHA], harmonic::ALPHA_MIN);

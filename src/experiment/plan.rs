@@ -207,7 +207,7 @@ impl Plan {
 
     /// Returns the samples for the steps of a point's error; only some terms have steps, and only on the scene `design`.
     pub fn ladder_of(&self, point: &Point) -> Option<u32> {
-        let has_steps = ladder::ladder_of(point.method(), point.diffuse()).is_some();
+        let has_steps = point.method().has_ladder;
         self.config.ladder.filter(|_| has_steps && self.inputs.scene(point[SCENE].text()).is_design)
     }
 

@@ -7,8 +7,8 @@
 //! Drawn rungs share their K scrambles. So a step has K estimates δ_ik, and its standard error `se² = Σ_k (δ_ik - δ_i)²
 //! / (K (K - 1))` is far smaller than either rung's.
 
-use super::Ladder;
 use super::game::{Coalition, before, coalitions, shapley, without};
+use super::{STEPS, needs};
 use crate::metrics::Epsilon;
 use glam::DVec3;
 
@@ -48,7 +48,6 @@ pub struct Attribution {
 
 /// Input of [`attributions`].
 pub struct Case<'a> {
-    pub ladder: &'static Ladder,
     pub n_dot_v: &'a [f64],
     /// Returns the radiance of a feasible coalition by pixel.
     pub radiance: &'a dyn Fn(Coalition) -> Vec<DVec3>,
@@ -81,8 +80,8 @@ fn difference(to: &Deviations, from: &Deviations, pixel: usize, scramble: usize)
 
 /// Computes attributions over all pixels, then by band of n·v; bands without pixels or error are omitted.
 pub fn attributions(case: &Case, bands: &[[f64; 2]]) -> Vec<Attribution> {
-    let steps = case.ladder.steps;
-    let (needs, everybody) = (case.ladder.needs(), (1 << steps.len()) - 1);
+    let steps = STEPS;
+    let (needs, everybody) = (needs(), (1 << steps.len()) - 1);
     let reference = (case.radiance)(0);
     let weights: Vec<DVec3> = reference.iter().map(|r| case.epsilon.weight(*r)).collect();
     let all = [[0.0, 1.0]];

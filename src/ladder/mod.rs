@@ -1,27 +1,20 @@
 //! Where the error of image-based lighting comes from: its approximations as players of a game.
 //!
-//! Several approximations lead from the integral of a surface's term to the rendered image: the steps of a [`Ladder`]. Each
-//! feasible *coalition* of steps is an estimator ([`radiance`], [`diffuse`]); in the list's order these are the ladder's rungs. The
+//! Several approximations lead from the specular integral to the rendered image: the [`STEPS`]. Each
+//! feasible *coalition* of steps is an estimator ([`radiance`]); in the list's order these are the ladder's rungs. The
 //! cost of a step depends on the steps made before it, so each has four numbers ([`attribution`]): its covariance share in the
 //! ladder's order, the error that it adds first and removes last, and the mean over all orders, its Shapley value.
 
 pub mod attribution;
-pub mod diffuse;
 pub mod game;
 pub mod radiance;
 
 pub use attribution::{Attribution, StepNumbers};
 
 use crate::metrics::VIEWS;
+use crate::shade::Method;
 use crate::shade::method::{ladder as rungs, split_sum};
-use crate::shade::{Diffuse, Method};
 use game::Coalition;
-
-/// The approximations of one term, in display order.
-#[derive(Debug)]
-pub struct Ladder {
-    pub steps: &'static [Step],
-}
 
 #[derive(Clone, Copy, Debug)]
 pub struct Step {
@@ -45,55 +38,24 @@ pub const STORAGE: usize = 6;
 pub const TABLE: usize = 7;
 
 /// From the specular integral to the split sum. Levels to storage need n = v = r: maps store one direction.
-pub static SPLIT_SUM: Ladder = Ladder {
-    steps: &[
-        // Fresnel's factor leaves the integral: f0 A + B times a mean.
-        Step { rung: Some(&rungs::FRESNEL), ..step("Fresnel", &[]) },
-        // The weight of the prefiltered map, n·l by default, replaces masking-shadowing.
-        Step { rung: Some(&rungs::MASKING), ..step("masking", &[]) },
-        // n = v = r: the lobe about r of a view along it.
-        Step { rung: Some(&rungs::VIEW), ..step("view", &[]) },
-        // A linear blend of two level widths replaces the width.
-        Step { rung: Some(&rungs::LEVELS), ..step("levels", &[VIEW]) },
-        // Linear filtering between texels replaces the direction.
-        Step { rung: Some(&rungs::TEXELS), ..step("texels", &[VIEW]) },
-        // The finite prefilter replaces the integral in each texel.
-        Step { rung: Some(&rungs::SAMPLES), ..step("samples", &[VIEW]) },
-        // The number format of the texels.
-        Step { rung: Some(&rungs::STORAGE), ..step("storage", &[VIEW]) },
-        // The table, as looked up, replaces A and B.
-        Step { rung: Some(&split_sum::METHOD), ..step("table", &[]) },
-    ],
-};
-
-/// From the diffuse integral to nine coefficients. The irradiance map shares the first and the last step.
-pub static SH9: Ladder = Ladder {
-    steps: &[
-        // 1 - (f0 A + B) replaces 1 - F inside the integral.
-        step("Fresnel", &[]),
-        // Degree 2 replaces the whole radiance.
-        step("truncation", &[]),
-        // Negative irradiance becomes 0.
-        step("clamp", &[1]),
-        // The sum over texels replaces the integrals of the coefficients.
-        step("quadrature", &[1]),
-        // The table, as looked up, replaces A and B.
-        step("table", &[0]),
-    ],
-};
-
-/// From the diffuse integral to a map of irradiance.
-pub static IRRADIANCE_MAP: Ladder = Ladder {
-    steps: &[
-        step("Fresnel", &[]),
-        // Linear filtering between texels replaces the normal.
-        step("texels", &[]),
-        // The map as the device makes it.
-        step("samples", &[1]),
-        step("storage", &[1]),
-        step("table", &[0]),
-    ],
-};
+pub static STEPS: &[Step] = &[
+    // Fresnel's factor leaves the integral: f0 A + B times a mean.
+    Step { rung: Some(&rungs::FRESNEL), ..step("Fresnel", &[]) },
+    // The weight of the prefiltered map, n·l by default, replaces masking-shadowing.
+    Step { rung: Some(&rungs::MASKING), ..step("masking", &[]) },
+    // n = v = r: the lobe about r of a view along it.
+    Step { rung: Some(&rungs::VIEW), ..step("view", &[]) },
+    // A linear blend of two level widths replaces the width.
+    Step { rung: Some(&rungs::LEVELS), ..step("levels", &[VIEW]) },
+    // Linear filtering between texels replaces the direction.
+    Step { rung: Some(&rungs::TEXELS), ..step("texels", &[VIEW]) },
+    // The finite prefilter replaces the integral in each texel.
+    Step { rung: Some(&rungs::SAMPLES), ..step("samples", &[VIEW]) },
+    // The number format of the texels.
+    Step { rung: Some(&rungs::STORAGE), ..step("storage", &[VIEW]) },
+    // The table, as looked up, replaces A and B.
+    Step { rung: Some(&split_sum::METHOD), ..step("table", &[]) },
+];
 
 const fn step(name: &'static str, after: &[usize]) -> Step {
     let mut needs = 0;
@@ -105,21 +67,7 @@ const fn step(name: &'static str, after: &[usize]) -> Step {
     Step { name, rung: None, needs }
 }
 
-impl Ladder {
-    pub fn needs(&self) -> Vec<Coalition> {
-        self.steps.iter().map(|step| step.needs).collect()
-    }
-}
-
-/// Returns the ladder of the diffuse term if it has one, else of the specular term.
-pub fn ladder_of(method: &Method, diffuse: &Diffuse) -> Option<&'static Ladder> {
-    of_diffuse(diffuse).or(method.has_ladder.then_some(&SPLIT_SUM))
-}
-
-pub fn of_diffuse(diffuse: &Diffuse) -> Option<&'static Ladder> {
-    match () {
-        () if !diffuse.has_ladder => None,
-        () if diffuse.sh9.is_some() => Some(&SH9),
-        () => Some(&IRRADIANCE_MAP),
-    }
+/// Returns what each step needs.
+pub fn needs() -> Vec<Coalition> {
+    STEPS.iter().map(|step| step.needs).collect()
 }

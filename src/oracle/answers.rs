@@ -11,7 +11,6 @@ use crate::precompute::prefilter::reference::prefilter;
 use crate::precompute::sh9::reference::project_bilinear_bounded;
 use crate::precompute::{PrecomputeSettings, exact_quadrature};
 use crate::shade::Method;
-use crate::shade::diffuse::ladder_clamp::truncated;
 use crate::shade::reference::integrate;
 use crate::shade::twin::Twin;
 use crate::table::csv::{Cell, to_text};
@@ -63,7 +62,7 @@ impl Queries {
             }
             let quadrature = environment.map(|environment| exact_quadrature(&environment.image));
             // The same for all normals.
-            let needs_sh9 = matches!(self.kind, Kind::Ladder | Kind::Sh9);
+            let needs_sh9 = self.kind == Kind::Sh9;
             let sh9 = quadrature.as_ref().filter(|_| needs_sh9).map(project_bilinear_bounded);
             let answered: Vec<Numbers> = members
                 .par_iter()
@@ -109,20 +108,7 @@ fn answer(
                 Twin::Estimator(_) => unreachable!("{} is an integral", method.name),
             };
             let drawn: Vec<Bounded> = rungs().map(rung).collect();
-            let answer = integrate(environment(), surface, tolerance);
-            let pair = dfg(surface.model, surface.masking, surface.n.dot(surface.v), surface.alpha);
-            let weighted = |bounded: Bounded| {
-                let weight = 1.0 - (surface.f0 * pair.f0_scale + pair.f90_scale);
-                Bounded {
-                    value: weight * bounded.value,
-                    error: weight * bounded.error + pair.error * bounded.value.abs(),
-                }
-            };
-            let whole = truncated(sh9.expect("coefficients of the environment"), surface.n);
-            let clamped = Bounded { value: whole.value.max(DVec3::ZERO), ..whole };
-            let outside = [answer.diffuse, whole, clamped].map(weighted);
-            let judged = drawn.iter().copied().chain([answer.diffuse]).collect();
-            (drawn.into_iter().chain([answer.diffuse_transmitted]).chain(outside).collect(), judged)
+            (drawn.clone(), drawn)
         }
         Query::Dfg { model, masking, alpha, n_dot_v } => {
             let pair = dfg(*model, *masking, *n_dot_v, *alpha);

@@ -106,10 +106,7 @@ impl Kind {
     /// Names the results that are colours.
     pub fn colors(self) -> Vec<String> {
         match self {
-            Self::Ladder => {
-                let specular = rungs().map(|method| method.name.replace('-', "_"));
-                specular.chain(DIFFUSE_RUNGS.iter().map(|name| name.to_string())).collect()
-            }
+            Self::Ladder => rungs().map(|method| method.name.replace('-', "_")).collect(),
             _ => self.columns().colors.iter().map(|name| name.to_string()).collect(),
         }
     }
@@ -119,10 +116,6 @@ impl Kind {
 fn rungs() -> impl Iterator<Item = &'static Method> {
     METHODS.iter().filter(|method| method.is_integrated())
 }
-
-/// The diffuse rungs that are integrals, for albedo 1: Fresnel inside, outside, up to degree 2, at least 0.
-const DIFFUSE_RUNGS: [&str; 4] =
-    ["diffuse_fresnel_inside", "diffuse_reference", "diffuse_ladder_truncation", "diffuse_ladder_clamp"];
 
 /// A checked row. `environment` is an index into the table's environments.
 #[derive(Clone, Debug)]

@@ -12,7 +12,6 @@ use crate::pixels::Pixels;
 use crate::precompute::dfg::DfgAxes;
 use crate::precompute::prefilter::pass::Recipe;
 use crate::precompute::prefilter::{self, Kernel, LevelMapping};
-use crate::precompute::sh9::Projection;
 use crate::precompute::taps::{Chain, TapCount, TapTable};
 use crate::precompute::{PrecomputeSettings, PrefilterBy, dfg, filtered, irradiance, mips, sh9};
 use crate::shade::Shading;
@@ -61,8 +60,8 @@ pub(super) fn filtered_key(environment: &Environment, layout: &MapLayout) -> Sha
 }
 
 /// Key of the nine coefficients of the environment's finest level.
-pub(super) fn sh9_key(environment: &Environment, by: Projection) -> SharedKey {
-    let inputs = format!("environment={}\nby={by:?}\n", environment.hash);
+pub(super) fn sh9_key(environment: &Environment) -> SharedKey {
+    let inputs = format!("environment={}\n", environment.hash);
     SharedKey { kind: "sh9", inputs, shaders: sh9::pass::SHADERS.map(str::to_owned).to_vec() }
 }
 

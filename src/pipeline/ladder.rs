@@ -1,4 +1,4 @@
-//! Splits the error of a split sum or of a diffuse term into the steps of its ladder, on the scene `design`.
+//! Splits the error of a split sum into the steps of its ladder, on the scene `design`.
 
 use super::light_tables::{read_level, read_texels};
 use super::resources::harmonics;
@@ -8,16 +8,13 @@ use crate::environment::layout::FilteredMap;
 use crate::glsl::constants::ALPHA_MIN;
 use crate::gpu::{Gpu, Image};
 use crate::ladder::attribution::{Attribution, Case, attributions};
-use crate::ladder::diffuse::{self, Irradiance};
 use crate::ladder::game::Coalition;
 use crate::ladder::radiance::{Radiance, Setting, rounded};
-use crate::ladder::{SPLIT_SUM, ladder_of};
 use crate::math::design;
 use crate::pixels::Pixels;
+use crate::precompute::StorageFormat;
 use crate::precompute::dfg::Albedos;
 use crate::precompute::prefilter::{Kernel, harmonic};
-use crate::precompute::sh9::reference::project_bilinear;
-use crate::precompute::{StorageFormat, exact_quadrature};
 use crate::scene::MaterialOverride;
 use crate::shade::method::ladder::MASKING_ALONE;
 use crate::shade::reference_pass::{ReferenceRun, pair_count};
@@ -36,7 +33,6 @@ impl Pipeline {
         bands: &[[f64; 2]],
     ) -> Result<Vec<Attribution>, PipelineError> {
         assert!(request.scene.is_design, "attributions need the scene `design`");
-        let ladder = ladder_of(request.shading.method, request.shading.diffuse).expect("a term with a ladder");
         let frames = frames(request);
         let n_dot_v: Vec<f64> = frames.iter().map(|[n, v]| n.dot(*v)).collect();
         let material = &request.scene.materials[0];
@@ -44,13 +40,8 @@ impl Pipeline {
         let f0 = rgb(material.f0).lerp(rgb(material.albedo), material.metallic.into());
         let split = |radiance: &dyn Fn(Coalition) -> Vec<DVec3>, scrambles: &dyn Fn(Coalition) -> Vec<Vec<DVec3>>| {
             let (n_dot_v, epsilon) = (&n_dot_v[..], request.epsilon());
-            attributions(&Case { ladder, n_dot_v, radiance, scrambles, epsilon }, bands)
+            attributions(&Case { n_dot_v, radiance, scrambles, epsilon }, bands)
         };
-        if !std::ptr::eq(ladder, &SPLIT_SUM) {
-            let albedo = rgb(material.albedo) * f64::from(1.0 - material.metallic);
-            let radiance = self.diffuse_by_steps(request, &frames, f0, albedo)?;
-            return Ok(split(&|coalition| radiance.of(coalition), &|_| Vec::new()));
-        }
         let request = RenderRequest {
             shading: Shading {
                 diffuse: Diffuse::listed(NONE),
@@ -79,59 +70,6 @@ impl Pipeline {
         let drawn = run.scrambles(&self.gpu, lobe, pair_count(request.reference_samples)?)?;
         let radiance = |image: Vec<[f32; 4]>| image.into_iter().map(|[r, g, b, _]| vector([r, g, b])).collect();
         Ok(drawn.into_iter().map(radiance).collect())
-    }
-
-    fn diffuse_by_steps<'a>(
-        &mut self,
-        request: &RenderRequest,
-        frames: &'a [[DVec3; 2]],
-        f0: DVec3,
-        albedo: DVec3,
-    ) -> Result<diffuse::Radiance<'a>, PipelineError> {
-        let RenderRequest { environment, shading, .. } = request;
-        let Shading { placement, environment_scale, brdf, masking_shadowing, .. } = *shading;
-        let key = format!("{} {placement:?} {:?}", environment.hash, request.size);
-        let make =
-            || Ok::<_, PipelineError>(Arc::new(diffuse::integrals(&exact_quadrature(&environment.image), frames)));
-        let exact = self.resources.integrals.get_or_make(key, make)?;
-        // The DFG table as it is looked up, the map before it is stored.
-        let mut precompute = request.shading.precompute;
-        let is_half = precompute.storage == StorageFormat::F16;
-        let stored = self.prepare(request)?.tables;
-        precompute.storage = StorageFormat::F32;
-        let tables = self.prepare(&request.shaded(|s| s.precompute = precompute))?.tables;
-        let irradiance = if request.shading.diffuse.sh9.is_some() {
-            let summed: Vec<[f32; 4]> = self.gpu.read_buffer(&tables.sh9)?;
-            let summed = std::array::from_fn(|k| vector([summed[k][0], summed[k][1], summed[k][2]]));
-            Irradiance::Sh9(Box::new([project_bilinear(&exact_quadrature(&environment.image)), summed]))
-        } else {
-            let layout = precompute.layout;
-            let harmonics = harmonics(&mut self.resources.tables.harmonics, environment, harmonic::degree(1.0))?;
-            let factors = harmonic::cosine_factors(harmonics.degree());
-            let size = tables.irradiance_map.mip_size(0);
-            let exact = harmonic::texels(&harmonics, &factors, layout, size);
-            let exact = faces(exact.into_iter().map(|[r, g, b, _]| [r, g, b]), size);
-            let made = read_faces(&self.gpu, &tables.irradiance_map, 0)?;
-            Irradiance::Map([exact, made].map(|faces| {
-                let halves = faces.iter().map(|face| if is_half { face.map(rounded) } else { face.clone() }).collect();
-                [faces, halves].map(|faces| FilteredMap { layout, levels: vec![faces] })
-            }))
-        };
-        let albedos = match request.shading.method.is_none() {
-            true => None,
-            false => {
-                let alpha = f64::from(request.scene.materials[0].alpha.max(ALPHA_MIN));
-                let kernel = Kernel::new(brdf, precompute.prefilter_weight, masking_shadowing);
-                let (known, table) = (self.albedos(kernel, request)?, self.dfg_table(&stored.dfg)?);
-                let n_dot_v = || frames.iter().map(|[n, v]| n.dot(*v));
-                Some([
-                    n_dot_v().map(|n_dot_v| known.exact(n_dot_v)).collect(),
-                    n_dot_v().map(|n_dot_v| precompute.dfg_axes.lookup(&table, n_dot_v, alpha)).collect(),
-                ])
-            }
-        };
-        let scale = albedo * f64::from(environment_scale);
-        Ok(diffuse::Radiance { frames, exact, irradiance, albedos, f0, scale })
     }
 
     /// Returns (A, B) at the material's width.

@@ -17,7 +17,6 @@ use crate::math::sequence::{PixelPoints, SEQUENCES, Sequence};
 use crate::precompute::mips::level_count;
 use crate::precompute::points::Points;
 use crate::precompute::prefilter::harmonic;
-use crate::precompute::sh9::{Projection, reference::project_bilinear};
 use crate::precompute::{
     HALF_MAX, PrefilterBy, StorageFormat, dfg, exact_quadrature, filtered, irradiance, mips, prefilter, sh9,
 };
@@ -39,9 +38,9 @@ impl Resources {
         let samples_per_pixel = if request.shading.method.uses_samples { request.shading.samples } else { 1 };
         let storage = request.shading.tables().storage;
 
-        let sh9 = match request.shading.diffuse.sh9 {
-            Some(by) => self.coefficients(maker, &request.environment, &environment, by)?,
-            None => self.blank_buffer.clone(),
+        let sh9 = match request.shading.diffuse.uses_sh9 {
+            true => self.coefficients(maker, &request.environment, &environment)?,
+            false => self.blank_buffer.clone(),
         };
         let layout = request.shading.precompute.layout;
         let filtered = match request.reads_filtered_levels() {
@@ -148,17 +147,10 @@ impl Resources {
         maker: &mut Maker,
         environment: &Environment,
         image: &Image,
-        by: Projection,
     ) -> Result<Buffer, PipelineError> {
         let gpu = maker.gpu;
-        let fill = |coefficients: &Buffer| match by {
-            Projection::Texels => sh9::pass::run(gpu, image, coefficients),
-            Projection::Exact => {
-                let exact = project_bilinear(&exact_quadrature(&environment.image));
-                sh9::pass::upload(gpu, &exact, coefficients)
-            }
-        };
-        maker.table(&mut self.tables.coefficients, &sh9_key(environment, by), || sh9::pass::coefficients(gpu), fill)
+        let fill = |coefficients: &Buffer| sh9::pass::run(gpu, image, coefficients);
+        maker.table(&mut self.tables.coefficients, &sh9_key(environment), || sh9::pass::coefficients(gpu), fill)
     }
 
     fn irradiance_map(

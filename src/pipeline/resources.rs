@@ -8,7 +8,6 @@ use super::shared_work::Levels;
 use crate::environment::Environment;
 use crate::gbuffer::pass::{GbufferImages, SceneData};
 use crate::gpu::{Buffer, Format, Gpu, GpuError, Image, Report};
-use crate::ladder::diffuse::Integrals;
 use crate::ladder::radiance::Radiance;
 use crate::math::harmonics::Harmonics;
 use crate::math::sequence::PixelPoints;
@@ -66,8 +65,6 @@ pub(super) struct Resources {
     pub(super) steps: Recent<String, Arc<Radiance>>,
     /// Independent of the light.
     pub(super) albedos: Recent<String, Arc<Albedos>>,
-    /// Dependent on the light alone.
-    pub(super) integrals: Recent<String, Arc<Vec<Integrals>>>,
     pub(super) scenes: Recent<String, Arc<SceneData>>,
     pub(super) targets: Recent<View, Arc<Target>>,
     pub(super) edges: Recent<View, Arc<Edges>>,
@@ -124,7 +121,6 @@ impl Resources {
             points: Recent::new(16),
             steps: Recent::new(6),
             albedos: Recent::new(32),
-            integrals: Recent::new(4),
             scenes: Recent::new(4),
             targets: Recent::weighed(4, |target: &Arc<Target>| target.bytes()),
             edges: Recent::weighed(16, |edges: &Arc<Edges>| edges.bytes()),

@@ -57,8 +57,6 @@ pub struct Light {
     pub irradiance_map: FilteredMap,
     /// Coefficients of radiance as the device sums them.
     pub sh9: [DVec3; COUNT],
-    /// The same as integrals.
-    pub exact_sh9: [DVec3; COUNT],
 }
 
 /// The points of a sampled method, and the bias of its lookups.

@@ -210,7 +210,6 @@ fn light(gpu: &Gpu, request: &RenderRequest) -> Light {
         four_taps: taps(model, masking, settings, TapCount::Four),
         irradiance_map: read_map(gpu, layout, &map),
         sh9: coefficients(gpu, &image).1,
-        exact_sh9: project_bilinear(&exact_quadrature(&request.environment.image)),
     }
 }
 

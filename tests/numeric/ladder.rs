@@ -9,7 +9,7 @@ use splitsum::environment::layout::{FilteredMap, LAYOUTS};
 use splitsum::ladder::attribution::{Attribution, Case, attributions};
 use splitsum::ladder::game::{Coalition, before, coalitions, is_feasible, shapley, without};
 use splitsum::ladder::radiance::{Radiance, Setting};
-use splitsum::ladder::{FRESNEL, LEVELS, MASKING, SPLIT_SUM, STORAGE, TABLE, VIEW};
+use splitsum::ladder::{FRESNEL, LEVELS, MASKING, STEPS, STORAGE, TABLE, VIEW, needs};
 use splitsum::math::design;
 use splitsum::math::frame::Frame;
 use splitsum::metrics::Epsilon;
@@ -54,13 +54,13 @@ fn by_orders(needs: &[Coalition], value: fn(Coalition) -> f64) -> Vec<f64> {
 
 #[test]
 fn coalitions_contain_the_players_they_need() {
-    let needs = SPLIT_SUM.needs();
+    let needs = needs();
     let all = coalitions(&needs);
     // Three free steps beside n = v = r: 2³; with it four more: 2³ · 2⁴.
     assert_eq!(all.len(), 8 + 128);
-    let rungs = (0..=SPLIT_SUM.steps.len()).map(|count| (1u32 << count) - 1);
+    let rungs = (0..=STEPS.len()).map(|count| (1u32 << count) - 1);
     assert!(rungs.clone().all(|rung| is_feasible(rung, &needs)), "the ladder's order is one of them");
-    for step in 0..SPLIT_SUM.steps.len() {
+    for step in 0..STEPS.len() {
         let (least, most) = (before(step, &needs), without(step, &needs));
         assert!(is_feasible(least | 1 << step, &needs) && is_feasible(most, &needs), "{step}");
         assert!(all.iter().filter(|one| *one >> step & 1 == 1).all(|one| one & least == least), "{step}: least");
@@ -81,7 +81,7 @@ fn shapley_values_are_means_over_all_orders() {
 /// The attribution of these images over all pixels.
 fn drawn(radiance: &dyn Fn(Coalition) -> Vec<DVec3>, scrambles: &dyn Fn(Coalition) -> Vec<Vec<DVec3>>) -> Attribution {
     let (n_dot_v, epsilon) = (&[0.5; PIXELS], Epsilon::of_light(0.0));
-    attributions(&Case { ladder: &SPLIT_SUM, n_dot_v, radiance, scrambles, epsilon }, &[]).remove(0)
+    attributions(&Case { n_dot_v, radiance, scrambles, epsilon }, &[]).remove(0)
 }
 
 #[test]
@@ -143,14 +143,11 @@ fn scrambles(image: &[DVec3]) -> Vec<Vec<DVec3>> {
 /// Attributions of images that are a constant plus the addition of each step to each pixel.
 fn made(added: &dyn Fn(usize, usize) -> f64, bands: &[[f64; 2]]) -> Vec<Attribution> {
     let radiance = |coalition: Coalition| -> Vec<DVec3> {
-        let sum = |pixel| {
-            (0..SPLIT_SUM.steps.len()).filter(|i| coalition >> i & 1 == 1).map(|i| added(i, pixel)).sum::<f64>()
-        };
+        let sum = |pixel| (0..STEPS.len()).filter(|i| coalition >> i & 1 == 1).map(|i| added(i, pixel)).sum::<f64>();
         (0..PIXELS).map(|pixel| DVec3::splat(1.0 + sum(pixel))).collect()
     };
     let n_dot_v: Vec<f64> = (0..PIXELS).map(|i| (i as f64 + 0.5) / PIXELS as f64).collect();
     let case = Case {
-        ladder: &SPLIT_SUM,
         n_dot_v: &n_dot_v,
         radiance: &radiance,
         scrambles: &|coalition| scrambles(&radiance(coalition)),
@@ -163,14 +160,13 @@ fn made(added: &dyn Fn(usize, usize) -> f64, bands: &[[f64; 2]]) -> Vec<Attribut
 fn steps_on_different_pixels_keep_their_error() {
     // Each step changes its own pixels; the last does nothing.
     let size = |step: usize| if step == TABLE { 0.0 } else { 0.01 * (step + 1) as f64 };
-    let [all] = &made(&|step, pixel| if pixel % SPLIT_SUM.steps.len() == step { size(step) } else { 0.0 }, &[])[..]
-    else {
+    let [all] = &made(&|step, pixel| if pixel % STEPS.len() == step { size(step) } else { 0.0 }, &[])[..] else {
         panic!("one band")
     };
-    let whole: f64 = (0..SPLIT_SUM.steps.len()).map(|step| size(step).powi(2)).sum();
+    let whole: f64 = (0..STEPS.len()).map(|step| size(step).powi(2)).sum();
     for (step, found) in all.steps.iter().enumerate() {
         let own = size(step).powi(2);
-        let mean = weight() * own / SPLIT_SUM.steps.len() as f64;
+        let mean = weight() * own / STEPS.len() as f64;
         assert!((found.share - own / whole).abs() < 1e-12, "{step}: share {}", found.share);
         for (name, x) in [("first", found.first_in), ("last", found.last_out), ("shapley", found.shapley)] {
             // Making n = v = r exact also makes the steps exact that need it.
@@ -334,7 +330,7 @@ fn the_view_alone_is_the_lobe_about_r() {
 fn a_white_lobe_has_no_step_of_fresnel() {
     let environment = Environment::from_image("golden", golden_environment());
     let found = radiance(&environment, 0.3, &frames(12), &harmonic_tables());
-    for coalition in coalitions(&SPLIT_SUM.needs()).into_iter().filter(|one| one >> FRESNEL & 1 == 0) {
+    for coalition in coalitions(&needs()).into_iter().filter(|one| one >> FRESNEL & 1 == 0) {
         let [inside, outside] = [coalition, coalition | 1 << FRESNEL].map(|one| found.of(one, DVec3::ONE));
         for (inside, outside) in inside.iter().zip(&outside) {
             assert!(((*inside - *outside) / *outside).abs().max_element() < 1e-9, "{coalition:b}: {inside} {outside}");
@@ -349,7 +345,7 @@ fn constant_light_has_no_step_but_the_table() {
     let (frames, f0) = (frames(16), DVec3::new(0.04, 0.3, 1.0));
     let found = radiance(&environment, 0.3, &frames, &harmonic_tables());
     let exact = found.of(0, f0);
-    for coalition in coalitions(&SPLIT_SUM.needs()) {
+    for coalition in coalitions(&needs()) {
         for (own, right) in found.of(coalition, f0).iter().zip(&exact) {
             assert!(((own - right) / right).abs().max_element() < 2e-5, "{coalition:b}: {own}, not {right}");
         }

@@ -13,7 +13,6 @@ mod experiment;
 mod gltf_files;
 mod harmonics;
 mod ladder;
-mod ladder_diffuse;
 mod ladder_outside;
 mod layering;
 mod library;

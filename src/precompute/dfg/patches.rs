@@ -82,7 +82,7 @@ fn weights(points: &[f64; COUNT], x: f64) -> [f64; COUNT] {
     }
     let term = |i: usize| {
         let end = if i == 0 || i == COUNT - 1 { 0.5 } else { 1.0 };
-        (if i % 2 == 0 { end } else { -end }) / (x - points[i])
+        (if i.is_multiple_of(2) { end } else { -end }) / (x - points[i])
     };
     let sum: f64 = (0..COUNT).map(term).sum();
     std::array::from_fn(|i| term(i) / sum)

@@ -9,12 +9,3 @@
 #[cfg(feature = "gpu")]
 pub mod pass;
 pub mod reference;
-
-/// How the coefficients are made.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Projection {
-    /// By the device's sum over texels.
-    Texels,
-    /// By the integral of the bilinear map, in f64.
-    Exact,
-}

@@ -3,7 +3,6 @@
 use crate::glsl::constants::SH9_COUNT;
 use crate::glsl::layout::{Sh9Params, SharedStruct};
 use crate::gpu::{Bind, Buffer, Gpu, GpuError, Image, Report, Sampler};
-use glam::DVec3;
 
 /// Groups of the first dispatch: enough for a large GPU, few enough that adding their sums takes no time.
 const GROUP_COUNT: u32 = 128;
@@ -13,13 +12,6 @@ pub const SHADERS: [&str; 2] = ["precompute/sh9.comp", "precompute/sh9_reduce.co
 /// Makes a buffer for the coefficients: SH9_COUNT vec4 of radiance, w = 0.
 pub fn coefficients(gpu: &Gpu) -> Result<Buffer, GpuError> {
     gpu.buffer("SH9 coefficients", u64::from(16 * SH9_COUNT))
-}
-
-/// Writes coefficients computed on the host.
-pub fn upload(gpu: &Gpu, radiance: &[DVec3], coefficients: &Buffer) -> Result<Report, GpuError> {
-    let channels = radiance.iter().flat_map(|c| c.extend(0.0).as_vec4().to_array());
-    gpu.write_buffer(coefficients, &channels.flat_map(f32::to_le_bytes).collect::<Vec<u8>>())?;
-    Ok(Report::default())
 }
 
 /// Projects level 0 of `environment` into `coefficients`.

@@ -193,7 +193,7 @@ fn tables(plan: &Plan, point: &Point) -> Vec<Table> {
         (DFG, shading.method.needs_dfg(shading.compensation, shading.diffuse, has_lights)),
         (IRRADIANCE, shading.diffuse.uses_irradiance_map),
         (MIPS, true),
-        (SH9, shading.diffuse.sh9.is_some()),
+        (SH9, shading.diffuse.uses_sh9),
     ];
     let table = |(table, _): (&'static str, bool)| {
         let axes = AXES.iter().zip(&point.0).filter(|(axis, _)| axis.feeds.contains(&table));

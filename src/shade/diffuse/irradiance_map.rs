@@ -5,7 +5,6 @@ use crate::shade::twin::Twin;
 
 pub const DIFFUSE: Diffuse = Diffuse {
     uses_irradiance_map: true,
-    has_ladder: true,
     ..Diffuse::plain(
         "irradiance-map",
         "a small map of numerically integrated irradiance",

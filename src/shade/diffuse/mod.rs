@@ -2,7 +2,6 @@
 
 mod fresnel_inside;
 mod irradiance_map;
-pub mod ladder_clamp;
 mod sh9;
 pub mod sh9_windowed;
 pub mod zh3;
@@ -10,7 +9,6 @@ pub mod zh3;
 use super::reference::integrate;
 use super::twin::{DiffuseTwin, Twin};
 use super::{NONE, REFERENCE};
-use crate::precompute::sh9::Projection;
 use crate::spelling::listed;
 use glam::DVec3;
 
@@ -24,10 +22,8 @@ pub struct Diffuse {
     pub twin: DiffuseTwin,
     /// Whether the size and sample count of the irradiance map change its result.
     pub uses_irradiance_map: bool,
-    /// How the spherical-harmonic coefficients that it reads are made.
-    pub sh9: Option<Projection>,
-    /// Whether its error has a ladder of steps (`crate::ladder`).
-    pub has_ladder: bool,
+    /// Whether it reads spherical-harmonic coefficients.
+    pub uses_sh9: bool,
     /// The integrand if the passes of the reference estimate the term without bias: a file of `shaders/shade/lobe/`.
     pub lobe: Option<&'static str>,
 }
@@ -40,7 +36,6 @@ pub static DIFFUSE: &[Diffuse] = &[
     irradiance_map::DIFFUSE,
     INTEGRATED,
     fresnel_inside::DIFFUSE,
-    ladder_clamp::DIFFUSE,
     Diffuse::plain(NONE, "no diffuse term", Twin::Estimator(|_, _| DVec3::ZERO)),
 ];
 
@@ -57,7 +52,7 @@ const INTEGRATED: Diffuse = Diffuse {
 impl Diffuse {
     /// A method without lookups. Each file sets its flags; every method has a twin.
     const fn plain(name: &'static str, about: &'static str, twin: DiffuseTwin) -> Self {
-        Self { name, about, twin, uses_irradiance_map: false, sh9: None, has_ladder: false, lobe: None }
+        Self { name, about, twin, uses_irradiance_map: false, uses_sh9: false, lobe: None }
     }
 
     /// Whether the passes of the reference estimate it: without bias, with a standard error.

@@ -2,14 +2,12 @@
 
 use super::Diffuse;
 use crate::math::spherical_harmonics::irradiance;
-use crate::precompute::sh9::Projection;
 use crate::shade::twin::Twin;
 use glam::DVec3;
 use std::f64::consts::PI;
 
 pub const DIFFUSE: Diffuse = Diffuse {
-    sh9: Some(Projection::Texels),
-    has_ladder: true,
+    uses_sh9: true,
     ..Diffuse::plain(
         "sh9",
         "nine spherical-harmonic coefficients evaluated per pixel",

@@ -6,13 +6,12 @@
 use super::Diffuse;
 use crate::glsl::constants::SH9_WINDOW;
 use crate::math::spherical_harmonics::{COUNT, DEGREE, irradiance};
-use crate::precompute::sh9::Projection;
 use crate::shade::twin::Twin;
 use glam::DVec3;
 use std::f64::consts::PI;
 
 pub const DIFFUSE: Diffuse = Diffuse {
-    sh9: Some(Projection::Texels),
+    uses_sh9: true,
     ..Diffuse::plain(
         "sh9-windowed",
         "nine spherical-harmonic coefficients under a Hann window of width 6, against ringing",

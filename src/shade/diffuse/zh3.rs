@@ -7,13 +7,12 @@
 use super::Diffuse;
 use crate::glsl::constants::{LUMINANCE_BLUE, LUMINANCE_GREEN, LUMINANCE_RED};
 use crate::math::spherical_harmonics::{COSINE_LOBE, COUNT, basis};
-use crate::precompute::sh9::Projection;
 use crate::shade::twin::Twin;
 use glam::{DMat3, DVec3};
 use std::f64::consts::PI;
 
 pub const DIFFUSE: Diffuse = Diffuse {
-    sh9: Some(Projection::Texels),
+    uses_sh9: true,
     ..Diffuse::plain(
         "zh3",
         "four spherical-harmonic coefficients and a quadratic part guessed from them about the axis of luminance",

@@ -1,4 +1,4 @@
-//! At which step does the error of the split sum, or of a diffuse term, arise?
+//! At which step does the error of the split sum arise?
 //!
 //! The approximations from an integral to the rendered image are steps (`crate::ladder`, docs/estimators.md). The contribution of a step
 //! depends on the steps before it, so it has four numbers: its covariance share in the ladder's order, the `relmse` that it adds first and
@@ -8,16 +8,15 @@
 //! environments disagree about the sign, their range is shown instead.
 
 use super::prelude::*;
-use crate::ladder::{BANDS, of_diffuse};
+use crate::ladder::BANDS;
 use crate::metrics::ALL_VIEWS;
-use crate::shade::{Diffuse, REFERENCE};
-use crate::spelling::Listed;
+use crate::shade::REFERENCE;
 use crate::study::finished::StepRow;
 use crate::table::csv::rounded;
 
 pub const QUESTION: Question = Question {
     name: "ladder",
-    asks: "At which step does the error arise: of the split sum, or of the diffuse term?",
+    asks: "At which step does the error of the split sum arise?",
     columns: &[
         SEEN_FROM,
         SEEN_TO,
@@ -48,7 +47,7 @@ fn lacks(shape: &Shape) -> Option<&'static str> {
     match () {
         () if !shape.has_ladder => Some("the experiment has no section [ladder]"),
         () if !has_ladder(shape) => {
-            Some("axes.method has no split-sum, and axes.diffuse neither sh9 nor irradiance-map: only these have steps")
+            Some("axes.method has no split-sum: only this method has steps")
         }
         () if !shape.values[SCENE].iter().any(|scene| is_design(&scene.to_string())) => {
             Some("no scene is design, where every view sees the whole map; add it beside pictures: design,my.obj")
@@ -61,9 +60,7 @@ fn lacks(shape: &Shape) -> Option<&'static str> {
 }
 
 fn has_ladder(shape: &Shape) -> bool {
-    let has_steps =
-        |value: &Value| Diffuse::by_name(&value.to_string()).is_some_and(|diffuse| of_diffuse(diffuse).is_some());
-    shape.methods().any(|method| method.has_ladder) || shape.values[DIFFUSE_METHOD].iter().any(has_steps)
+    shape.methods().any(|method| method.has_ladder)
 }
 
 /// Significant digits, as in `steps.csv`.
@@ -123,11 +120,6 @@ impl<'r, 'f> Group<'r, 'f> {
     /// Whether environments are enough for an interval.
     fn is_pooled(&self, step: &str) -> bool {
         self.share(step).is_some_and(|share| share.interval.is_some())
-    }
-
-    fn subject(&self) -> &'static str {
-        let diffuse = Diffuse::by_name(&self.own[0].row.text(DIFFUSE_METHOD));
-        if diffuse.is_some_and(|diffuse| of_diffuse(diffuse).is_some()) { "diffuse term" } else { "split sum" }
     }
 
     fn place(&self) -> String {
@@ -204,8 +196,7 @@ fn answer(frame: &Frame) -> Option<Finding> {
 }
 
 fn sentence(frame: &Frame, groups: &[Group], steps: &[&str], resolved: &[Resolved]) -> Option<String> {
-    let subject = groups.first()?.subject();
-    let at = |seen: [f64; 2]| groups.iter().filter(move |group| group.seen == seen && group.subject() == subject);
+    let at = |seen: [f64; 2]| groups.iter().filter(move |group| group.seen == seen);
     let total = |step: &str| at(ALL_VIEWS).map(|group| group.mean(step)).sum::<f64>();
     let lead = *steps.iter().max_by(|a, b| total(a).total_cmp(&total(b)))?;
     let ends = |seen: [f64; 2], step: &str| {
@@ -217,7 +208,7 @@ fn sentence(frame: &Frame, groups: &[Group], steps: &[&str], resolved: &[Resolve
     let share = if least == most { least } else { format!("{least} to {most}") };
     let at_least = if at(ALL_VIEWS).count() > 1 { ", least at " } else { " at " };
     let mut text = format!(
-        "**The {} causes {share}** of the {subject}'s `relmse` on scene `design`{at_least}{}.",
+        "**The {} causes {share}** of the split sum's `relmse` on scene `design`{at_least}{}.",
         says(lead),
         place.place()
     );
@@ -329,10 +320,7 @@ fn figure(groups: &[Group], steps: &[&str]) -> Option<Figure> {
         false => ["", ""],
     };
     Chart {
-        title: match groups.first()?.subject() {
-            "split sum" => "Where the split sum's error comes from",
-            _ => "Where the error of the diffuse term comes from",
-        },
+        title: "Where the split sum's error comes from",
         note: "share of relmse by step".to_owned() + pooled + "; left of 0 a step cancels error" + whiskers,
         x: Along::Linear("share of the error"),
         y: Along::Steps("", widths.iter().map(heading).collect()),
