@@ -37,6 +37,8 @@ const ALL_FACES: u32 = 0xfc00;
 const TEXTURE_2D: u32 = 3;
 const CUBE_DX10: u32 = 0x4;
 const OPAQUE: u32 = 3;
+/// `D3DFORMAT` and DXGI code of the formats that need no second header.
+const OLD: [(u32, u32); 4] = [(112, 34), (113, 10), (115, 16), (116, 2)];
 
 pub fn read(bytes: &[u8]) -> Result<Texture, Fault> {
     let whole = || Fault::new("has no complete DDS header", "a DDS file");
@@ -65,7 +67,7 @@ pub fn read(bytes: &[u8]) -> Result<Texture, Fault> {
         levels: if flags & HAS_MIPS == 0 { 1 } else { levels.max(1) },
     };
     let faces = claim.check()?;
-    let format = if is_dx10 { Some(header[WORDS]) } else { dxgi(fourcc) };
+    let format = if is_dx10 { Some(header[WORDS]) } else { OLD.iter().find(|old| old.0 == fourcc).map(|old| old.1) };
     let texel = TEXELS.iter().find(|texel| texel.dxgi.is_some() && texel.dxgi == format).ok_or_else(|| {
         let found = if is_dx10 { format!("DXGI format {}", header[WORDS]) } else { format!("code {fourcc:#010x}") };
         Fault::new(format!("its pixel format is {found}"), format!("one of {}", Texel::names().join(", ")))
@@ -91,25 +93,19 @@ pub fn write(encoding: &Encoding) -> Vec<u8> {
     let with = |bits: u32, is_set: bool| if is_set { bits } else { 0 };
     let flags = HAS_REQUIRED | HAS_PITCH | with(HAS_MIPS, has_mips);
     let size = [first.height, first.width, first.width * texel.bytes as u32, 0, count];
-    let format = [FORMAT_BYTES, HAS_FOURCC | IS_RGB, DX10, 8 * texel.bytes as u32, 0, 0, 0, 0];
     let caps = TEXTURE | with(COMPLEX, is_cube || has_mips) | with(MIPMAP, has_mips);
     let caps = [caps, with(CUBE | ALL_FACES, is_cube), 0, 0, 0];
     let code = texel.dxgi.expect("a format with a code");
     // Six faces are one array element here.
     let dx10 = [code, TEXTURE_2D, with(CUBE_DX10, is_cube), 1, OPAQUE];
-    let words = [&[MAGIC, HEADER_BYTES, flags][..], &size, &[0; 11], &format, &caps, &dx10].concat();
+    // Some engines do not read the second header.
+    let (format, dx10) = match OLD.iter().find(|old| old.1 == code) {
+        Some((fourcc, _)) => ([HAS_FOURCC, *fourcc, 0], &[][..]),
+        None => ([HAS_FOURCC | IS_RGB, DX10, 8 * texel.bytes as u32], &dx10[..]),
+    };
+    let words =
+        [&[MAGIC, HEADER_BYTES, flags][..], &size, &[0; 11], &[FORMAT_BYTES], &format, &[0; 4], &caps, dx10].concat();
     let mut file: Vec<u8> = words.iter().flat_map(|word| word.to_le_bytes()).collect();
     file.extend((0..faces).flat_map(|face| levels.iter().flat_map(move |level| texel.bytes_of(&level[face]))));
     file
-}
-
-/// Maps a `D3DFORMAT` of files without the second header.
-fn dxgi(fourcc: u32) -> Option<u32> {
-    match fourcc {
-        112 => Some(34), // G16R16F
-        113 => Some(10), // A16B16G16R16F
-        115 => Some(16), // G32R32F
-        116 => Some(2),  // A32B32G32R32F
-        _ => None,
-    }
 }
