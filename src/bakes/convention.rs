@@ -1,6 +1,6 @@
 //! Meaning of a bake's numbers as data: conventions by name, and presets of known tools.
 
-use super::product::Product;
+use super::product::{LAST_SIDE, Product, SIDE};
 use crate::brdf::MaskingShadowing;
 use crate::precompute::prefilter::{LevelMapping, WEIGHTS, Weight};
 use crate::spelling::{Listed, listed};
@@ -236,6 +236,12 @@ impl Preset {
     /// Returns the output of `splitsum bake --for`. Panics without [`Self::has_product`].
     pub fn product(&self) -> &Product {
         self.product.as_ref().expect("the preset has files")
+    }
+
+    /// Returns the default side of a face, texels: the last level that the engine reads has [`LAST_SIDE`].
+    pub fn side(&self) -> u32 {
+        let count = self.product().level_count.or(self.convention().mapping.engine_levels);
+        count.map_or(SIDE, |count| SIDE.max(LAST_SIDE << (count - 1)))
     }
 
     pub fn convention(&self) -> Convention {

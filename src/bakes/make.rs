@@ -359,9 +359,10 @@ fn keys(manifest: &Manifest, radiance: &crate::precompute::sh9::reference::Sh9) 
     common.into_iter().chain(own).chain([("sh".to_owned(), lines)]).collect()
 }
 
-/// Scores the last level at four points per texel.
+/// Scores the last level that the engine reads at four points per texel.
 fn between(making: &Making, truth: &Truth, convention: &Convention, alpha: f64, map: &Map) -> (f64, Option<String>) {
-    let faces = &map.levels[map.levels.len() - 1];
+    let count = map.levels.len();
+    let faces = &map.levels[count.min(convention.mapping_levels(count) as usize) - 1];
     let relmse = level::between_texels(truth, map.layout, faces, convention, alpha);
     let why = (relmse > GOOD && faces[0].width < LAST_SIDE).then(|| match making.preset.product().level_count {
         Some(count) => {

@@ -39,7 +39,7 @@ pub struct Product {
 }
 
 /// Default side of a face, texels.
-const SIDE: u32 = 256;
+pub(super) const SIDE: u32 = 256;
 /// Side of the last level, texels. Fewer are too few for lookups at alpha 1; more leave too few levels below alpha 0.2
 /// (docs/bakes.md).
 pub const LAST_SIDE: u32 = 8;
@@ -98,11 +98,6 @@ impl Product {
             (1..=1024, None | Some(2..=16)) => Ok(()),
             _ => Err("last_side, level_count: expected a side from 1 to 1024 and 2 to 16 levels".to_owned()),
         }
-    }
-
-    /// Returns the default side of a face, texels: the last of the engine's levels has [`LAST_SIDE`].
-    pub fn side(&self) -> u32 {
-        self.level_count.map_or(SIDE, |count| SIDE.max(LAST_SIDE << (count - 1)))
     }
 
     /// Returns the default number of levels for faces of `side` texels.

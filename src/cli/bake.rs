@@ -114,7 +114,7 @@ fn execute_for(
             Err(Failure::input(format!("--set {}={width}x{height}: faces are square", AXES[axis].name)))
         }
     };
-    let side = square(PREFILTER_SIZE, product.side())?;
+    let side = square(PREFILTER_SIZE, preset.side())?;
     let making = Making {
         brdf: settings.shading.brdf,
         masking: value(MASKING).map_or(convention.masking, |_| settings.shading.masking_shadowing),

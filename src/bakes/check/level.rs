@@ -29,7 +29,7 @@ pub struct LevelScore {
     pub size: [u32; 2],
     pub alpha: f64,
     pub errors: Errors,
-    /// relMSE of lookups between texels; `None` for a mirror level and for irradiance.
+    /// relMSE of lookups between texels; `None` for a mirror level, a level that the engine does not read and irradiance.
     pub between: Option<f64>,
     pub worst: Worst,
     /// Set if the level is not [`GOOD`].
@@ -44,7 +44,8 @@ pub fn score(truth: &Truth, map: &Map, convention: &Convention) -> Result<Vec<Le
     // The same map cut at 1, if a level needs an explanation.
     let cut = LazyCell::new(|| truth.environment.clipped(1.0));
     let of_cut = LazyCell::new(|| Truth::new(&cut, truth.kernel, &alphas));
-    let of = |(faces, &alpha): (&Vec<RgbImage>, &f64)| {
+    let read = convention.mapping_levels(map.levels.len()) as usize;
+    let of = |(k, (faces, &alpha)): (usize, (&Vec<RgbImage>, &f64))| {
         let (directions, found) = level_texels(map, faces, convention.axes, convention.scale);
         let exact = exact(truth, &directions, alpha);
         let (errors, worst) = errors_and_worst(truth, &directions, &found, &exact);
@@ -55,7 +56,8 @@ pub fn score(truth: &Truth, map: &Map, convention: &Convention) -> Result<Vec<Le
         let slip = is_wrong.then(|| level(&of_cut).slip()).flatten();
         // A slip must explain clearly more than width and gain do.
         let slip = slip.filter(|slip| fit.is_none_or(|fit| slip.left < 0.5 * fit.left));
-        let between = has_width(alpha).then(|| between_texels(truth, map.layout, faces, convention, alpha));
+        let is_read = k < read && has_width(alpha);
+        let between = is_read.then(|| between_texels(truth, map.layout, faces, convention, alpha));
         let verdict = match &slip {
             Some(slip) => slip.words.clone(),
             None => verdict(errors, fit, alpha, |alpha| level_of(convention, &alphas, alpha)),
@@ -67,7 +69,7 @@ pub fn score(truth: &Truth, map: &Map, convention: &Convention) -> Result<Vec<Le
         }
         score
     };
-    Ok(map.levels.iter().zip(&alphas).map(of).collect())
+    Ok(map.levels.iter().zip(&alphas).enumerate().map(of).collect())
 }
 
 /// Returns relMSE at four points per texel, looked up as a GPU does: linear, across the edges of faces.

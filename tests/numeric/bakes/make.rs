@@ -37,13 +37,21 @@ const LOOKUPS: &[Lookup] = &[
     ("bevy", |d| DVec3::new(d.x, d.y, -d.z)),
     // `ImageBasedLightingStageFS.glsl`: y is up in the frame of the lookup.
     ("cesium", |d| d),
+    // `WebGLMaterials.js`: x of cubes that are not rendered is negated.
+    ("three", |d| DVec3::new(-d.x, d.y, d.z)),
+    // `pbrBlockReflection`: z is negated in a right-handed scene.
+    ("babylon", |d| DVec3::new(d.x, d.y, -d.z)),
+    // A shader gives its samplerCube a direction of the world.
+    ("godot", |d| d),
+    // `reflectionCube.js`: x is negated.
+    ("playcanvas", |d| DVec3::new(-d.x, d.y, d.z)),
     // The world is left-handed.
     ("unity", |d| DVec3::new(-d.x, d.y, d.z)),
 ];
 
 pub fn making<'a>(engine: &str, environment: &'a Environment) -> Making<'a> {
     let preset = Preset::listed(engine);
-    let level_count = preset.product().level_count.unwrap_or(4);
+    let level_count = preset.convention().mapping.engine_levels.unwrap_or(4);
     Making { irradiance_side: 16, table_side: 8, level_count, ..Making::new(preset, environment, 64) }
 }
 
@@ -106,6 +114,10 @@ fn taps_are_for_the_levels_of_the_engine() {
     for (engine, mapping, level_count, code) in [
         ("bevy", "linear", 4, "taps.wgsl"),
         ("filament", "quadratic", 4, "taps.glsl"),
+        ("three", "quadratic", 4, "taps.glsl"),
+        ("babylon", "linear", 4, "taps.glsl"),
+        ("godot", "unity", 7, "taps.glsl"),
+        ("playcanvas", "linear", 4, "taps.glsl"),
         ("unity", "unity", 7, "taps.hlsl"),
     ] {
         let dir = tempfile::tempdir().unwrap();
@@ -168,6 +180,24 @@ fn given_tables_are_turned_to_our_axes() {
     }
     assert!(given::table("file:bevy", dir.path()).unwrap_err().contains("has no DFG table"));
     assert!(given::map(given::OWN, dir.path()).unwrap().is_none());
+}
+
+/// Godot loads complete chains only. The levels behind the last one that its shader reads are exact, but too coarse for lookups.
+#[test]
+fn levels_that_an_engine_does_not_read_are_not_judged_between_texels() {
+    use splitsum::bakes::check::{Truth, level};
+    let preset = Preset::listed("godot");
+    assert_eq!((preset.side(), preset.product().levels(preset.side())), (512, 10));
+    let light = marked_light();
+    let folder = tempfile::tempdir().unwrap();
+    let baked = make(&Making { side: 128, level_count: 8, ..making("godot", &light) }, folder.path()).unwrap();
+    let bake = read(&[folder.path().display().to_string()], Reading { layout: None, brdf: "ggx" }).unwrap();
+    let convention = preset.convention();
+    let alphas = convention.alphas(8).unwrap();
+    let truth = Truth::new(&light, Kernel::cosine(&Ggx), &alphas);
+    let scores = level::score(&truth, bake.specular.as_ref().unwrap(), &convention).unwrap();
+    assert_eq!(scores[6].between, Some(baked.last_between.0));
+    assert!(scores[7].between.is_none() && scores[7].alpha == 1.0 && scores[7].errors.relmse < GOOD);
 }
 
 #[test]
@@ -310,7 +340,7 @@ fn the_last_level_has_enough_texels_for_lookups() {
     assert!(side == 4 && relmse > GOOD && why.is_some(), "{side}, {relmse}");
     let (_, (_, why)) = last("unity", None);
     assert!(why.is_some_and(|why| why.contains("7 levels; use faces of 512")));
-    assert_eq!(["unity", "khronos"].map(|engine| Preset::listed(engine).product().side()), [512, 256]);
+    assert_eq!(["unity", "khronos"].map(|engine| Preset::listed(engine).side()), [512, 256]);
 }
 
 /// A user's preset overrides what it names; a wrong name, field or number is refused by its name.
