@@ -1,7 +1,8 @@
 #!/bin/sh
-# Checks the files of `splitsum bake --for` in other programs: ktx-parse and three.js from npm, in a temporary folder, and
-# Chromium. Needs node, npm, a network for npm, and chromium. Takes 10 s after the build. scripts/test.sh runs it if CI
-# is set.
+# Checks the files of `splitsum bake --for` in other programs: ktx-parse, three.js, Babylon.js and PlayCanvas from npm, in a
+# temporary folder, and Chromium. Each engine also draws a metal with the lines to paste (scripts/peers/spheres.js). Needs node,
+# npm, a network for npm, chromium, and a Vulkan device for the pictures to compare with. Takes 42 s of CPU time.
+# scripts/test.sh runs it if CI is set.
 #
 #     sh scripts/check-clients.sh [--bevy]
 #
@@ -36,10 +37,29 @@ for (let y = 0; y < h; y++) for (let x = 0; x < w; x++) {
 }
 writeFileSync('marker.hdr', Buffer.concat([Buffer.from(`#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y ${h} +X ${w}\n`), bytes]));
 JS
-for engine in bevy khronos cesium filament raw; do
-    "$program" bake marker.hdr --for $engine --set prefilter_size=64x64 --set dfg_size=8 --out $engine > /dev/null
+npm install --silent --no-audit --no-fund --prefix . ktx-parse@2.0.0 three@0.187.0 @babylonjs/core@9.35.0 playcanvas@2.23.3 \
+    esbuild@0.28.0 > npm.log 2>&1 &
+npm=$!
+(
+    for engine in bevy khronos cesium; do
+        "$program" bake marker.hdr --for $engine --set prefilter_size=64x64 --set dfg_size=8 --out $engine > /dev/null
+    done
+    "$program" bake marker.hdr --for khronos --format rgb9e5 --set prefilter_size=64x64 --set dfg_size=8 --out packed > /dev/null
+) &
+bakes=$!
+for engine in three babylon playcanvas; do
+    "$program" bake marker.hdr --for $engine --set prefilter_size=64x64 --out $engine > /dev/null
 done
-"$program" bake marker.hdr --for khronos --format rgb9e5 --set prefilter_size=64x64 --set dfg_size=8 --out packed > /dev/null
+# The metal of spheres.js by `render`, with its own tables.
+for mapping in linear quadratic; do
+    for roughness in 0.3 0.6; do
+        "$program" render --environment marker.hdr --method split-sum-two --diffuse none --masking correlated --level-mapping $mapping \
+            --prefilter-size 64x64 --prefilter-level-count 4 --metallic 1 --albedo 1,0.5,0.2 --perceptual-roughness $roughness \
+            --camera perspective --size 128x128 --out $mapping-$roughness.exr > /dev/null
+    done
+done
+wait $bakes
+wait $npm || { cat npm.log; echo "FAILED: npm"; exit 1; }
 
 # KTX-Software's own validator, if it is installed. Our keys give warnings (7010), not errors.
 if command -v ktx > ktx.log; then
@@ -47,7 +67,6 @@ if command -v ktx > ktx.log; then
     if grep FAILED ktx.log; then cat ktx.log; exit 1; fi
     echo "PASSED ktx validate: $(find . -name '*.ktx2' | wc -l) files"
 fi
-npm install --silent --no-audit --no-fund --prefix . ktx-parse@2.0.0 three@0.187.0 esbuild@0.28.0 > npm.log 2>&1 || { cat npm.log; echo "FAILED: npm"; exit 1; }
 
 cat > structure.mjs <<'JS'
 import { readFileSync } from 'node:fs';
@@ -55,7 +74,7 @@ import { read } from 'ktx-parse';
 let failed = 0;
 const check = (name, ok, what) => { if (!ok) { failed = 1; console.log(`FAILED ktx-parse: ${name}: ${what}`); } };
 const files = { 'bevy/specular.ktx2': [123, 6, 4, 2], 'bevy/diffuse.ktx2': [123, 6, 1, 2], 'khronos/specular.ktx2': [97, 6, 4, 0],
-                'cesium/specular.ktx2': [97, 6, 4, 0], 'raw/dfg.ktx2': [83, 1, 1, 0] };
+                'cesium/specular.ktx2': [97, 6, 4, 0], 'three/specular.ktx2': [97, 6, 4, 0], 'playcanvas/dfg.ktx2': [83, 1, 1, 0] };
 for (const [name, [format, faces, levels, packed]] of Object.entries(files)) {
     const file = read(readFileSync(name));
     check(name, file.vkFormat === format && file.faceCount === faces && file.levelCount === levels && file.supercompressionScheme === packed,
@@ -68,14 +87,16 @@ for (const [name, [format, faces, levels, packed]] of Object.entries(files)) {
     check(name, file.dataFormatDescriptor[0].bytesPlane[0] === bytes && /^splitsum /.test(file.keyValue.KTXwriter), 'descriptor or writer');
     check(name, file.keyValue['splitsum.source_hash'].length >= 64, 'source_hash');
 }
-console.log(failed ? 'FAILED ktx-parse' : 'PASSED ktx-parse: 5 files');
+console.log(failed ? 'FAILED ktx-parse' : 'PASSED ktx-parse: 6 files');
 process.exit(failed);
 JS
 node structure.mjs
 
-# three.js renders with each cube, one pixel a direction, through ktx-parse and its own zstd: its KTX2Loader has no float cubes (r187).
+# three.js renders with each cube, one pixel a direction, through ktx-parse and its own zstd. Then each engine draws its spheres.
+cp "$root/scripts/peers/spheres.js" .
 cat > page.js <<'JS'
 import * as THREE from 'three';
+import { spheres } from './spheres.js';
 import { read } from 'ktx-parse';
 import { ZSTDDecoder } from 'three/examples/jsm/libs/zstddec.module.js';
 const said = [];
@@ -120,7 +141,7 @@ const colors = [[[1, 0, 0], [8, 1, 1]], [[-1, 0, 0], [1, 8, 8]], [[0, 1, 0], [1,
 // Where the shader of each engine looks a direction of the world up.
 const lookups = { bevy: ([x, y, z]) => [x, y, -z], khronos: ([x, y, z]) => [z, y, -x], cesium: (d) => d, packed: ([x, y, z]) => [z, y, -x] };
 for (const [engine, lookup] of Object.entries(lookups)) {
-    const bytes = Uint8Array.from(atob(FILES[engine]), (c) => c.charCodeAt(0));
+    const bytes = Uint8Array.from(atob(FILES[`${engine}/specular.ktx2`]), (c) => c.charCodeAt(0));
     try {
         const cube = cubeOf(bytes);
         for (const [d, color] of colors) {
@@ -130,22 +151,26 @@ for (const [engine, lookup] of Object.entries(lookups)) {
         }
     } catch (error) { said.push(`FAILED three.js: ${engine}: ${error.message ?? error}`); }
 }
-document.title = 'done';
-document.body.textContent = said.length ? said.join('\n') : 'PASSED three.js: 7 directions of 4 cubes';
+if (!said.length) said.push('PASSED three.js: 7 directions of 4 cubes');
+await spheres((line) => said.push(line));
+document.body.textContent = [...said, 'DONE'].join('\n');
 JS
 node --input-type=module - <<'JS'
 import { build } from 'esbuild';
-import { readFileSync, writeFileSync } from 'node:fs';
-const files = ['bevy', 'khronos', 'cesium', 'packed'].map((e) => [e, readFileSync(`${e}/specular.ktx2`).toString('base64')]);
+import { readdirSync, readFileSync, writeFileSync } from 'node:fs';
+const names = ['bevy', 'khronos', 'cesium', 'packed'].map((engine) => `${engine}/specular.ktx2`);
+for (const engine of ['three', 'babylon', 'playcanvas']) names.push(...readdirSync(engine).map((name) => `${engine}/${name}`));
+names.push(...readdirSync('.').filter((name) => name.endsWith('.exr')));
+const files = names.map((name) => [name, readFileSync(name).toString('base64')]);
 const out = await build({ entryPoints: ['page.js'], bundle: true, format: 'esm', write: false, logLevel: 'error' });
 const text = out.outputFiles[0].text.replaceAll('</script', '<\\/script');
 writeFileSync('page.html', `<!doctype html><meta charset=utf-8><body><script>window.FILES = ${JSON.stringify(Object.fromEntries(files))}</script>` +
     `<script type=module>${text}</script>`);
 JS
 chromium --headless --no-sandbox --use-gl=angle --use-angle=swiftshader --enable-unsafe-swiftshader --virtual-time-budget=60000 \
-    --user-data-dir="$work/profile" --dump-dom "file://$work/page.html" 2> chromium.log | sed -n 's/<[^>]*>//g; /PASSED\|FAILED/p' | grep -o '\(PASSED\|FAILED\).*' > three.log || true
-cat three.log
-grep -q '^PASSED three.js' three.log || { tail -5 chromium.log; echo "FAILED three.js"; exit 1; }
+    --user-data-dir="$work/profile" --dump-dom "file://$work/page.html" 2> chromium.log | sed 's/<[^>]*>//g' | grep '^\(PASSED\|FAILED\|DONE$\)' > browser.log || true
+grep -v DONE browser.log || true
+if ! grep -q DONE browser.log || grep -q FAILED browser.log; then tail -5 chromium.log; echo "FAILED in the browser"; exit 1; fi
 [ $# -gt 0 ] || exit 0
 
 # Bevy, built without zstd, gets the same texels unpacked. Its DFG factors are a polynomial of n.v and r (Karis 2014, the fit for
@@ -165,7 +190,7 @@ for (const name of ['bevy/specular', 'bevy/diffuse', 'half/specular']) {
     for (const level of file.levels) level.levelData = zstd.decode(level.levelData, level.uncompressedByteLength);
     writeFileSync(`${name}-plain.ktx2`, write({ ...file, supercompressionScheme: 0, keyValue: {} }));
 }
-const table = read(new Uint8Array(readFileSync('raw/dfg.ktx2')));
+const table = read(new Uint8Array(readFileSync('playcanvas/dfg.ktx2')));
 const side = 128;
 const texels = new Uint16Array(2 * side * side);
 for (let i = 0; i < side * side; i++) {
