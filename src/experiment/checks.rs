@@ -12,7 +12,6 @@ use crate::pipeline::{BUFFER_BYTES_MAX, image_buffer_bytes};
 use crate::precompute::PrefilterBy;
 use crate::precompute::prefilter::harmonic;
 use crate::scene::is_design;
-use crate::shade::DIFFUSE;
 use crate::shade::reference_pass::pair_count;
 use crate::spelling::{Listed, expected, suggestion};
 

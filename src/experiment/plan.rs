@@ -8,7 +8,6 @@ use super::inputs::Inputs;
 use super::sweeps::COMBINATIONS_MAX;
 use super::value::Value;
 use crate::environment::LoadOptions;
-use crate::ladder;
 use crate::pipeline::{BUFFER_BYTES_EVERYWHERE, RenderRequest, image_buffer_bytes};
 use crate::spelling::Listed;
 use crate::spelling::short_number;

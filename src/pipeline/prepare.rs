@@ -17,9 +17,7 @@ use crate::math::sequence::{PixelPoints, SEQUENCES, Sequence};
 use crate::precompute::mips::level_count;
 use crate::precompute::points::Points;
 use crate::precompute::prefilter::harmonic;
-use crate::precompute::{
-    HALF_MAX, PrefilterBy, StorageFormat, dfg, exact_quadrature, filtered, irradiance, mips, prefilter, sh9,
-};
+use crate::precompute::{HALF_MAX, PrefilterBy, StorageFormat, dfg, filtered, irradiance, mips, prefilter, sh9};
 use crate::shade::pass::{Tables, light_data};
 use crate::shade::reference_pass::{DistributionBuffers, Sums, pair_count};
 use std::sync::Arc;
