@@ -1,8 +1,8 @@
 //! Checks of values together: combinations, sizes, lights in their scenes, exclusions.
 
 use super::axis::{
-    ALBEDO, ALPHA, AXES, COMPENSATION, DFG_TABLE, DIFFUSE_METHOD, METALLIC, METHOD, Named, PREFILTER_BY,
-    PREFILTER_SIZE, PREFILTERED, Point, SAMPLES, SCENE, SIZE, index_of,
+    ALBEDO, ALPHA, AXES, COMPENSATION, DFG_TABLE, METALLIC, METHOD, Named, PREFILTER_BY, PREFILTER_SIZE, PREFILTERED,
+    Point, SAMPLES, SCENE, SIZE, index_of,
 };
 use super::config::{Config, Placed, Sweep};
 use super::fault::{Faults, Place};
@@ -57,11 +57,7 @@ fn check_ladder(config: &Config, point: &Point, faults: &mut Faults) {
     if !point.method().has_ladder || config.ladder.is_none() || !is_design(point[SCENE].text()) {
         return;
     }
-    let (diffuse, [width, height]) = (point.diffuse(), point[SIZE].pair());
-    if !diffuse.is_none() {
-        let text = format!("diffuse: [ladder] has no steps for {}; expected none", diffuse.name);
-        faults.add(&config.place_of(DIFFUSE_METHOD, point), text);
-    }
+    let [width, height] = point[SIZE].pair();
     if width * height < LADDER_PIXELS_MIN {
         let text = format!(
             "size: {width}x{height} has {} pixels; [ladder] needs at least {LADDER_PIXELS_MIN}",

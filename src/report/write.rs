@@ -29,10 +29,10 @@ const INKED: [&str; 10] = [
     "sampled-unfiltered",
 ];
 
-/// The colour of the method whose title a series begins with.
+/// The colour of the method whose title a series begins with, or whose name it is.
 fn ink(series: &str) -> Option<usize> {
     let title = |name: &str| Method::listed(name).title;
-    let found = INKED.iter().filter(|name| series.starts_with(title(name)));
+    let found = INKED.iter().filter(|name| series.starts_with(title(name)) || series == **name);
     let method = found.max_by_key(|name| title(name).len())?;
     INKED.iter().position(|name| name == method)
 }

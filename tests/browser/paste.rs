@@ -105,7 +105,7 @@ fn pasted_lines_draw_a_sphere_as_render_does() {
                 s.masking_shadowing = MaskingShadowing::Correlated;
                 s.precompute.dfg_axes = DfgAxes::Centres;
                 s.precompute.layout = MapLayout::listed("cube");
-                s.precompute.prefilter_size = [128, 128];
+                s.precompute.prefilter_size = [64, 64];
             });
             let truth = pipeline.render(&request).unwrap();
             let tables = pipeline.light_tables(&request, 1, kind.as_slice()).unwrap();

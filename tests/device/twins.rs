@@ -22,7 +22,6 @@ use splitsum::precompute::dfg::{Albedos, DfgAxes};
 use splitsum::precompute::points::Points;
 use splitsum::precompute::prefilter::pass::Recipe;
 use splitsum::precompute::prefilter::{Kernel, LEVEL_MAPPINGS, WEIGHTS, harmonic, reference::estimate};
-use splitsum::precompute::sh9::reference::project_bilinear;
 use splitsum::precompute::taps::{Chain, TapCount, TapTable};
 use splitsum::precompute::{PrecomputeSettings, PrefilterBy, exact_quadrature, irradiance, prefilter};
 use splitsum::scene::{CameraKind, MaterialOverride};

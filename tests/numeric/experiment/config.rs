@@ -111,7 +111,6 @@ fn every_fault_is_reported_with_its_place() {
         ("levels of small maps", format!("name = \"x\"\n{DEEP}prefilter_level_count = [2, 5]\n"), &[]),
         ("square faces", format!("name = \"x\"\n{DEEP}").replace("[16, 16]", "[16, 8]"), &[]),
         ("levels by --set", axes("method = [\"split-sum\"]"), &["prefilter_level_count=7"]),
-        ("ladder of zh3", ladder("", "diffuse = [\"sh9\", \"zh3\"]"), &[]),
         ("ladder of compensation", ladder("", "compensation = [\"turquin\"]"), &[]),
         ("ladder of narrow lobes", ladder("", "diffuse = [\"none\"]\nalpha = [0.001]"), &[]),
         ("ladder of few views", ladder("size = [1, 1]\n", ""), &[]),

@@ -1,6 +1,6 @@
 //! A synthetic renderer: an analytic sphere whose error is known for every method.
 
-use splitsum::ladder::{Attribution, SPLIT_SUM, StepNumbers};
+use splitsum::ladder::{Attribution, STEPS, StepNumbers};
 use splitsum::pipeline::{
     DeviceInfo, Frame, FrameTimings, LightTables, PassTime, RenderRequest, SharedWork, Tally, TimingSamples,
 };
@@ -136,12 +136,12 @@ impl Renderer for Fake {
 
     /// Step k adds 0.01 (k + 1).
     fn attributions(&mut self, _: &RenderRequest, _: u32, bands: &[[f64; 2]]) -> Result<Vec<Attribution>, RenderFault> {
-        let all: f64 = (0..SPLIT_SUM.steps.len()).map(|i| 0.01 * (i + 1) as f64).sum();
+        let all: f64 = (0..STEPS.len()).map(|i| 0.01 * (i + 1) as f64).sum();
         let step = |i: usize| {
             let own = 0.01 * (i + 1) as f64;
             let error = (0..=i).map(|i| 0.01 * (i + 1) as f64).sum();
             StepNumbers {
-                step: SPLIT_SUM.steps[i].name,
+                step: STEPS[i].name,
                 share: own / all,
                 error,
                 first_in: own,
@@ -156,7 +156,7 @@ impl Renderer for Fake {
             pixel_count: 10,
             error: all,
             noise: 1e-6,
-            steps: (0..SPLIT_SUM.steps.len()).map(step).collect(),
+            steps: (0..STEPS.len()).map(step).collect(),
         };
         Ok([[0.0, 1.0]].into_iter().chain(bands.iter().copied()).map(of_band).collect())
     }

@@ -147,7 +147,7 @@ fn a_method_has_one_colour_in_every_figure() {
         let mut figure = dots([ScaleKind::Linear { lo: 0.0, hi: 1.0 }, ScaleKind::Linear { lo: 0.0, hi: 1.0 }], &[]);
         let series = shown.iter().map(|of| names[*of].to_owned());
         figure.series = series.map(|name| Series { name, is_dashed: false, ink: None }).collect();
-        let mark = |(i, _)| Mark::new(Shape::Dot([0.5, i as f64 / 8.0]), i);
+        let mark = |(i, _)| Mark::new(Shape::Line(vec![[0.0, 0.5], [1.0, i as f64 / 8.0]]), i);
         figure.panels[0].marks = shown.iter().enumerate().map(mark).collect();
         let drawn = Drawn::new(&drawing(&figure, WIDTHS[0]));
         let labels = drawn.document().descendants().filter(|node| {
