@@ -6,10 +6,10 @@ use splitsum::environment::Placement;
 use splitsum::environment::layout::LAYOUTS;
 use splitsum::ladder::{STEPS, Step};
 use splitsum::metrics::{Comparison, HEADLINE};
-use splitsum::pipeline::{Frame, Pipeline, RenderRequest};
+use splitsum::pipeline::{Frame, RenderRequest};
 use splitsum::precompute::{PrecomputeSettings, PrefilterBy, StorageFormat};
 use splitsum::scene::{CameraKind, MaterialOverride};
-use splitsum::shade::{Diffuse, Method};
+use splitsum::shade::Method;
 use splitsum::spelling::Listed;
 use splitsum::tonemap::ToneCurve;
 
@@ -104,36 +104,6 @@ fn rungs_of_the_map_differ_from_each_other() {
         assert!(texels != samples && samples != storage);
         assert_eq!(texels, frame("ladder-storage", harmonic, full), "exact texels in f32");
         assert_eq!(samples, frame("ladder-storage", sampled, full), "texels of samples in f32");
-    });
-}
-
-#[test]
-fn the_last_diffuse_rung_has_the_error_of_the_frame() {
-    with_pipeline(|pipeline| {
-        let material = MaterialOverride { albedo: Some([0.8, 0.5, 0.2]), ..MaterialOverride::default() };
-        let mut base = request(&golden_environment(), scene("design", material), CameraKind::Perspective, [24, 24]);
-        // Without a specular term, so the reference has no Fresnel either.
-        (base.shading.method, base.reference_samples) = (Method::listed("none"), DRAWN);
-        base.shading.placement = Placement { orientation: 3, rotation_deg: 20.0 };
-        base.shading.precompute.irradiance_size = [4; 2];
-        base.shading.environment_scale = 3.0;
-        let frame = |diffuse: &str, pipeline: &mut Pipeline| {
-            let diffuse = Diffuse::listed(diffuse);
-            pipeline.render(&base.shaded(|s| s.diffuse = diffuse)).unwrap()
-        };
-        let reference = frame("reference", pipeline);
-        for name in ["sh9", "irradiance-map"] {
-            if name == "irradiance-map" && !pipeline.device().has_seamless_cubes {
-                continue;
-            }
-            let right = between(&frame(name, pipeline), &reference, &base);
-            let diffuse = Diffuse::listed(name);
-            let found = pipeline.attributions(&base.shaded(|s| s.diffuse = diffuse), DRAWN, &[]).unwrap();
-            let mut worst = Worst::new(name.to_owned(), relative(2e-2));
-            worst.add(found[0].error, right, || name.to_owned());
-            worst.check();
-            assert!(found[0].noise == 0.0 && found[0].steps.iter().all(|step| step.step_error == 0.0));
-        }
     });
 }
 
