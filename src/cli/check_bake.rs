@@ -178,6 +178,10 @@ fn check_limits(limits: &Limits, has_map: bool, has_table: bool) -> Result<(), F
 
 /// Applies the preset, the files' statements and the flags, in this order.
 fn judging(arguments: &Arguments, preset: &'static Preset, stated: &Stated) -> Result<Judging, Failure> {
+    // Another preset than the files' replaces all that they state.
+    let is_other = arguments.preset.is_some_and(|own| own.name != stated.preset.as_deref().unwrap_or(PRESETS[0].name));
+    let unstated = Stated::default();
+    let stated = if is_other { &unstated } else { stated };
     let mut convention = Judging::by(preset, stated).map_err(Failure::input)?.convention;
     if let Some(mapping) = arguments.level_mapping {
         (convention.mapping, convention.alphas) = (mapping, None);

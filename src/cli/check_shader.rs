@@ -19,7 +19,8 @@ use std::path::{Path, PathBuf};
 #[command(
     allow_negative_numbers = true,
     after_help = "FILE is GLSL, or WGSL if its name ends in .wgsl (docs/own-method.md#check-a-function). Errors are medians over 64 views, \
-    and the largest. A good function is within 3 % in gain, 10 % in width and 5 degrees in direction.\n\n\
+    and the largest. A good function is within 3 % in gain, 10 % in width and 5 degrees in direction: \
+    split-sum-two is, the textbook's split sum is not.\n\n\
     Exit codes: 0 if every limit holds, 1 if a --fail limit is exceeded, 2 for wrong input.\n\n\
     Examples:\n  splitsum check-shader my.glsl\n  splitsum check-shader engine.glsl --entry ibl_radiance --masking correlated\n  \
     splitsum check-shader engine.wgsl --entry ibl_radiance --json --fail-above 0.03,0.1,5"
@@ -28,7 +29,7 @@ pub struct Arguments {
     /// Check a function of this file.
     file: PathBuf,
     /// Check this function of n, v, perceptual roughness and f0, not `specular_radiance`.
-    #[arg(long, value_name = "NAME", default_value = own::FUNCTION)]
+    #[arg(long, value_name = "NAME", default_value = own::FUNCTION, value_parser = entry)]
     entry: String,
     /// Set the lobe's masking-shadowing, and the DFG table's.
     #[arg(long, value_name = "NAME", default_value = MaskingShadowing::names()[0], value_parser = MaskingShadowing::parse)]
@@ -44,6 +45,13 @@ pub struct Arguments {
     fail_on_wrong: bool,
     #[command(flatten)]
     device: DeviceFlag,
+}
+
+fn entry(text: &str) -> Result<String, String> {
+    let is_name = !text.starts_with(|c: char| c.is_ascii_digit())
+        && !text.is_empty()
+        && text.chars().all(|c| c == '_' || c.is_ascii_alphanumeric());
+    is_name.then(|| text.to_owned()).ok_or_else(|| format!("{text:?} is not the name of a function"))
 }
 
 fn limits(text: &str) -> Result<[f32; 3], String> {

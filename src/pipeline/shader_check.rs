@@ -145,8 +145,8 @@ fn view(shading: &Shading, [alpha, f0]: [f64; 2], [n, v]: [DVec3; 2], gain: f64,
     let shares = of_f0.lerp(of_f90, lobe.albedos.y / right_gain);
     let r = 2.0 * n_dot_v * n - v;
     let right = shares.x * r + shares.y * n;
-    // A method that returns 0 has no moment.
-    let moment = if gain > 0.0 { moment } else { right };
+    // Without light in a channel there is no moment, and the gain tells.
+    let moment = if moment.is_finite() { moment } else { right };
     // From the normal, in the plane of incidence.
     let angle = |m: DVec3| m.dot((r - n_dot_v * n).normalize()).atan2(m.dot(n));
     let off = moment.cross(right).length().atan2(moment.dot(right));

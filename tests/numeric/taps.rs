@@ -74,7 +74,7 @@ fn a_chain_blends_the_kernels_of_its_levels() {
                 let share = level - f64::from(finer);
                 for cos in [1.0, 0.9999, 0.97, 0.7, 0.2, 0.01, -0.1] {
                     let (expected, [found, slope]) =
-                        ((1.0 - share) * fine(cos) + share * rough(cos), chain.density(level, cos));
+                        ((1.0 - share) * fine(cos) + share * rough(cos), chain.lookup(level)(cos));
                     let name = format!("{} {} {} level {level} cos {cos}", model.name(), weight.name, listed.name);
                     // Rings by the midpoint rule; a kernel is linear between 512 nodes.
                     let close = |found: f64, expected: f64| (found - expected).abs() < 5e-3 * expected.abs() + 2e-4;
@@ -315,7 +315,8 @@ fn first_moments_of_the_taps_are_near_the_lobes() {
     let (chain, rule) = (chain(), GaussLegendre::<32>::new());
     // Over q² = 1 - cos, where narrow kernels are smooth.
     let mean_cosine = |level: f64| {
-        let of = |q: f64| TAU * 2.0 * q * (1.0 - q * q) * chain.density(level, 1.0 - q * q)[0];
+        let density = chain.lookup(level);
+        let of = |q: f64| TAU * 2.0 * q * (1.0 - q * q) * density(1.0 - q * q)[0];
         let narrow = (4.0 * LEVEL_MAPPINGS[0].alpha_from_mip(level.max(0.5), LEVELS)).min(1.0);
         rule.integrate(0.0, narrow, of) + rule.integrate(narrow, 1.0, of)
     };

@@ -60,21 +60,23 @@ impl Chain {
 
     /// Returns the density of a lookup at a real level from `LEVEL_MIN` on, by the cosine to its direction, and its
     /// derivative by the level.
-    pub fn density(&self, level: f64, cos: f64) -> [f64; 2] {
-        if cos <= 0.0 {
-            return [0.0; 2];
-        }
+    pub fn lookup(&self, level: f64) -> impl Fn(f64) -> [f64; 2] {
         let rougher = self.kernels.partition_point(|kernel| kernel.level <= level).clamp(1, self.kernels.len() - 1);
         let [fine, rough] = [&self.kernels[rougher - 1], &self.kernels[rougher]];
-        let q = 0.5 * (1.0 - cos).max(0.0);
-        let value = |kernel: &LevelKernel| {
-            let at = (1.0 - (kernel.alpha2 / (q + kernel.alpha2)).sqrt()) * INTERVALS as f64;
-            let low = (at as usize).min(INTERVALS - 2);
-            kernel.values[low] + (at - low as f64) * (kernel.values[low + 1] - kernel.values[low])
-        };
-        let of_fine = value(fine);
-        let slope = (value(rough) - of_fine) / (rough.level - fine.level);
-        [of_fine + (level - fine.level) * slope, slope]
+        move |cos| {
+            if cos <= 0.0 {
+                return [0.0; 2];
+            }
+            let q = 0.5 * (1.0 - cos).max(0.0);
+            let value = |kernel: &LevelKernel| {
+                let at = (1.0 - (kernel.alpha2 / (q + kernel.alpha2)).sqrt()) * INTERVALS as f64;
+                let low = (at as usize).min(INTERVALS - 2);
+                kernel.values[low] + (at - low as f64) * (kernel.values[low + 1] - kernel.values[low])
+            };
+            let of_fine = value(fine);
+            let slope = (value(rough) - of_fine) / (rough.level - fine.level);
+            [of_fine + (level - fine.level) * slope, slope]
+        }
     }
 }
 

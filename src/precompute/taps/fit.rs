@@ -53,6 +53,14 @@ pub struct Fit<'a> {
     level_max: f64,
 }
 
+/// Taps at one place of the search.
+struct Trial {
+    taps: Vec<Tap>,
+    kernels: Vec<Vec<[f64; 2]>>,
+    residuals: Vec<f64>,
+    cost: f64,
+}
+
 /// Returns the direction at an angle from the normal towards the mirror direction.
 fn direction(angle: f64) -> DVec3 {
     DVec3::new(-angle.sin(), 0.0, angle.cos())
@@ -142,8 +150,8 @@ impl<'a> Fit<'a> {
 
     /// Returns the kernel of a tap at the directions, and its derivative by the level.
     fn kernel(&self, tap: &Tap) -> Vec<[f64; 2]> {
-        let about = direction(tap.angle);
-        self.directions.iter().map(|l| self.chain.density(tap.level, l.dot(about))).collect()
+        let (about, density) = (direction(tap.angle), self.chain.lookup(tap.level));
+        self.directions.iter().map(|l| density(l.dot(about))).collect()
     }
 
     /// Returns the weighted `∫ (Σ w K - ŵ)²` in the unit of the weights.
@@ -171,35 +179,37 @@ impl<'a> Fit<'a> {
         parts.map(|((l, measure), f)| f * measure * DVec2::new(l.x, l.z)).sum()
     }
 
-    fn cost(&self, x: &[f64], near: &[f64], pull: f64) -> f64 {
+    fn trial(&self, x: &[f64], near: &[f64], pull: f64) -> Trial {
         let taps = self.taps(x);
-        let residuals = self.residuals(&taps, &self.kernels(&taps));
+        let kernels = self.kernels(&taps);
+        let residuals = self.residuals(&taps, &kernels);
         let moment = MOMENT * self.first_moment(&residuals).length_squared();
         let weights: f64 = taps.iter().map(|tap| tap.weight * tap.weight).sum();
         let far: f64 = x.iter().zip(near).map(|(x, near)| pull * (x - near).powi(2) + PRIOR * x * x).sum();
-        self.square(&residuals) + moment + RIDGE * weights + far
+        let cost = self.square(&residuals) + moment + RIDGE * weights + far;
+        Trial { taps, kernels, residuals, cost }
     }
 
     /// Minimises the error and its penalties from `start`, pulled towards `near`, by the method of Levenberg and Marquardt.
     pub fn solve(&self, start: &[f64], near: &[f64], pull: f64) -> Parameters {
         let (mut x, mut damping) = (start.to_vec(), 1e-2);
-        let mut least = self.cost(&x, near, pull);
+        let mut least = self.trial(&x, near, pull);
         for _ in 0..STEP_COUNT {
-            let (matrix, gradient) = self.normal_equations(&x, near, pull);
+            let (matrix, gradient) = self.normal_equations(&x, &least, near, pull);
             let mut gain = 0.0;
             for _ in 0..TRIAL_COUNT {
                 let step = solve_positive(&matrix, &gradient, damping);
-                let trial: Vec<f64> =
+                let moved: Vec<f64> =
                     x.iter().zip(&step).map(|(x, step)| x - step.clamp(-STEP_MAX, STEP_MAX)).collect();
-                let cost = self.cost(&trial, near, pull);
-                if cost < least {
-                    gain = least - cost;
-                    (x, least, damping) = (trial, cost, (damping * 0.3).max(1e-9));
+                let trial = self.trial(&moved, near, pull);
+                if trial.cost < least.cost {
+                    gain = least.cost - trial.cost;
+                    (x, least, damping) = (moved, trial, (damping * 0.3).max(1e-9));
                     break;
                 }
                 damping *= 4.0;
             }
-            if gain < GAIN_MIN * least {
+            if gain < GAIN_MIN * least.cost {
                 break;
             }
         }
@@ -207,9 +217,8 @@ impl<'a> Fit<'a> {
     }
 
     /// Returns JᵀJ, row by row, and Jᵀr of the cost's square roots.
-    fn normal_equations(&self, x: &[f64], near: &[f64], pull: f64) -> (Vec<Vec<f64>>, Vec<f64>) {
-        let (size, taps) = (x.len(), self.taps(x));
-        let kernels = self.kernels(&taps);
+    fn normal_equations(&self, x: &[f64], here: &Trial, near: &[f64], pull: f64) -> (Vec<Vec<f64>>, Vec<f64>) {
+        let (size, Trial { taps, kernels, residuals, .. }) = (x.len(), here);
         // A moved parameter moves its tap alone, but for the first weight.
         let moved = |at: usize| {
             let mut x = x.to_vec();
@@ -229,7 +238,6 @@ impl<'a> Fit<'a> {
             }
         }
         let (mut matrix, mut gradient) = (vec![vec![0.0; size]; size], vec![0.0; size]);
-        let residuals = self.residuals(&taps, &kernels);
         for (i, weight) in self.weights.iter().enumerate() {
             for p in 0..size {
                 let weighted = weight * columns[p][i];
@@ -239,7 +247,7 @@ impl<'a> Fit<'a> {
                 }
             }
         }
-        let moment = self.first_moment(&residuals);
+        let moment = self.first_moment(residuals);
         let moments: Vec<DVec2> = columns.iter().map(|column| self.first_moment(column)).collect();
         for p in 0..size {
             gradient[p] += MOMENT * moments[p].dot(moment);
