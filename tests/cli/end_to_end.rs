@@ -1,6 +1,7 @@
 //! A tiny experiment through the binary, on any Vulkan device. Without one the tests skip with a line.
 
 use super::{assert_ends, command, entries, ok, splitsum, stderr, stdout};
+use splitsum::pixels::png::read_rgb8;
 use std::io::{BufRead, BufReader};
 use std::path::Path;
 use std::process::Stdio;
@@ -210,4 +211,26 @@ fn compare_reads_the_files_of_render() {
     for (name, is_less) in [("relmse", true), ("rmse", false)] {
         assert_eq!(bright[name].as_f64().unwrap() < different[name].as_f64().unwrap(), is_less, "{name}");
     }
+}
+
+/// README's first picture, whose options are in the script that made it, is what the program renders today.
+#[test]
+fn the_first_picture_of_the_readme_is_current() {
+    const SIDE: u32 = 400;
+    let (root, dir) = (Path::new(env!("CARGO_MANIFEST_DIR")), tempfile::tempdir().unwrap());
+    let script = std::fs::read_to_string(root.join("scripts/pictures.sh")).unwrap().replace("\\\n", "");
+    let between = |from: &str, to: &str| script.split_once(from).unwrap().1.split_once(to).unwrap().0.to_owned();
+    let options = between("\"$program\" render ", "--out") + &between("--method \"$method\" ", "\"$@\"");
+    let arguments = ["render", "--method", "split-sum-two", "--out", "ball.png"].into_iter();
+    ok(dir.path(), &arguments.chain(options.split_whitespace()).collect::<Vec<_>>());
+    let [own, shown] =
+        [dir.path().join("ball.png"), root.join("docs/effect.png")].map(|file| read_rgb8(&file).unwrap());
+    assert_eq!((own.width, own.height), (SIDE, SIDE));
+    // The second of three.
+    let off = |i: u32| {
+        let (own, shown) = (own.get(i % SIDE, i / SIDE), shown.get(SIDE + i % SIDE, i / SIDE));
+        (0..3).map(|c| f64::from(own[c].abs_diff(shown[c]))).sum::<f64>() / 3.0
+    };
+    let mean = (0..SIDE * SIDE).map(off).sum::<f64>() / f64::from(SIDE * SIDE);
+    assert!(mean < 0.2, "{mean} of 255 on average: run scripts/pictures.sh and look");
 }
