@@ -1,88 +1,60 @@
 //! `splitsum cost`, and the hidden command of its child.
 
-use super::flags::flag;
+use super::flags::AxisFlags;
 use super::shared::{check_out, own_method};
 use super::{Failure, log, print};
 use clap::builder::ValueParser;
-use clap::{ArgAction, ArgMatches, Args, Command, FromArgMatches};
+use clap::{Arg, ArgAction, Args};
 use splitsum::cost::child::{CompileFault, Compiler, Job, available, serve};
 use splitsum::cost::family::{FAMILIES, Family};
 use splitsum::cost::isa::Counts;
 use splitsum::cost::pass::passes;
 use splitsum::cost::table::{Shaded, csv, markdown};
 use splitsum::experiment::axis::{AXES, BRDF, METHOD, Named, Point};
-use splitsum::experiment::value::{Kind, Value};
+use splitsum::experiment::value::Value;
 use splitsum::shade::{FILE_PREFIX, METHODS};
-use splitsum::spelling::{Listed, expected};
+use splitsum::spelling::Listed;
 use std::path::PathBuf;
 
 const ALL: &str = "all";
+/// The axes that change code.
+const AXES_OF_CODE: [&str; 8] =
+    ["method", "brdf", "layout", "masking", "compensation", "pixel_points", "level_mapping", "dfg"];
+/// A sampled method, and the split sums with the fewest and the most lookups.
+const LEADING: [&str; 3] = ["sampled", "split-sum", "split-sum-four"];
 
 /// Count instructions, registers and lookups of compiled shaders for AMD GPUs.
 #[derive(Args, Debug)]
-#[command(after_help = after_help())]
+#[command(after_help = after_help(), mut_args(shown), mut_arg(AXES[METHOD].name, several))]
 pub struct Arguments {
-    /// Compile for these families, or all [default: the newest that Mesa has].
+    /// Compile for these families, or all that Mesa has [default: the newest].
     #[arg(long, value_name = "NAME", value_delimiter = ',', value_parser = family)]
     family: Vec<Asked>,
     /// Write all counts to FILE as CSV.
     #[arg(long, value_name = "FILE.csv")]
     out: Option<PathBuf>,
     #[command(flatten)]
-    compiled: SweptFlags,
+    axes: AxisFlags,
 }
 
 /// A family; `None` for all.
 #[derive(Clone, Debug)]
 struct Asked(Option<&'static Family>);
 
-/// Axes with any number of values: flags repeated, with commas, or `all` of a list.
-#[derive(Debug, Default)]
-struct SweptFlags(Vec<(usize, Vec<Value>)>);
-
-impl SweptFlags {
-    fn get(&self, axis: usize) -> Option<&[Value]> {
-        self.0.iter().find(|(own, _)| *own == axis).map(|(_, values)| &values[..])
-    }
+/// Hides the flags of axes that change no code.
+fn shown(arg: Arg) -> Arg {
+    let is_other = |name: &str| Named::find(name).is_some() && !AXES_OF_CODE.contains(&name);
+    if is_other(arg.get_id().as_str()) { arg.hide(true) } else { arg }
 }
 
-impl Args for SweptFlags {
-    /// Adds a flag for every axis and hides those that change no code.
-    fn augment_args(command: Command) -> Command {
-        let values = |named: Named| {
-            move |text: &str| match named.kind() {
-                Kind::Name { names, .. } | Kind::NameOrFile { names, .. } if text == ALL => {
-                    Ok(names().into_iter().map(Value::from).collect())
-                }
-                _ => text.split(',').map(|part| named.parse_text(part)).collect::<Result<Vec<Value>, String>>(),
-            }
-        };
-        let methods = leading();
-        let is_shown = |axis| axis == METHOD || changes_code(axis, &[], &methods);
-        let flag = |named: Named| flag(named, ValueParser::new(values(named))).action(ArgAction::Append);
-        let flags = Named::all().map(|named| flag(named).hide(!is_shown(named.axis)));
-        let names = methods.iter().map(Value::to_string).collect::<Vec<_>>().join(",");
-        let help = format!("Methods, or all (`splitsum list methods`) [default: {names}]");
-        command.args(flags).mut_arg(AXES[METHOD].name, |arg| arg.help(help))
-    }
-
-    fn augment_args_for_update(command: Command) -> Command {
-        Self::augment_args(command)
-    }
-}
-
-impl FromArgMatches for SweptFlags {
-    fn from_arg_matches(matches: &ArgMatches) -> Result<Self, clap::Error> {
-        let mut flags = Self::default();
-        flags.update_from_arg_matches(matches).map(|()| flags)
-    }
-
-    fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> Result<(), clap::Error> {
-        let values = |named: Named| Some((named.axis, matches.get_many::<Vec<Value>>(named.name())?));
-        self.0 =
-            Named::all().filter_map(values).map(|(axis, values)| (axis, values.flatten().cloned().collect())).collect();
-        Ok(())
-    }
+/// Lets the flag of the method take several of them.
+fn several(arg: Arg) -> Arg {
+    let parse = |text: &str| if text == ALL { Ok(Value::from(ALL)) } else { AXES[METHOD].kind.parse_text(text) };
+    arg.help("Methods after commas, or all (`splitsum list methods`)")
+        .action(ArgAction::Append)
+        .value_delimiter(',')
+        .value_parser(ValueParser::new(parse))
+        .default_values(LEADING)
 }
 
 fn after_help() -> String {
@@ -95,51 +67,12 @@ The command counts their instructions inside and outside the loop over samples. 
 
 Families, each with one of its cards:
 {}
-Every flag but --out takes several values after commas, or all; each combination is compiled.
-
 Examples:
   splitsum cost
   splitsum cost --method all --family all --out costs.csv
-  splitsum cost --method file:my.glsl,split-sum --masking all --compensation none,turquin --family navi21",
+  splitsum cost --method file:my.glsl,split-sum --layout octahedral --family navi21",
         families.collect::<String>()
     )
-}
-
-/// Returns the first sampled method, and the split sums with the fewest and the most lookups.
-fn leading() -> Vec<Value> {
-    let split_sums = || METHODS.iter().filter(|method| method.has_pass() && method.uses_dfg);
-    let methods = [
-        METHODS.iter().find(|method| method.has_pass() && method.uses_samples),
-        split_sums().min_by_key(|method| method.lookups),
-        split_sums().max_by_key(|method| method.lookups),
-    ];
-    methods.into_iter().flatten().map(|method| Value::from(method.name)).collect()
-}
-
-/// Returns the job of a point with another value on an axis.
-fn job(point: &Point, axis: usize, value: &Value) -> Job {
-    let mut point = point.clone();
-    point[axis] = value.clone();
-    point.collapsed(false).settings().specular_job()
-}
-
-/// Whether other values of an axis, listed or given, would change the code.
-fn depends_on(point: &Point, axis: usize, given: &[Value]) -> bool {
-    let names = match AXES[axis].kind {
-        Kind::Name { names, .. } | Kind::NameOrFile { names, .. } => names().into_iter().map(Value::from).collect(),
-        _ => vec![(AXES[axis].default)()],
-    };
-    let mut jobs = names.iter().chain(given).map(|value| job(point, axis, value));
-    let first = jobs.next();
-    jobs.any(|job| Some(job) != first)
-}
-
-fn changes_code(axis: usize, given: &[Value], methods: &[Value]) -> bool {
-    methods.iter().any(|method| {
-        let mut point = Point::default();
-        point[METHOD] = method.clone();
-        depends_on(&point, axis, given)
-    })
 }
 
 fn family(text: &str) -> Result<Asked, String> {
@@ -161,66 +94,45 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     print(&markdown(&passes))
 }
 
-/// Combines the given values; drops passes whose code is known.
-fn asked(flags: &SweptFlags) -> Result<Vec<(Point, Job)>, Failure> {
-    let methods = flags.get(METHOD).map_or_else(leading, <[Value]>::to_vec);
-    for file in methods.iter().filter(|method| method.text().starts_with(FILE_PREFIX)) {
-        own_method(file.text())?;
+/// Returns a point for each method.
+fn points(arguments: &Arguments) -> Result<Vec<Point>, Failure> {
+    let axes = &arguments.axes;
+    if let Some(given) = axes.iter().find(|given| !AXES_OF_CODE.contains(&AXES[given.axis].name)) {
+        return Err(Failure::input(format!("--{}: changes no code; leave it out", given.flag)));
     }
-    let mut points: Vec<Point> = methods
-        .iter()
-        .map(|method| {
-            let mut point = Point::default();
-            point[METHOD] = method.clone();
-            point
-        })
-        .collect();
-    let (shaded, left_out): (Vec<Point>, Vec<Point>) = points.drain(..).partition(|point| point.method().has_pass());
-    let names = |points: &[Point]| points.iter().map(|point| point.method().name).collect::<Vec<_>>().join(", ");
-    if shaded.is_empty() {
-        let known = METHODS.iter().filter(|method| method.has_pass()).map(|method| method.name).collect::<Vec<_>>();
-        let (names, known) = (names(&left_out), expected("method", &known));
-        return Err(Failure::input(format!("--method {names}: no shading pass to compile; expected {known}")));
+    let mut methods: Vec<Value> =
+        axes.iter().filter(|given| given.axis == METHOD).map(|given| given.value.clone()).collect();
+    if methods.contains(&Value::from(ALL)) {
+        methods = METHODS.iter().filter(|method| method.has_pass()).map(|method| Value::from(method.name)).collect();
     }
-    if !left_out.is_empty() {
-        log(&format!("skipped {}: no shading pass to compile", names(&left_out)));
-    }
-    points = shaded;
-    for (axis, values) in flags.0.iter().filter(|(axis, _)| *axis != METHOD) {
-        let methods: Vec<Value> = points.iter().map(|point| point[METHOD].clone()).collect();
-        if !changes_code(*axis, values, &methods) {
-            let (name, methods) = (AXES[*axis].name.replace('_', "-"), names(&points));
-            return Err(Failure::input(format!("--{name}: has no effect on {methods}; leave it out")));
+    let point = |method: Value| {
+        if method.text().starts_with(FILE_PREFIX) {
+            own_method(method.text())?;
         }
-    }
-    for (axis, values) in flags.0.iter().filter(|(axis, _)| *axis != METHOD) {
-        let with = |point: &Point, value: &Value| {
-            let mut point = point.clone();
-            point[*axis] = value.clone();
-            point
-        };
-        points = points.iter().flat_map(|point| values.iter().map(move |value| with(point, value))).collect();
-    }
-    let mut asked: Vec<(Point, Job)> = Vec::new();
-    for point in points {
-        let job = point.collapsed(false).settings().specular_job();
-        if asked.iter().all(|(_, known)| *known != job) {
-            asked.push((point, job));
+        let mut point = axes.point();
+        point[METHOD] = method;
+        match point.method().has_pass() {
+            true => Ok(point),
+            false => {
+                let name = point.method().name;
+                Err(Failure::input(format!("--method {name}: has no shading pass to compile; leave it out")))
+            }
         }
-    }
-    Ok(asked)
+    };
+    methods.into_iter().map(point).collect()
 }
 
 fn compiled(arguments: &Arguments) -> Result<Vec<Shaded>, Failure> {
-    let flags = &arguments.compiled;
-    let asked = asked(flags)?;
+    let points = points(arguments)?;
     let program = std::env::current_exe().map_err(Failure::failed)?;
     super::progress::doing("compiling shaders");
     let found = available(&program).map_err(failure)?;
-    let jobs: Vec<Job> = asked.iter().map(|(_, job)| job.clone()).collect();
+    let jobs: Vec<Job> = points.iter().map(|point| point.collapsed(false).settings().specular_job()).collect();
+    let options = arguments.axes.iter().filter(|given| ![METHOD, BRDF].contains(&given.axis));
+    let options: Vec<String> = options.map(|given| format!("{}={}", AXES[given.axis].name, given.value)).collect();
     let mut shaded = Vec::new();
     for (family, compiler) in families(&arguments.family, found)? {
-        for ((point, job), pass) in asked.iter().zip(passes(&program, family, &jobs).map_err(failure)?) {
+        for ((point, job), pass) in points.iter().zip(&jobs).zip(passes(&program, family, &jobs).map_err(failure)?) {
             let method = point.method();
             let fault = |text: String| Failure::failed(format!("{}: '{}': {text}", family.name, job.shader));
             if method.uses_samples && pass.counts.inside == Counts::default() {
@@ -232,18 +144,15 @@ fn compiled(arguments: &Arguments) -> Result<Vec<Shaded>, Failure> {
                     family.name, job.shader, pass.counts.other_loops
                 ));
             }
-            let is_shown = |axis: usize, values: &[Value]| depends_on(point, axis, values);
-            let options =
-                flags.0.iter().filter(|(axis, values)| ![METHOD, BRDF].contains(axis) && is_shown(*axis, values));
-            let options: Vec<String> =
-                options.map(|(axis, _)| format!("{}={}", AXES[*axis].name, point[*axis])).collect();
-            let settings = point.settings();
+            let shading = point.settings().shading;
+            // Methods that do not use the model have one shader for all models.
+            let has_model = job.shader.ends_with(&format!(":{}", shading.brdf.name()));
             shaded.push(Shaded {
                 family,
                 driver: compiler.driver.clone(),
                 method: method.name,
-                brdf: if is_shown(BRDF, &[]) { settings.shading.brdf.name() } else { "" },
-                layout: settings.shading.precompute.layout.name,
+                brdf: if has_model { shading.brdf.name() } else { "" },
+                layout: shading.precompute.layout.name,
                 options: options.join(" "),
                 uses_samples: method.uses_samples,
                 pass,
@@ -260,21 +169,14 @@ fn families(
 ) -> Result<Vec<(&'static Family, Compiler)>, Failure> {
     let driver = found[0].1.driver.clone();
     let names: Vec<&str> = found.iter().map(|(family, _)| family.name).collect();
-    let missing = |family: &&Family| !names.contains(&family.name);
-    if let Some(lacking) = asked.iter().filter_map(|asked| asked.0).find(missing) {
+    if let Some(lacking) = asked.iter().filter_map(|asked| asked.0).find(|family| !names.contains(&family.name)) {
         let (lacking, names) = (lacking.name, names.join(", "));
         return Err(Failure::input(format!("--family {lacking}: {driver} does not compile for it; it has {names}")));
-    }
-    if asked.iter().any(|asked| asked.0.is_none()) {
-        for family in FAMILIES.iter().filter(missing) {
-            log(&format!("skipped {}: {driver} does not compile for it", family.name));
-        }
-        return Ok(found);
     }
     if asked.is_empty() {
         return Ok(found.pop().into_iter().collect());
     }
-    found.retain(|(family, _)| asked.iter().any(|asked| asked.0.is_some_and(|asked| asked.name == family.name)));
+    found.retain(|(family, _)| asked.iter().any(|asked| asked.0.is_none_or(|asked| asked.name == family.name)));
     Ok(found)
 }
 

@@ -105,25 +105,24 @@ fn help(named: Named) -> String {
     if facts.is_empty() { about } else { format!("{about} [{}]", facts.join("; ")) }
 }
 
-pub fn flag(named: Named, parser: ValueParser) -> Arg {
+fn flag(named: Named) -> Arg {
     let arg = Arg::new(named.name())
         .long(named.flag())
         .value_name(named.kind().value_name())
         .help(help(named))
         .help_heading(named.entry().part.heading())
         .allow_hyphen_values(named.kind().has_negative() || matches!(named.kind(), Kind::Pair { .. }))
-        .value_parser(parser);
+        .value_parser(ValueParser::new(move |text: &str| named.parse_text(text)));
     if named.is_second() { arg.conflicts_with(AXES[named.axis].name) } else { arg }
 }
 
 impl Args for AxisFlags {
     fn augment_args(command: Command) -> Command {
-        let flags = Named::all().map(|named| flag(named, ValueParser::new(move |text: &str| named.parse_text(text))));
         let hints = ambiguous().map(|name| {
             let refuse = move |_: &str| Err::<Value, _>(hint(name, &[]).trim_start_matches("; ").to_owned());
             Arg::new(name).long(name).hide(true).value_parser(ValueParser::new(refuse))
         });
-        command.args(flags.collect::<Vec<_>>()).args(hints.collect::<Vec<_>>())
+        command.args(Named::all().map(flag)).args(hints)
     }
 
     fn augment_args_for_update(command: Command) -> Command {
@@ -139,10 +138,10 @@ impl FromArgMatches for AxisFlags {
 
     fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> Result<(), Error> {
         let given = |named: Named| {
-            let value = matches.get_one::<Value>(named.name())?.clone();
-            Some(Given { flag: named.flag(), axis: named.axis, value })
+            let values = matches.get_many::<Value>(named.name()).into_iter().flatten();
+            values.map(move |value| Given { flag: named.flag(), axis: named.axis, value: value.clone() })
         };
-        self.0 = Named::all().filter_map(given).collect();
+        self.0 = Named::all().flat_map(given).collect();
         Ok(())
     }
 }

@@ -16,7 +16,7 @@ pub struct Shaded {
     /// Empty if the method does not use the model.
     pub brdf: &'static str,
     pub layout: &'static str,
-    /// Other settings that change the code: `masking=uncorrelated`.
+    /// Other axes that were set: `masking=separable`.
     pub options: String,
     pub uses_samples: bool,
     pub pass: Pass,
@@ -46,7 +46,7 @@ const FIRST: [(&str, &str); 8] = [
     ("method", "Specular method."),
     ("brdf", "Microfacet model; empty if the code does not depend on it."),
     ("layout", "Layout of the filtered maps."),
-    ("options", "Other axes that were set and change the code, `name=value`."),
+    ("options", "Other axes that were set, `name=value`."),
 ];
 
 const LAST: [(&str, &str); 4] = [

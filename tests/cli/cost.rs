@@ -7,11 +7,13 @@ use splitsum::cost::family::Family;
 use splitsum::cost::isa::Counts;
 use splitsum::cost::pass::Pass;
 use splitsum::environment::layout::{LAYOUTS, MapLayout};
-use splitsum::experiment::axis::{LAYOUT, METHOD, Point};
+use splitsum::experiment::axis::{AXES, LAYOUT, METHOD, Named, Point};
+use splitsum::experiment::value::Kind;
 use splitsum::gbuffer::pass::PIPELINES;
 use splitsum::gpu::shader_names;
 use splitsum::shade::{METHODS, Method};
 use splitsum::spelling::Listed;
+use std::collections::BTreeSet;
 use std::path::Path;
 
 fn program() -> &'static Path {
@@ -131,7 +133,7 @@ fn a_pass_reads_and_writes_as_in_its_code() {
 }
 
 /// Options compile what they name. A method in a file with the text of a built-in method has its code. Sampling has
-/// other code for each masking. Options that only change the image are refused.
+/// other code for each masking.
 #[test]
 fn options_compile_what_they_name() {
     if families().is_empty() {
@@ -144,16 +146,41 @@ fn options_compile_what_they_name() {
         let mut rows = csv::Reader::from_path(dir.path().join("costs.csv")).unwrap();
         rows.records().map(Result::unwrap).collect()
     };
-    let both = rows(&["--method", "split-sum,file:own.glsl", "--level-mapping", "all"]);
-    let (ours, own) = both.split_at(both.len() / 2);
+    let both = rows(&["--method", "split-sum,file:own.glsl", "--level-mapping", "quadratic"]);
     let code = |row: &csv::StringRecord| row.iter().skip(5).map(str::to_owned).collect::<Vec<_>>();
-    assert!(ours.len() > 1 && ours.iter().map(code).eq(own.iter().map(code)), "{both:?}");
-    assert_eq!(&own[0][4], "file:own.glsl");
+    assert_eq!(code(&both[0]), code(&both[1]));
+    assert_eq!([&both[0][7], &both[1][4]], ["level_mapping=quadratic", "file:own.glsl"]);
     // For ggx, separable and smith-exact masking are the same function.
-    let maskings = rows(&["--method", "sampled", "--brdf", "beckmann", "--masking", "all"]);
-    let counts: std::collections::BTreeSet<Vec<String>> =
-        maskings.iter().map(|row| row.iter().skip(8).map(str::to_owned).collect()).collect();
-    assert_eq!([maskings.len(), counts.len()], [MaskingShadowing::all().count(); 2], "{maskings:?}");
+    let counts = |masking: &&str| {
+        let rows = rows(&["--method", "sampled", "--brdf", "beckmann", "--masking", masking]);
+        rows[0].iter().skip(8).map(str::to_owned).collect::<Vec<_>>()
+    };
+    let maskings = MaskingShadowing::names();
+    let distinct: BTreeSet<Vec<String>> = maskings.iter().map(counts).collect();
+    assert_eq!(distinct.len(), maskings.len(), "{distinct:?}");
+}
+
+#[test]
+fn the_flags_are_the_axes_that_change_code() {
+    let dir = tempfile::tempdir().unwrap();
+    let help = ok(dir.path(), &["cost", "--help"]);
+    for (axis, entry) in AXES.iter().enumerate() {
+        let names = match entry.kind {
+            Kind::Name { names, .. } | Kind::NameOrFile { names, .. } => names(),
+            _ => Vec::new(),
+        };
+        let changes_code = METHODS.iter().filter(|method| method.has_pass()).any(|method| {
+            let job = |name: &&str| {
+                let mut point = Point::default();
+                point[METHOD] = method.name.into();
+                point[axis] = (*name).into();
+                point.collapsed(false).settings().specular_job()
+            };
+            names.iter().any(|name| job(name) != job(&names[0]))
+        });
+        let flag = format!(" --{} ", Named::own(axis).flag());
+        assert_eq!(help.contains(&flag), changes_code, "{flag}");
+    }
 }
 
 #[test]
@@ -168,7 +195,6 @@ fn bad_names_and_a_missing_compiler_are_reported() {
             "cost --method file:none.glsl",
             "cost --samples 4",
             "cost --alpha 0.3",
-            "cost --method sampled --level-mapping all",
             "cost --out none/costs.csv",
         ],
     );
