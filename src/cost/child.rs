@@ -4,7 +4,6 @@
 //! answers with a line about itself and one per job, so the parent knows which job a compiler died on.
 
 use super::family::{FAMILIES, Family};
-use crate::gbuffer;
 use crate::gpu::{DeviceChoice, Executable, Gpu, GpuError, Options, add_shader, added_shader};
 use serde::{Deserialize, Serialize};
 use std::io::{self, BufRead, Read, Write};
@@ -19,7 +18,7 @@ pub const ASSEMBLY: &str = "Assembly";
 
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Job {
-    /// A permutation: a compute shader, or the fragment shader of a draw.
+    /// A permutation of a compute shader.
     pub shader: String,
     pub constants: Vec<u32>,
     /// SPIR-V of a method in a file, which the child does not have.
@@ -36,7 +35,6 @@ impl Job {
 /// The child's device.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Compiler {
-    pub device: String,
     pub driver: String,
 }
 
@@ -134,8 +132,7 @@ pub fn compile(program: &Path, family: &'static Family, jobs: &[Job]) -> Result<
 pub fn serve(input: impl Read, mut output: impl Write) -> Result<(), Box<dyn std::error::Error>> {
     let jobs: Vec<Job> = serde_json::from_reader(input)?;
     let gpu = Gpu::new(Options { device: DeviceChoice::Radv, executables: true, ..Options::default() })?;
-    let info = gpu.info();
-    let compiler = Compiler { device: info.name.clone(), driver: info.driver.clone() };
+    let compiler = Compiler { driver: gpu.info().driver.clone() };
     writeln!(output, "{}", serde_json::to_string(&compiler)?)?;
     for job in &jobs {
         let result = executables(&gpu, job).map_err(|error| error.to_string());
@@ -151,11 +148,7 @@ fn executables(gpu: &Gpu, job: &Job) -> Result<Vec<Executable>, GpuError> {
     if let Some(code) = &job.code {
         add_shader(job.shader.clone(), code);
     }
-    let draw = gbuffer::pass::PIPELINES.into_iter().find(|draw| draw.shaders[1] == job.shader);
-    let mut executables = match draw {
-        Some(draw) => gpu.graphics_executables(draw, gbuffer::ATTACHMENT_NAMES.len())?,
-        None => gpu.executables(&job.shader, &job.constants)?,
-    };
+    let mut executables = gpu.executables(&job.shader, &job.constants)?;
     for stage in &mut executables {
         stage.texts.retain(|(name, _)| name == ASSEMBLY);
     }

@@ -19,7 +19,7 @@ const MESHES: GraphicsDescription = GraphicsDescription {
 };
 
 /// All draws of the pass.
-pub const PIPELINES: [GraphicsDescription; 2] = [SPHERES, MESHES];
+const PIPELINES: [GraphicsDescription; 2] = [SPHERES, MESHES];
 
 /// Lists the shaders of the pass.
 pub fn shaders() -> impl Iterator<Item = &'static str> {

@@ -2,8 +2,8 @@
 //!
 //! Descriptors and push constants are read from the SPIR-V: no resources are needed, even no executing device.
 
-use super::kept_pipeline::{Interface, Pipeline};
-use super::{Gpu, GpuError, GraphicsDescription, shader_code};
+use super::kept_pipeline::Interface;
+use super::{Gpu, GpuError, shader_code};
 use ash::vk;
 use rspirv_reflect::Reflection;
 use rspirv_reflect::rspirv::dr::{Function, Instruction, Module, Operand};
@@ -40,37 +40,22 @@ impl Gpu {
     ///
     /// Panics if the device was opened without [`super::Options::executables`].
     pub fn executables(&self, shader: &str, constants: &[u32]) -> Result<Vec<Executable>, GpuError> {
-        let interface = declared(&[shader])?;
-        self.report(&self.shared.make_compute_pipeline(shader, constants, interface, CAPTURE)?, shader)
-    }
-
-    /// As [`Self::executables`], for the two stages of a draw into `color_count` targets.
-    pub fn graphics_executables(
-        &self,
-        description: GraphicsDescription<'_>,
-        color_count: usize,
-    ) -> Result<Vec<Executable>, GpuError> {
-        let interface = declared(&description.shaders)?;
-        let pipeline = self.shared.make_graphics_pipeline(description, color_count, interface, CAPTURE)?;
-        self.report(&pipeline, description.shaders[1])
-    }
-
-    fn report(&self, pipeline: &Pipeline, name: &str) -> Result<Vec<Executable>, GpuError> {
+        let pipeline = self.shared.make_compute_pipeline(shader, constants, declared(shader)?, CAPTURE)?;
         let device = self.shared.executables.as_ref().expect("the device was opened with `executables`");
         let info = vk::PipelineInfoKHR::default().pipeline(pipeline.raw);
         // SAFETY: the pipeline is alive.
         let stages = unsafe { device.get_pipeline_executable_properties(&info) }
-            .map_err(GpuError::call("vkGetPipelineExecutablePropertiesKHR", name))?;
+            .map_err(GpuError::call("vkGetPipelineExecutablePropertiesKHR", shader))?;
         let executable = |(index, stage): (u32, &vk::PipelineExecutablePropertiesKHR<'_>)| {
             let info = vk::PipelineExecutableInfoKHR::default().pipeline(pipeline.raw).executable_index(index);
             // SAFETY: the pipeline is alive, was made with CAPTURE, and has this stage.
             let statistics = unsafe { device.get_pipeline_executable_statistics(&info) }
-                .map_err(GpuError::call("vkGetPipelineExecutableStatisticsKHR", name))?;
+                .map_err(GpuError::call("vkGetPipelineExecutableStatisticsKHR", shader))?;
             Ok(Executable {
                 name: text(stage.name_as_c_str()),
                 subgroup_size: stage.subgroup_size,
                 statistics: statistics.iter().map(statistic).collect(),
-                texts: self.texts(&info, name)?,
+                texts: self.texts(&info, shader)?,
             })
         };
         (0..).zip(&stages).map(executable).collect()
@@ -78,7 +63,7 @@ impl Gpu {
 
     /// Reads every text of a stage.
     fn texts(&self, info: &vk::PipelineExecutableInfoKHR<'_>, name: &str) -> Result<Vec<(String, String)>, GpuError> {
-        let device = self.shared.executables.as_ref().expect("checked by `report`");
+        let device = self.shared.executables.as_ref().expect("checked by `executables`");
         let failed = || GpuError::call("vkGetPipelineExecutableInternalRepresentationsKHR", name);
         // SAFETY: the pipeline is alive and has this stage.
         let mut found = unsafe { device.get_pipeline_executable_internal_representations(info) }
@@ -126,28 +111,24 @@ fn statistic(found: &vk::PipelineExecutableStatisticKHR<'_>) -> (String, f64) {
     (text(found.name_as_c_str()), value)
 }
 
-/// Reads the descriptors of set 0 and the push constants that the shaders of one pipeline declare.
-fn declared(shaders: &[&str]) -> Result<Interface, GpuError> {
-    let mut interface = Interface { kinds: Vec::new(), push_size: 0 };
-    for shader in shaders {
-        let fault = |what: rspirv_reflect::ReflectError| GpuError::Reflection {
-            shader: shader.to_string(),
-            what: what.to_string(),
-        };
-        let mut reflection = Reflection::new_from_spirv(shader_code(shader)).map_err(fault)?;
-        keep_one_a_binding(&mut reflection.0);
-        let push = reflection.get_push_constant_range().map_err(fault)?;
-        interface.push_size = interface.push_size.max(push.map_or(0, |push| (push.offset + push.size) as usize));
-        for (binding, found) in reflection.get_descriptor_sets().map_err(fault)?.remove(&0).unwrap_or_default() {
-            let place = binding as usize;
-            if interface.kinds.len() <= place {
-                // A binding that no stage declares still takes a number.
-                interface.kinds.resize(place + 1, vk::DescriptorType::UNIFORM_BUFFER);
-            }
-            interface.kinds[place] = vk::DescriptorType::from_raw(found.ty.0 as i32);
+/// Reads the descriptors of set 0 and the push constants that a shader declares.
+fn declared(shader: &str) -> Result<Interface, GpuError> {
+    let fault =
+        |what: rspirv_reflect::ReflectError| GpuError::Reflection { shader: shader.to_owned(), what: what.to_string() };
+    let mut reflection = Reflection::new_from_spirv(shader_code(shader)).map_err(fault)?;
+    keep_one_a_binding(&mut reflection.0);
+    let push = reflection.get_push_constant_range().map_err(fault)?;
+    let push_size = push.map_or(0, |push| (push.offset + push.size) as usize);
+    let mut kinds = Vec::new();
+    for (binding, found) in reflection.get_descriptor_sets().map_err(fault)?.remove(&0).unwrap_or_default() {
+        let place = binding as usize;
+        if kinds.len() <= place {
+            // A binding that the shader does not declare still takes a number.
+            kinds.resize(place + 1, vk::DescriptorType::UNIFORM_BUFFER);
         }
+        kinds[place] = vk::DescriptorType::from_raw(found.ty.0 as i32);
     }
-    Ok(interface)
+    Ok(Interface { kinds, push_size })
 }
 
 /// Removes variables that share a binding, except the one that the shader reads: the reflection panics on them.

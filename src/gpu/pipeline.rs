@@ -134,7 +134,7 @@ impl Shared {
         interface: Interface,
     ) -> Result<Arc<Pipeline>, GpuError> {
         self.pipeline(&description.shaders, &[], interface, |interface| {
-            self.make_graphics_pipeline(description, color_count, interface, vk::PipelineCreateFlags::empty())
+            self.make_graphics_pipeline(description, color_count, interface)
         })
     }
 
@@ -157,12 +157,11 @@ impl Shared {
         Ok(pipeline)
     }
 
-    pub(super) fn make_graphics_pipeline(
+    fn make_graphics_pipeline(
         &self,
         description: GraphicsDescription<'_>,
         color_count: usize,
         interface: Interface,
-        flags: vk::PipelineCreateFlags,
     ) -> Result<Pipeline, GpuError> {
         const STAGES: [vk::ShaderStageFlags; 2] = [vk::ShaderStageFlags::VERTEX, vk::ShaderStageFlags::FRAGMENT];
         let GraphicsDescription { shaders: [vertex_shader, name], attributes, strip } = description;
@@ -206,7 +205,6 @@ impl Shared {
             .color_attachment_formats(&formats)
             .depth_attachment_format(Format::Depth32Float.raw());
         let info = [vk::GraphicsPipelineCreateInfo::default()
-            .flags(flags)
             .stages(&stages)
             .vertex_input_state(&vertex_input)
             .input_assembly_state(&assembly)
