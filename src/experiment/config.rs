@@ -103,8 +103,6 @@ pub struct Config {
     pub zips: Vec<Zip>,
     pub exclusions: Vec<Exclusion>,
     pub timing: Option<Timing>,
-    /// Renders of each sampled image with further point sets, to separate bias from variance.
-    pub repeats: Option<u32>,
     /// Samples per pixel for the steps of `[ladder]`.
     pub ladder: Option<u32>,
     pub ladder_place: Place,
@@ -157,7 +155,6 @@ pub(super) const KEYS: &[(&str, Reader)] = &[
     ("zip", Config::read_zips),
     ("exclude", Config::read_exclusions),
     ("timing", Config::read_timing),
-    ("bias_variance", Config::read_bias_variance),
     ("ladder", Config::read_ladder),
     ("precompute", Config::read_precompute),
     ("lights", Config::read_lights),

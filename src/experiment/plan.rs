@@ -199,11 +199,6 @@ impl Plan {
         points.filter(|point| seen.insert(key(point))).collect()
     }
 
-    /// Returns how often an image is rendered again; only methods with point sets vary.
-    pub fn repeats_of(&self, point: &Point) -> Option<u32> {
-        self.config.repeats.filter(|_| point.method().uses_point_set)
-    }
-
     /// Returns the samples for the steps of a point's error; only some terms have steps, and only on the scene `design`.
     pub fn ladder_of(&self, point: &Point) -> Option<u32> {
         let has_steps = point.method().has_ladder;
@@ -290,7 +285,7 @@ impl Plan {
             let reference = plan.radiance_id(&judge, plan.config.seed, plan.config.reference.relative_error);
             let point = point.collapsed(!plan.config.lights.is_empty());
             let radiance = plan.radiance_id(&point, plan.cell_seed(&point), plan.cell_error(&point));
-            let id = cell_id(&radiance, &reference, &point, plan.repeats_of(&point), plan.ladder_of(&point));
+            let id = cell_id(&radiance, &reference, &point, plan.ladder_of(&point));
             if seen.insert(id.clone()) {
                 cells.push(Cell { id, point, radiance, reference });
             } else {
@@ -355,9 +350,8 @@ impl Plan {
     }
 }
 
-fn cell_id(radiance: &str, reference: &str, point: &Point, repeats: Option<u32>, ladder: Option<u32>) -> String {
+fn cell_id(radiance: &str, reference: &str, point: &Point, ladder: Option<u32>) -> String {
     let mut lines = vec![format!("radiance={radiance}"), format!("reference={reference}")];
-    lines.extend(repeats.map(|repeats| format!("repeats={repeats}")));
     lines.extend(ladder.map(|samples| format!("ladder={samples}")));
     let display = AXES.iter().zip(&point.0).filter(|(axis, _)| !axis.changes_radiance());
     lines.extend(display.map(|(axis, value)| format!("{}={value}", axis.name)));

@@ -1,4 +1,4 @@
-//! Sections beside the axes: questions, exclusions, timing, bias and variance, ladder, tables.
+//! Sections beside the axes: questions, exclusions, timing, ladder, tables.
 
 use super::axis::{AXES, Named, SAMPLES, is_precompute};
 use super::config::{AXIS, Ask, Config, Exclusion, Placed, Timing, Warmup, axis_names};
@@ -10,8 +10,6 @@ use crate::shade::reference_pass::pair_count;
 use toml::Spanned;
 use toml::de::DeValue;
 
-/// Gives one pixel's variance within about 40 % at two sigma.
-const REPEATS_DEFAULT: u32 = 16;
 /// Keeps the noise of drawn steps far below the steps.
 const LADDER_SAMPLES_DEFAULT: u32 = 2048;
 
@@ -119,14 +117,10 @@ impl Config {
         self.timing = Some(timing);
     }
 
-    pub(super) fn read_bias_variance(&mut self, value: &Spanned<DeValue>, faults: &mut Faults) {
-        let kind = Kind::Count { min: 2, max: 4096 };
-        self.repeats = Some(one_count("bias_variance", "repeats", kind, value, faults).unwrap_or(REPEATS_DEFAULT));
-    }
-
     pub(super) fn read_ladder(&mut self, value: &Spanned<DeValue>, faults: &mut Faults) {
-        let samples = one_count("ladder", "samples", AXES[SAMPLES].kind, value, faults);
-        let samples = samples.unwrap_or(LADDER_SAMPLES_DEFAULT);
+        let entries = section(value, "ladder", &["samples"], faults);
+        let count = |value| checked(AXES[SAMPLES].kind, "ladder.samples", value, faults).map(|v| v.count());
+        let samples = entries.into_iter().map(|(_, value, _)| value).find_map(count).unwrap_or(LADDER_SAMPLES_DEFAULT);
         if let Err(error) = pair_count(samples) {
             faults.add(&at(value), format!("ladder.samples: {error}"));
         }
@@ -144,10 +138,4 @@ impl Config {
             }
         }
     }
-}
-
-/// Reads a section whose only key is a count.
-fn one_count(name: &str, key: &str, kind: Kind, value: &Spanned<DeValue>, faults: &mut Faults) -> Option<u32> {
-    let entries = section(value, name, &[key], faults);
-    entries.iter().find_map(|(_, value, _)| Some(checked(kind, &format!("{name}.{key}"), value, faults)?.count()))
 }

@@ -7,7 +7,6 @@
 //! "relMSE".
 
 mod bias;
-mod bias_variance;
 mod bins;
 mod comparison;
 mod epsilon;
@@ -23,7 +22,6 @@ mod tone_mapped;
 mod weight;
 
 use crate::spelling::Listed;
-pub use bias_variance::{BiasVariance, Repeats};
 pub use bins::{ALL_VIEWS, BinRow, N_DOT_V_BIN_EDGES, VIEWS};
 pub use comparison::{Comparison, Displayed, MetricsError};
 pub use epsilon::Epsilon;

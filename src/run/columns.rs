@@ -20,13 +20,6 @@ pub const FAILED: &str = "failed";
 
 /// `errors.csv`, besides the cell, its axes, the metrics and their noise floors.
 pub const ERRORS: &[Column] = &[
-    column(
-        "var_hat",
-        "Variance of the image over point sets, mean over pixels. Unbiased. Only with `[bias_variance]`.",
-    ),
-    column("bias2_hat", "Squared bias of the image over point sets, mean over pixels. Unbiased, so it may be below 0."),
-    column("var_hat_rel", "The variance relative to the squared reference plus ε, as in `relmse`."),
-    column("bias2_hat_rel", "The squared bias relative to the squared reference plus ε, as in `relmse`."),
     column("reference_samples", "Samples per pixel and term at which the reference stopped; the fewest of its terms."),
     column("reference_relative_error", "Relative standard error of the reference image; the largest of its terms."),
     column("reference_stopped_by", "`samples`, or `relative-error` if every term reached the requested error."),

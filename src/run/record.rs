@@ -2,7 +2,7 @@
 
 use super::columns::{Column, STEP_NUMBERS};
 use crate::ladder::{Attribution, StepNumbers};
-use crate::metrics::{BiasVariance, METRICS, Metric, linear_metrics};
+use crate::metrics::{METRICS, Metric, linear_metrics};
 use crate::pipeline::{FrameTimings, PassTime};
 use crate::precompute::table_of;
 use crate::shade::reference_pass::Convergence;
@@ -79,9 +79,6 @@ pub struct CellRecord {
     /// Every axis by name.
     pub axes: BTreeMap<String, String>,
     pub scores: Scores,
-    /// Empty without `[bias_variance]`.
-    #[serde(default)]
-    pub bias_variance: Scores,
     /// Expected scores of an exact image, if the reference's standard error is known.
     pub noise_floors: Scores,
     #[serde(default)]
@@ -103,7 +100,7 @@ pub struct CellRecord {
 /// Host time of a cell by part, ms. Shared work is in the first of its cells only.
 #[derive(Clone, Debug, Default, Deserialize, PartialEq, Serialize)]
 pub struct Spent {
-    /// Image and repeats, without tables.
+    /// Image, without tables.
     pub image_ms: Option<f64>,
     /// Reference, without tables; `None` if it was not rendered.
     pub reference_ms: Option<f64>,
@@ -195,22 +192,18 @@ pub struct KeptCell {
     pub scores: Box<[Option<f64>]>,
     /// In the order of [`linear_metrics`].
     pub noise_floors: Box<[Option<f64>]>,
-    /// In the order of [`BiasVariance::NAMES`].
-    pub bias_variance: [Option<f64>; BiasVariance::NAMES.len()],
     pub reference: Option<ReferenceStop>,
     pub verdict: Box<str>,
 }
 
 impl KeptCell {
     pub fn of(record: &CellRecord) -> Self {
-        let of = |scores: &Scores, name: &str| scores.get(name).map(|score| score.0);
         let all = |scores: &Scores, metrics: &[&Metric]| -> Box<[Option<f64>]> {
-            metrics.iter().map(|metric| of(scores, metric.name)).collect()
+            metrics.iter().map(|metric| scores.get(metric.name).map(|score| score.0)).collect()
         };
         Self {
             scores: all(&record.scores, METRICS),
             noise_floors: all(&record.noise_floors, &linear_metrics()),
-            bias_variance: BiasVariance::NAMES.map(|name| of(&record.bias_variance, name)),
             reference: record.reference.clone(),
             verdict: record.verdict.as_str().into(),
         }

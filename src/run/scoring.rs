@@ -7,8 +7,8 @@ use super::tables::HEADLINE;
 use crate::experiment::plan::{Cell, Plan};
 use crate::files::content_hash;
 use crate::metrics::{
-    BiasVariance, BinRow, Comparison, Displayed, Epsilon, METRICS, Metric, MetricsError, N_DOT_V_BIN_EDGES, Pooling,
-    ReferenceNoise, Space, linear_metrics, noise_floor, verdict,
+    BinRow, Comparison, Displayed, Epsilon, METRICS, Metric, MetricsError, N_DOT_V_BIN_EDGES, Pooling, ReferenceNoise,
+    Space, linear_metrics, noise_floor, verdict,
 };
 use crate::pipeline::{DeviceInfo, Frame, RenderRequest};
 use crate::pixels::{GrayImage, PixelsError, Rgb8Image, RgbImage, exr, png};
@@ -144,7 +144,6 @@ pub struct Rendered<'p> {
     pub reference: Arc<ReferenceImage>,
     /// Display images of test and reference.
     pub pictures: [Arc<Rgb8Image>; 2],
-    pub bias_variance: Option<BiasVariance>,
     pub steps: Arc<Vec<StepRecord>>,
     /// Shared by cells that differ only in the tone curve.
     pub linear: Arc<Mutex<Option<Linear>>>,
@@ -246,7 +245,6 @@ impl Rendered<'_> {
             let flip = FLIP_ERROR.image(&comparison.flip_map(), mask);
             files.extend([keep(store, images::flip_name(cell), |path| png::write_rgb8(path, &flip))?]);
         }
-        let bias_variance = self.bias_variance.map(|parts| BiasVariance::NAMES.into_iter().zip(parts.values()));
         Ok(CellRecord {
             cell: cell.id.clone(),
             axes: plan.columns_of(cell).iter().map(|(n, v)| (n.to_string(), v.to_string())).collect(),
@@ -254,7 +252,6 @@ impl Rendered<'_> {
             noise_floors,
             reference: reference.stop.clone(),
             scores,
-            bias_variance: by_name(bias_variance.into_iter().flatten().collect()),
             bins,
             steps: self.steps.to_vec(),
             device: device.name.clone(),

@@ -10,7 +10,7 @@ use super::timing::{TimingRecord, summarize};
 use crate::experiment::axis::named::{columns, fields};
 use crate::experiment::axis::{AXES, SIZE};
 use crate::experiment::plan::{Cell, Plan};
-use crate::metrics::{BiasVariance, METRICS, Pooling, linear_metrics};
+use crate::metrics::{METRICS, Pooling, linear_metrics};
 use crate::table::csv::Cell as Field;
 use std::collections::BTreeMap;
 
@@ -67,15 +67,15 @@ impl<'p> CellColumns<'p> {
 pub fn errors(plan: &Plan, results: &Results) -> (Vec<String>, impl Iterator<Item = Result<Vec<Field>, StoreError>>) {
     let columns = CellColumns::new(plan);
     let floors = linear_metrics().into_iter().map(|metric| format!("{}_noise_floor", metric.name));
-    let numbers = metric_names().into_iter().chain(BiasVariance::NAMES).map(str::to_owned).chain(floors);
+    let numbers = metric_names().into_iter().map(str::to_owned).chain(floors);
     let numbers: Vec<String> = numbers.collect();
     let number_count = numbers.len();
-    let names = columns.names(numbers.into_iter().chain(names_of(&ERRORS[BiasVariance::NAMES.len()..])));
+    let names = columns.names(numbers.into_iter().chain(names_of(ERRORS)));
     let row = move |cell: &Cell| {
         let mut own: Vec<Field> = Vec::new();
         let (stop, verdict) = match results.get(&cell.id)? {
             CellResult::Done(kept) => {
-                let numbers = kept.scores.iter().chain(&kept.bias_variance).chain(&kept.noise_floors);
+                let numbers = kept.scores.iter().chain(&kept.noise_floors);
                 own.extend(numbers.map(|number| Field::from(*number)));
                 (kept.reference.as_ref(), &*kept.verdict)
             }

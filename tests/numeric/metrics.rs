@@ -5,7 +5,7 @@ mod display;
 use crate::study::estimate::normal;
 use splitsum::metrics::Metric;
 use splitsum::metrics::{
-    Better, Comparison, Epsilon, METRICS, MetricsError, N_DOT_V_BIN_EDGES, ReferenceNoise, Repeats, Space, Verdict,
+    Better, Comparison, Epsilon, METRICS, MetricsError, N_DOT_V_BIN_EDGES, ReferenceNoise, Space, Verdict,
     linear_metrics, noise_floor, verdict,
 };
 use splitsum::pixels::{GrayImage, RgbImage};
@@ -302,37 +302,6 @@ fn scores_do_not_depend_on_order_of_evaluation() {
 }
 
 #[test]
-fn repeated_images_recover_their_bias_and_variance() {
-    // Noise of 0.1 about 1.05 times the reference, which is itself off by 0.02.
-    let mut random = Random::new(1);
-    let mut normal = || normal(&mut random);
-    let (width, height) = (64, 64);
-    let mask = GrayImage::from_fn(width, height, |x, _| if x == 0 { 0.0 } else { 1.0 });
-    let truth = 2.0;
-    let reference = RgbImage::from_fn(width, height, |_, _| [0, 1, 2].map(|_| (truth + 0.02 * normal()) as f32));
-    let standard_error = RgbImage::filled(width, height, [0.02; 3]);
-    let mut repeats = Repeats::new(&mask).unwrap();
-    assert_eq!(repeats.finish(&reference, None, Epsilon::ABSOLUTE).unwrap(), None);
-    for _ in 0..16 {
-        let mut image =
-            RgbImage::from_fn(width, height, |_, _| [0, 1, 2].map(|_| (1.05 * truth + 0.1 * normal()) as f32));
-        // Pixels off the mask do not count, with any error.
-        image.data[0] = [f32::NAN; 3];
-        repeats.add(&image).unwrap();
-    }
-    let found = repeats.finish(&reference, Some(&standard_error), Epsilon::ABSOLUTE).unwrap().unwrap();
-    // 12,096 values: the variance of one image is known within 1 % (two sigma), the bias within 1 %.
-    assert!((found.var_hat / 0.01 - 1.0).abs() < 0.01, "{found:?}");
-    assert!((found.bias2_hat / 0.01 - 1.0).abs() < 0.02, "{found:?}");
-    let scale = truth * truth + Epsilon::SHARE;
-    assert!((found.relative_var_hat * scale / found.var_hat - 1.0).abs() < 0.01, "{found:?}");
-    assert!((found.relative_bias2_hat * scale / found.bias2_hat - 1.0).abs() < 0.01, "{found:?}");
-    // Without the corrections the square of the bias would read 0.01 + 0.01 / 16 + 0.0004.
-    let uncorrected = repeats.finish(&reference, None, Epsilon::ABSOLUTE).unwrap().unwrap().bias2_hat;
-    assert!((uncorrected - found.bias2_hat - 0.0004).abs() < 1e-6);
-}
-
-#[test]
 fn the_unit_of_radiance_does_not_change_relative_metrics() {
     let [test, reference] = noisy_pair(40, 30);
     let (standard_error, mask) = (reference.map(|pixel| pixel.map(|value| 0.01 * value + 1e-3)), whole(&test));
@@ -341,19 +310,11 @@ fn the_unit_of_radiance_does_not_change_relative_metrics() {
         let [test, reference, standard_error] = [&test, &reference, &standard_error].map(scaled);
         let epsilon = Epsilon::of_light(f64::from(unit) * mean);
         let comparison = Comparison::new(&test, &reference, &mask, LINEAR_CURVE, epsilon).unwrap();
-        let mut repeats = Repeats::new(&mask).unwrap();
-        [&test, &reference].into_iter().for_each(|image| repeats.add(image).unwrap());
-        let parts = repeats.finish(&reference, Some(&standard_error), epsilon).unwrap().unwrap();
         let floors = noise_floor(&reference, &standard_error, &mask, epsilon).unwrap().into_iter();
         let floors = floors.filter_map(|(name, floor)| Some((format!("{name} floor"), floor?)));
         let maps = [comparison.relative_error_map(), comparison.signed_error_map()];
         let maps = maps.map(|map| ("map".to_owned(), map.data.iter().map(|x| f64::from(*x).powi(2)).sum()));
-        let parts = [("variance", parts.relative_var_hat), ("bias", parts.relative_bias2_hat)];
-        let own = comparison
-            .evaluate(&linear_metrics())
-            .into_iter()
-            .chain(parts)
-            .map(|(name, score)| (name.to_owned(), score));
+        let own = comparison.evaluate(&linear_metrics()).into_iter().map(|(name, score)| (name.to_owned(), score));
         own.chain(floors).chain(maps).collect::<Vec<(String, f64)>>()
     };
     for mean in [0.17, 2.2] {

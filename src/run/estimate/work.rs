@@ -115,7 +115,7 @@ impl<'p> Steps<'p> {
         }
         let is_first = self.seen.insert(cell.radiance.clone());
         if is_first {
-            (0..=plan.repeats_of(point).unwrap_or(0)).for_each(|_| work.item("image", method(point), own));
+            work.item("image", method(point), own);
             if let Some(samples) = plan.ladder_of(point) {
                 work.item("ladder", "", Amount { samples: own.pixels * f64::from(samples), ..own });
             }

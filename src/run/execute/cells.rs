@@ -7,8 +7,7 @@ use crate::experiment::axis::Point;
 use crate::experiment::plan::{Cell, Plan, ReferenceGroup};
 use crate::files::content_hash;
 use crate::ladder::BANDS;
-use crate::metrics::{BiasVariance, Repeats};
-use crate::pipeline::{DeviceInfo, Frame, FrameTimings};
+use crate::pipeline::{DeviceInfo, Frame};
 use crate::pixels::Rgb8Image;
 use crate::run::images;
 use crate::run::renderer::Renderer;
@@ -37,7 +36,6 @@ struct Desk<'p> {
 
 struct Made {
     frame: Arc<Frame>,
-    bias_variance: Option<BiasVariance>,
     steps: Arc<Vec<StepRecord>>,
 }
 
@@ -93,15 +91,15 @@ impl<'p> Run<'p> {
             let todo: Vec<&Cell> = cells.iter().copied().filter(|cell| !self.is_done(cell)).collect();
             let (Some(first), false) = (todo.first(), self.is_stopped()) else { continue };
             let rendered = match reference.rendered.as_ref().filter(|_| *id == group.id) {
-                Some(frame) => Ok(Made { frame: frame.clone(), bias_variance: None, steps: Arc::default() }),
-                None => of_cell(self.radiance(&first.point, &reference, renderer, &mut spent))?,
+                Some(frame) => Ok(Made { frame: frame.clone(), steps: Arc::default() }),
+                None => of_cell(self.radiance(&first.point, renderer, &mut spent))?,
             };
             let linear = Arc::default();
             for cell in todo {
                 if self.is_stopped() {
                     return Ok(());
                 }
-                let Made { frame, bias_variance, steps } = match &rendered {
+                let Made { frame, steps } = match &rendered {
                     Ok(rendered) => rendered,
                     Err(reason) => {
                         self.fail(&[cell], reason, progress)?;
@@ -117,7 +115,6 @@ impl<'p> Run<'p> {
                         frame: frame.clone(),
                         reference: reference.clone(),
                         pictures,
-                        bias_variance: *bias_variance,
                         steps: steps.clone(),
                         linear: Arc::clone(&linear),
                         spent: std::mem::take(&mut spent),
@@ -131,37 +128,19 @@ impl<'p> Run<'p> {
         Ok(())
     }
 
-    /// Renders a point with a set of the sequence.
-    fn render(&self, point: &Point, set: u32, renderer: &mut dyn Renderer) -> Result<Frame, CellFault> {
-        Ok(renderer.render(&self.plan.request(point).shaded(|s| s.point_set = set))?)
-    }
-
-    /// Renders a point, with its ladder and its bias and variance if the experiment asks for them.
-    fn radiance(
-        &self,
-        point: &Point,
-        reference: &ReferenceImage,
-        renderer: &mut dyn Renderer,
-        spent: &mut Spent,
-    ) -> Result<Made, CellFault> {
+    /// Renders a point, with its ladder if the experiment asks for it.
+    fn radiance(&self, point: &Point, renderer: &mut dyn Renderer, spent: &mut Spent) -> Result<Made, CellFault> {
         let started = Instant::now();
-        let frame = Arc::new(self.render(point, point.settings().shading.point_set, renderer)?);
+        let request = self.plan.request(point);
+        let frame = Arc::new(renderer.render(&request)?);
         spent.add(|spent| &mut spent.image_ms, &frame.timings, milliseconds(started));
         let started = Instant::now();
-        let mut made = Made { frame, bias_variance: None, steps: Arc::default() };
+        let mut made = Made { frame, steps: Arc::default() };
         if let Some(samples) = self.plan.ladder_of(point) {
-            let steps = renderer.attributions(&self.plan.request(point), samples, &BANDS)?;
+            let steps = renderer.attributions(&request, samples, &BANDS)?;
             made.steps = Arc::new(StepRecord::of(&steps));
             spent.ladder_ms = Some(milliseconds(started));
         }
-        let Some(repeats) = self.plan.repeats_of(point) else { return Ok(made) };
-        let mut images = Repeats::new(&reference.mask)?;
-        for set in 1..=repeats {
-            images.add(&self.render(point, set, renderer)?.radiance)?;
-        }
-        let parts = images.finish(&reference.radiance, reference.standard_error.as_ref(), reference.epsilon)?;
-        spent.add(|spent| &mut spent.image_ms, &FrameTimings::default(), milliseconds(started));
-        made.bias_variance = parts;
         Ok(made)
     }
 

@@ -81,8 +81,6 @@ pub struct FinishedCell {
     pub scores: Option<MetricValues>,
     /// Expected scores of an exact image, from the reference's noise.
     pub noise_floors: MetricValues,
-    /// Squared bias and variance of the relative error over point sets.
-    pub bias_variance: Option<[f64; 2]>,
     pub reference: Option<ReferenceStop>,
     pub bins: Arc<Vec<Bin>>,
     /// With `[ladder]`: steps in order, over all n·v and then band by band.

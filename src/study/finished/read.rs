@@ -6,7 +6,7 @@ use crate::experiment::fault::Faults;
 use crate::experiment::inputs::load_methods;
 use crate::experiment::value::Value;
 use crate::files::read_regular;
-use crate::metrics::{BiasVariance, Weight};
+use crate::metrics::Weight;
 use crate::run::columns::FAILED;
 use crate::run::frozen::EXPERIMENT_FILE;
 use crate::run::provenance::{self, EXPERIMENT_FOLDER, PROVENANCE_FILE, ProvenanceError, SET_FOLDER};
@@ -106,7 +106,6 @@ fn cells(errors: &mut TableRows, images: &mut HashMap<String, CellImages>) -> Re
     errors.each(|row| {
         row.checked_number(HEADLINE)?;
         let id = row.text("cell").unwrap_or_default().to_owned();
-        let [variance, bias] = BiasVariance::RELATIVE_NAMES.map(|name| row.number(name));
         let is_failed = row.text("verdict") == Some(FAILED);
         let mut point = point_of(|name| Some(row.text(name)?.to_owned()));
         for value in &mut point.0 {
@@ -118,7 +117,6 @@ fn cells(errors: &mut TableRows, images: &mut HashMap<String, CellImages>) -> Re
             point,
             scores: (!is_failed).then(|| metrics(&row, "")),
             noise_floors: metrics(&row, "_noise_floor"),
-            bias_variance: bias.zip(variance).map(|(bias, variance)| [bias, variance]),
             reference: stop(&row),
             bins: Arc::default(),
             steps: Vec::new(),

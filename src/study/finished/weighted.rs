@@ -35,7 +35,7 @@ impl Finished {
             let (scores, floors) = cell.pooled(weight, &density);
             let floor = |name: &str| floors.get(name).or(cell.noise_floors.get(name));
             let scores = cell.scores.as_ref().map(|_| scores);
-            FinishedCell { scores, noise_floors: MetricValues::of(floor), bias_variance: None, ..cell.clone() }
+            FinishedCell { scores, noise_floors: MetricValues::of(floor), ..cell.clone() }
         };
         Self { cells: self.cells.iter().map(cell).collect(), weight: weight.clone(), ..self.clone() }
     }

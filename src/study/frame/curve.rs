@@ -39,19 +39,6 @@ impl<'r, 'f> Curve<'r, 'f> {
     }
 }
 
-impl CurvePoint<'_, '_> {
-    /// Mean of [`Row::bias_share`] over the point sets that have one.
-    pub fn bias_share(&self) -> Option<f64> {
-        mean(self.rows.iter().filter_map(|row| row.bias_share()))
-    }
-}
-
-/// Arithmetic mean; `None` for no values.
-pub fn mean(values: impl IntoIterator<Item = f64>) -> Option<f64> {
-    let values: Vec<f64> = values.into_iter().collect();
-    (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)
-}
-
 /// The curves of these images, without the reference method, which may be rendered for its times.
 pub fn curves<'r, 'f>(frame: &Frame, images: &[&'r Row<'f>], axes: &[usize]) -> Vec<Curve<'r, 'f>> {
     let is_tested = |row: &Row| row.text(METHOD) != frame.shape.reference_method;

@@ -230,12 +230,6 @@ impl Row<'_> {
     pub fn has_no_method(&self) -> bool {
         self.text(METHOD) == NONE
     }
-
-    /// Squared bias over squared bias plus variance, with `[bias_variance]`.
-    pub fn bias_share(&self) -> Option<f64> {
-        let [bias, variance] = self.cell.bias_variance?;
-        Some(bias / (bias + variance)).filter(|share| share.is_finite())
-    }
 }
 
 /// Whether two keys agree; an unset value fits any value.

@@ -5,11 +5,11 @@
 //! standard error comes from the residuals, so a curve that bends has a large one. Doubling the samples divides the error by 2^-slope.
 //!
 //! An error *stops falling* at the smallest tried count from which doubling the samples removes less than [`GAIN_MIN`], up to the largest
-//! resolved count. With `[bias_variance]` the share of bias at the largest count says why.
+//! resolved count.
 
 use super::prelude::*;
-use super::{BIAS_SHARE, ERROR, IS_RESOLVED, NOISE_FLOOR};
-use crate::study::frame::curve::{Curve, CurvePoint, curves, mean, without_samples};
+use super::{ERROR, IS_RESOLVED, NOISE_FLOOR};
+use crate::study::frame::curve::{Curve, CurvePoint, curves, without_samples};
 use crate::study::frame::line::{Line, POINTS_MIN};
 
 pub const QUESTION: Question = Question {
@@ -19,7 +19,6 @@ pub const QUESTION: Question = Question {
         ERROR,
         NOISE_FLOOR,
         IS_RESOLVED,
-        BIAS_SHARE,
         column("slope", "Slope of ln error over ln samples of the resolved counts; -1 is plain Monte Carlo."),
         column("slope_standard_error", "Standard error of that slope, from the residuals."),
         column(
@@ -78,13 +77,13 @@ fn answer(frame: &Frame) -> Option<Finding> {
             frame.noise_floor(point.rows[0]),
             point.is_resolved
         ]);
-        row.extend(cells![point.bias_share(), fall.line.map(|line| line.slope)]);
-        row.extend(cells![fall.line.map(|line| line.standard_error), fall.stops_at]);
+        let [slope, standard_error] = [fall.line.map(|line| line.slope), fall.line.map(|line| line.standard_error)];
+        row.extend(cells![slope, standard_error, fall.stops_at]);
         table.row(row);
     }
     for row in &fixed {
         let own = cells![frame.error(row), frame.noise_floor(row), frame.is_resolved(row)];
-        table.row([row.cells(&of_row), own, vec![Cell::Missing; 4]].concat());
+        table.row([row.cells(&of_row), own, vec![Cell::Missing; 3]].concat());
     }
     let fitted: Vec<&Fall> = falls.iter().filter(|fall| fall.line.is_some()).collect();
     let by_method = grouped(fitted, |fall| fall.curve.method.clone());
@@ -148,18 +147,12 @@ fn sentence(frame: &Frame, falls: &[&Fall]) -> Option<String> {
     Some(text + &end)
 }
 
-/// By method and [`Frame::row_axis`]: slope, factor of a doubling, where it stops, bias at the largest count.
+/// By method and [`Frame::row_axis`]: slope, factor of a doubling, where it stops.
 fn digest(frame: &Frame, by_method: &[(Value, Vec<&Fall>)]) -> Table {
     let of = frame.row_axis();
     let heads = if frame.shape.is_swept(of) { frame.names.heads(&[of]) } else { Vec::new() };
-    let names = [
-        "slope",
-        "a doubling divides by",
-        AXES[ENVIRONMENT].plural,
-        "of which it stops under",
-        "stops at, median",
-        "bias share at most samples",
-    ];
+    let names =
+        ["slope", "a doubling divides by", AXES[ENVIRONMENT].plural, "of which it stops under", "stops at, median"];
     let mut table = Table::with_names([AXES[METHOD].name].into_iter().chain(heads.iter().copied()).chain(names));
     for (method, own) in by_method {
         let widths = values(own.iter().map(|fall| fall.curve.first()), of);
@@ -173,10 +166,8 @@ fn digest(frame: &Frame, by_method: &[(Value, Vec<&Fall>)]) -> Table {
             }
             let stops = group.iter().filter_map(|fall| Some((fall.curve.first(), fall.stops_at?.into())));
             let stops = Numbers::new(stops, Middle::Median).estimate();
-            let share = mean(group.iter().filter_map(|fall| fall.curve.points.last()?.bias_share()));
             row.extend(cells![number(-factor.value.log2()), with_interval(&factor), factor.n]);
             row.extend(cells![stops.map_or(0, |stops| stops.n), stops.map(|stops| number(stops.value))]);
-            row.extend(cells![share.map(|share| percent(share.max(0.0)))]);
             table.row(row);
         }
     }

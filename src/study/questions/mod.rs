@@ -23,10 +23,6 @@ const NOISE_FLOOR: Column =
 const IS_RESOLVED: Column = column("is_resolved", "1 if the error is ten standard errors above that noise, else 0.");
 const SAMPLED: Column = column("sampled", "The sampling method.");
 const FIXED: Column = column("fixed", "The method without samples.");
-const BIAS_SHARE: Column = column(
-    "bias_share",
-    "Squared bias over mean square error; as an unbiased estimate it may fall below 0. Empty without [bias_variance].",
-);
 pub const SEEN_FROM: Column = column("n_dot_v_from", "Lower end of n·v.");
 pub const SEEN_TO: Column = column("n_dot_v_to", "Upper end of n·v.");
 /// The first column of weighted answers.

@@ -167,8 +167,6 @@ fn ids_depend_on_everything_that_determines_pixels() {
         plan(&format!("name = \"x\"\n[axes]\n{axes}\n[ladder]\nsamples = {samples}\n")).cells[0].id.clone()
     };
     assert!(ids.insert(ladder(64)) && ids.insert(ladder(128)), "samples of the ladder change no id");
-    let [repeated, _] = of("[bias_variance]\nrepeats = 3", &plain);
-    assert!(ids.insert(repeated), "repeats change no id");
     assert!(!ids.insert(of("question = \"another\"", &plain)[0].clone()), "the question changes an id");
 }
 

@@ -44,9 +44,9 @@ pub const ERROR_AT_ONE: f32 = 0.4;
 /// Relative error of `split-sum` at any count. Break-even with `sampled` lies between 4 (0.2) and 16 (0.1) samples.
 pub const SPLIT_SUM_ERROR: f32 = 0.15;
 /// Relative standard error of the reference.
-pub const NOISE: f32 = 1e-4;
+const NOISE: f32 = 1e-4;
 /// Relative error of each further point set, of alternating sign.
-pub const SET_ERROR: f32 = 0.01;
+const SET_ERROR: f32 = 0.01;
 
 /// The fake reference stops at a quarter of its samples with an error of 1/1000, if the request allows that error.
 fn convergence(request: &RenderRequest) -> Convergence {

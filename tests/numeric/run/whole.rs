@@ -1,6 +1,6 @@
 //! Runs with a synthetic renderer: renders, scores and files.
 
-use super::fake::{ERROR_AT_ONE, NOISE, SET_ERROR, SPLIT_SUM_ERROR};
+use super::fake::{ERROR_AT_ONE, SPLIT_SUM_ERROR};
 use super::runs::{Bench, invoke, log, plan, read, snapshot, summary};
 use splitsum::run::sheets::sheet_files;
 use splitsum::table::csv::Table;
@@ -113,37 +113,6 @@ fn a_cells_record_does_not_depend_on_other_cells() {
     let values = ["[1]", "[10]"];
     let apart = values.map(|e| values.map(|c| records(e, c))).into_iter().flatten().flatten();
     assert_eq!(records("[1, 10]", "[1, 10]"), apart.collect());
-}
-
-#[test]
-fn repeats_separate_bias_from_variance() {
-    let (dir, plan) = (tempfile::tempdir().unwrap(), plan(&format!("{EXPERIMENT}[bias_variance]\nrepeats = 8\n")));
-    let log = log();
-    invoke(&plan, dir.path(), &log, usize::MAX).unwrap();
-    // Each of the 12 sampled images is rendered with 8 further sets.
-    assert_eq!(log.borrow().renders.len(), 20 + 12 * 8);
-    let table = Table::read(&dir.path().join("errors.csv")).unwrap();
-    let column = |name: &str| table.numbers(name).unwrap();
-    let (rmse, relmse, samples) = (column("rmse"), column("relmse"), column("samples"));
-    let (var, bias2) = (column("var_hat"), column("bias2_hat"));
-    let (var_rel, bias2_rel) = (column("var_hat_rel"), column("bias2_hat_rel"));
-    for i in 0..table.rows.len() {
-        let Some(count) = samples[i] else {
-            assert_eq!((var[i], bias2[i], var_rel[i], bias2_rel[i]), (None, None, None, None));
-            continue;
-        };
-        // All errors are factors of the reference, so each figure is a multiple of the mean square of its pixels.
-        let factor = f64::from(ERROR_AT_ONE) / count.sqrt();
-        let variance = f64::from(SET_ERROR).powi(2) * 8.0 / 7.0;
-        let bias2_factor = factor.powi(2) - variance / 8.0 - f64::from(NOISE).powi(2);
-        for (score, var, bias2) in
-            [(rmse[i].unwrap().powi(2), var[i], bias2[i]), (relmse[i].unwrap(), var_rel[i], bias2_rel[i])]
-        {
-            let mean_square = score / factor.powi(2);
-            assert!((var.unwrap() / (variance * mean_square) - 1.0).abs() < 1e-4, "{var:?}");
-            assert!((bias2.unwrap() / (bias2_factor * mean_square) - 1.0).abs() < 1e-4, "{bias2:?}");
-        }
-    }
 }
 
 #[test]

@@ -40,13 +40,11 @@ fn an_error_stops_falling_at_its_bias() {
     // Variance 1/n over a squared bias of 0.1: a doubling removes (1/n - 1/2n)/(1/n + 0.1), less than a tenth from about 40 on.
     let run = finished("method = [\"sampled\"]\nsamples = { pow2 = [0, 9] }\nalpha = [0.1, 0.5]\n", |point| {
         let (n, bias) = (samples(point).unwrap(), if point.get("alpha").number() == 0.1 { 0.1 } else { 0.0 });
-        Some(Made { bias_variance: Some([bias, 1.0 / n]), ..Made::error(1.0 / n + bias) })
+        Some(Made::error(1.0 / n + bias))
     });
     let found = finding(&run, "convergence");
     let stops = numbers(&found.table, "stops_at");
     assert!(stops[..10].iter().all(|n| *n == 64.0) && stops[10..].iter().all(|n| n.is_nan()), "{stops:?}");
-    let shares = numbers(&found.table, "bias_share");
-    assert!((shares[0] - 0.1 / 1.1).abs() < F64 && shares[19] == 0.0, "{shares:?}");
 }
 
 #[test]

@@ -35,13 +35,12 @@ fn empty(name: &str) -> Finished {
 /// A cell without scores.
 fn cell_of(id: String, point: Point) -> FinishedCell {
     let none = MetricValues::of(|_| None);
-    let (bias_variance, reference, bins) = (None, None, Vec::new());
+    let (reference, bins) = (None, Vec::new());
     FinishedCell {
         id,
         point,
         scores: None,
         noise_floors: none,
-        bias_variance,
         reference,
         bins: bins.into(),
         steps: Vec::new(),
@@ -58,14 +57,12 @@ pub struct Made {
     pub error: f64,
     pub floor: f64,
     pub flip: f64,
-    /// Squared bias and variance.
-    pub bias_variance: Option<[f64; 2]>,
 }
 
 impl Made {
     /// An error far above the noise, with an invisible difference.
     pub fn error(error: f64) -> Self {
-        Self { error, floor: 1e-12, flip: 0.01, bias_variance: None }
+        Self { error, floor: 1e-12, flip: 0.01 }
     }
 }
 
@@ -83,7 +80,6 @@ pub fn finished_of(text: &str, cell: impl Fn(&Point) -> Option<Made>) -> Finishe
         FinishedCell {
             scores: made.map(scores),
             noise_floors: MetricValues::of(|name| made.filter(|_| name != "flip").map(|made| made.floor)),
-            bias_variance: made.and_then(|made| made.bias_variance),
             ..cell_of(planned.id.clone(), planned.point.clone())
         }
     };
@@ -106,7 +102,6 @@ pub fn scaled(run: &mut Finished, factor: impl Fn(&Point) -> f64) {
         };
         cell.scores = cell.scores.as_ref().map(by);
         std::sync::Arc::make_mut(&mut cell.bins).iter_mut().for_each(|bin| bin.scores = by(&bin.scores));
-        cell.bias_variance = cell.bias_variance.map(|both| both.map(|value| value * factor));
     }
 }
 

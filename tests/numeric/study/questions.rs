@@ -26,8 +26,6 @@ samples = [1, 4, 16]
 alpha = [0.1, 0.5]
 exposure = [1, 10]
 diffuse = ["none"]
-[bias_variance]
-repeats = 2
 [timing]
 warmup = 1
 rounds = 7"#,
