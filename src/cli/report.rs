@@ -3,7 +3,7 @@
 use super::{Failure, log, print, progress, shared};
 use clap::Args;
 use splitsum::metrics::Metric;
-use splitsum::report::page::images::{BUDGET_BYTES, Choice, Window};
+use splitsum::report::page::images::{BUDGET_BYTES, Choice};
 use splitsum::report::page::{PAGE_FILE, PageError, PageOptions, PageRun, Written, check_out, write};
 use splitsum::spelling::Listed;
 use splitsum::study::finished::{Finished, notes};
@@ -24,9 +24,6 @@ pub struct Arguments {
     /// Link the images instead of embedding them.
     #[arg(long)]
     no_images: bool,
-    /// Embed only this part of each image, pixels from the top left corner.
-    #[arg(long, value_name = "X,Y,W,H", value_parser = window, conflicts_with = "no_images")]
-    crop: Option<Window>,
     /// Answer by this metric (`splitsum list metrics`) [default: the experiment's].
     #[arg(long, value_name = "NAME", value_parser = known_metric)]
     metric: Option<String>,
@@ -38,25 +35,13 @@ pub struct Arguments {
     out: Option<PathBuf>,
 }
 
-fn window(text: &str) -> Result<Window, String> {
-    let numbers: Result<Vec<u32>, _> = text.split(',').map(|number| number.trim().parse()).collect();
-    match numbers.as_deref() {
-        Ok(&[x, y, width, height]) if width > 0 && height > 0 => Ok(Window { x, y, width, height }),
-        _ => Err("expected X,Y,W,H: four whole numbers, W and H at least 1".to_owned()),
-    }
-}
-
 /// Checks the value of `--metric`.
 pub fn known_metric(name: &str) -> Result<String, String> {
     Metric::parse(name).map(|metric| metric.name().to_owned())
 }
 
 pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
-    let images = match (arguments.no_images, arguments.crop) {
-        (true, _) => Choice::None,
-        (false, Some(window)) => Choice::Crop(window),
-        (false, None) => Choice::Automatic,
-    };
+    let images = if arguments.no_images { Choice::None } else { Choice::Automatic };
     let out = arguments.out.clone().unwrap_or_else(|| arguments.dirs[0].join(PAGE_FILE));
     if let Some(out) = &arguments.out {
         shared::check_out("--out", out, &["html", "htm"], [])?;

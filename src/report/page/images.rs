@@ -31,7 +31,6 @@ const WHOLE: Window = Window { x: 0, y: 0, width: u32::MAX, height: u32::MAX };
 pub enum Choice {
     /// Whole images within the budget, else windows.
     Automatic,
-    Crop(Window),
     None,
 }
 
@@ -74,51 +73,18 @@ pub struct ImageSet {
     pub images: Vec<EmbeddedImage>,
     /// Base64 texts.
     pub payloads: Vec<String>,
-    /// Omissions and crops, one sentence each.
+    /// Omissions, one sentence each.
     pub notes: Vec<String>,
     /// By run and file name.
     pub index: BTreeMap<(usize, String), usize>,
 }
 
-/// A window outside of all images.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error(
-    "--crop {},{},{},{} reaches beyond the images, which are {sizes} texels; choose X + W and Y + H within them",
-    .window.x, .window.y, .window.width, .window.height
-)]
-pub struct CropError {
-    pub window: Window,
-    /// "96 x 96 or 256 x 256".
-    pub sizes: String,
-}
-
-/// Collects the images of all runs. An unreadable file becomes a note; a crop outside of all images is an error.
-pub fn collect(runs: &[PageRun], choice: Choice, budget: usize) -> Result<ImageSet, CropError> {
+/// Collects the images of all runs. An unreadable file becomes a note.
+pub fn collect(runs: &[PageRun], choice: Choice, budget: usize) -> ImageSet {
     let mut set = ImageSet::list(runs);
     match choice {
         Choice::None => {
             set.notes.push("Images are omitted (--no-images); the linear EXR files are linked.".to_owned());
-        }
-        Choice::Crop(window) => {
-            // Overflow of the budget becomes a note.
-            let _ = set.embed(runs, budget, |_| Some(window));
-            let is_small = |image: &&EmbeddedImage| image.size != [0, 0] && image.payload.is_none();
-            let small: Vec<&EmbeddedImage> = set.images.iter().filter(is_small).collect();
-            if !small.is_empty() && set.payloads.is_empty() {
-                let sizes: BTreeSet<[u32; 2]> = small.iter().map(|image| image.size).collect();
-                let sizes: Vec<String> = sizes.iter().map(|[width, height]| format!("{width} x {height}")).collect();
-                return Err(CropError { window, sizes: sizes.join(" or ") });
-            }
-            let (small, all) = (small.len(), set.images.len());
-            set.notes.push(format!(
-                "Images are cropped to {} x {} texels at ({}, {}) (--crop); metrics are of the whole images.",
-                window.width, window.height, window.x, window.y
-            ));
-            if small > 0 {
-                set.notes.push(format!(
-                    "{small} of {all} images do not contain the crop and are omitted; their EXR files are linked."
-                ));
-            }
         }
         Choice::Automatic => {
             let mut wanted: BTreeSet<usize> = (0..set.images.len()).collect();
@@ -146,7 +112,7 @@ pub fn collect(runs: &[PageRun], choice: Choice, budget: usize) -> Result<ImageS
         };
         set.notes.push(why);
     }
-    Ok(set)
+    set
 }
 
 fn designs(runs: &[PageRun]) -> HashSet<Value> {
@@ -156,7 +122,7 @@ fn designs(runs: &[PageRun]) -> HashSet<Value> {
 }
 
 /// An image, its encoded texels and its mask.
-type Prepared = (EmbeddedImage, [Option<String>; 2]);
+type Prepared = (EmbeddedImage, String, Option<String>);
 
 impl ImageSet {
     /// The images of the cells, each once, without pixels and without designs.
@@ -208,8 +174,7 @@ impl ImageSet {
         found
     }
 
-    /// Embeds the window of each image (`None`: nothing), if the image contains it. If the images exceed the budget, the error is the bytes
-    /// per texel.
+    /// Embeds the window of each image (`None`: nothing). If the images exceed the budget, the error is the bytes per texel.
     fn embed(&mut self, runs: &[PageRun], budget: usize, window: impl Fn(usize) -> Option<Window>) -> Result<(), f64> {
         (self.payloads, self.notes) = (Vec::new(), Vec::new());
         for image in &mut self.images {
@@ -222,7 +187,7 @@ impl ImageSet {
             let prepared: Vec<Result<Prepared, String>> =
                 chunk.into_par_iter().map(|(index, window)| self.prepare(runs, *index, *window)).collect();
             for ((index, _), prepared) in chunk.iter().zip(prepared) {
-                let (image, texts) = match prepared {
+                let (image, text, mask) = match prepared {
                     Ok(prepared) => prepared,
                     Err(note) => {
                         self.notes.push(note);
@@ -230,7 +195,7 @@ impl ImageSet {
                         continue;
                     }
                 };
-                bytes += texts.iter().flatten().map(String::len).sum::<usize>();
+                bytes += text.len() + mask.as_ref().map_or(0, String::len);
                 texels += image.window.map_or(0, |window| u64::from(window.width) * u64::from(window.height));
                 if bytes > budget {
                     self.notes.push(format!(
@@ -241,7 +206,7 @@ impl ImageSet {
                     ));
                     return Err(bytes as f64 / texels as f64);
                 }
-                let [payload, mask] = texts.map(|text| text.map(|text| self.store(text)));
+                let (payload, mask) = (Some(self.store(text)), mask.map(|mask| self.store(mask)));
                 self.images[*index] = EmbeddedImage { payload, mask, ..image };
                 done += 1;
             }
@@ -260,17 +225,13 @@ impl ImageSet {
             window => window,
         };
         let Window { x, y, width, height } = window;
-        let ends = |start: u32, length: u32| u64::from(start) + u64::from(length);
-        if ends(x, width) > u64::from(full_width) || ends(y, height) > u64::from(full_height) {
-            return Ok((image, [None, None]));
-        }
         let encoded = packed::texels(&RgbImage::from_fn(width, height, |i, j| decoded.rgb.get(x + i, y + j)));
         let mask = (image.reference == index).then(|| {
             let mask = mask_of(&decoded);
             packed::mask(&GrayImage::from_fn(width, height, |i, j| mask.get(x + i, y + j)))
         });
         (image.window, image.clamped_count) = (Some(window), encoded.clamped_count);
-        Ok((image, [Some(encoded.base64), mask]))
+        Ok((image, encoded.base64, mask))
     }
 
     /// The index of a payload; equal small ones, such as masks, are stored once.

@@ -53,8 +53,6 @@ const PROGRAM_BYTES: usize = 400_000;
 pub enum PageError {
     #[error("expected at least one run to report")]
     NoRun,
-    #[error(transparent)]
-    Crop(#[from] images::CropError),
     #[error("--out {}: is a folder; expected the file to write, such as {}", path.display(), path.join(PAGE_FILE).display())]
     OutIsFolder { path: PathBuf },
     #[error("--out {}: exists and is not a report of splitsum; choose a new file, or a report to replace", path.display())]
@@ -65,7 +63,7 @@ pub enum PageError {
 
 impl PageError {
     pub fn is_misuse(&self) -> bool {
-        matches!(self, Self::NoRun | Self::Crop(_) | Self::OutIsFolder { .. } | Self::NotAReport { .. })
+        matches!(self, Self::NoRun | Self::OutIsFolder { .. } | Self::NotAReport { .. })
     }
 }
 
@@ -128,7 +126,7 @@ pub fn write(options: &PageOptions, runs: &[PageRun]) -> Result<Written, PageErr
     });
     let answers: Vec<Json> = runs.iter().enumerate().flat_map(|(run, own)| sections::model(own, run)).collect();
     let others = [json_bytes(&light), json_bytes(&answers), json_bytes(&fixed), PROGRAM_BYTES].iter().sum::<usize>();
-    let mut images = images::collect(runs, options.images, options.budget.saturating_sub(others + row_bytes(runs)))?;
+    let mut images = images::collect(runs, options.images, options.budget.saturating_sub(others + row_bytes(runs)));
     let payloads = std::mem::take(&mut images.payloads);
     let model = model::Model {
         headline: frames[0].metric,

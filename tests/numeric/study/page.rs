@@ -8,7 +8,7 @@ use half::f16;
 use serde_json::{Value, json};
 use splitsum::pixels::packed;
 use splitsum::pixels::{GrayImage, RgbImage};
-use splitsum::report::page::images::{BUDGET_BYTES, Choice, Window, collect};
+use splitsum::report::page::images::{BUDGET_BYTES, Choice, collect};
 use splitsum::report::page::render::in_script;
 use splitsum::report::page::{PageOptions, PageRun, write};
 use splitsum::study::finished::Finished;
@@ -142,35 +142,18 @@ fn images_over_the_budget_become_windows_where_the_error_is() {
     let run = finished_run(dir.path());
     let runs = [read(&run)];
     let runs = PageRun::of_runs(&runs);
-    let whole = collect(&runs, Choice::Automatic, BUDGET_BYTES).unwrap();
+    let whole = collect(&runs, Choice::Automatic, BUDGET_BYTES);
     assert_eq!(whole.images.len(), 2 * (1 + 4));
     assert!(whole.notes.is_empty() && whole.images.iter().all(|image| image.window.unwrap().width == 200));
     let bytes = |payloads: &[String]| payloads.iter().map(String::len).sum::<usize>();
     let budget = bytes(&whole.payloads) / 2;
-    let cut = collect(&runs, Choice::Automatic, budget).unwrap();
+    let cut = collect(&runs, Choice::Automatic, budget);
     assert!(cut.notes[0].contains("native texels"), "{:?}", cut.notes);
     assert!(bytes(&cut.payloads) <= budget && cut.images.iter().all(|image| image.payload.is_some()));
     let window = cut.images[1].window.unwrap();
     // The relative error d / sqrt(r^2 + 0.01) of a constant factor is largest where the sphere is brightest: in the middle.
     assert!((48..200).contains(&window.width) && (window.x + window.width / 2).abs_diff(100) < 8, "{window:?}");
-    let crop = |x, y, width, height| collect(&runs, Choice::Crop(Window { x, y, width, height }), BUDGET_BYTES);
-    let corner = Window { x: 190, y: 0, width: 10, height: 10 };
-    assert_eq!(crop(190, 0, 10, 10).unwrap().images[0].window, Some(corner));
-    // One texel too far, far outside, larger than the image, and beyond what 32 bits can add.
-    for [x, y, width, height] in [[191, 0, 10, 10], [500, 500, 10, 10], [100, 100, 200, 200], [u32::MAX, 0, 2, 2]] {
-        let error = crop(x, y, width, height).unwrap_err().to_string();
-        assert!(error.contains(&format!("--crop {x},{y},{width},{height}")) && error.contains("200 x "), "{error}");
-    }
-    // The command refuses it as bad input and writes nothing.
-    let out = dir.path().join("cut.html");
-    let output = std::process::Command::new(env!("CARGO_BIN_EXE_splitsum"))
-        .args(["report", "--crop", "500,500,10,10", "--out"])
-        .args([&out, &run])
-        .output()
-        .unwrap();
-    assert_eq!(output.status.code(), Some(2), "{output:?}");
-    assert!(String::from_utf8_lossy(&output.stderr).contains("--crop 500,500,10,10") && !out.exists(), "{output:?}");
-    let none = collect(&runs, Choice::None, BUDGET_BYTES).unwrap();
+    let none = collect(&runs, Choice::None, BUDGET_BYTES);
     assert!(none.payloads.is_empty() && none.notes.len() == 1);
 }
 
@@ -181,7 +164,7 @@ fn if_not_all_point_sets_fit_the_first_stays() {
     let runs = [run(dir.path(), "run", axes, "")];
     let runs = PageRun::of_runs(&runs);
     let bytes = |choice: Choice, budget: usize| {
-        let set = collect(&runs, choice, budget).unwrap();
+        let set = collect(&runs, choice, budget);
         (set.payloads.iter().map(String::len).sum::<usize>(), set)
     };
     let (all, whole) = bytes(Choice::Automatic, BUDGET_BYTES);
@@ -197,35 +180,6 @@ fn if_not_all_point_sets_fit_the_first_stays() {
         assert_eq!(image.payload.is_some(), is_kept, "set {set:?}");
         assert!(!is_kept || image.window.is_some_and(|window| window.width == 24), "{image:?}");
     }
-}
-
-#[test]
-fn a_crop_leaves_out_the_images_that_end_before_it() {
-    let dir = tempfile::tempdir().unwrap();
-    let axes =
-        "environment = [\"builtin:constant\"]\nalpha = [0.5]\nmethod = [\"split-sum\"]\nsize = [[24, 24], [48, 40]]";
-    let text = text(axes, "").replace("size = [24, 24]\nreference", "reference");
-    let runs = [read(&finished(&plan(&text), &dir.path().join("run")))];
-    let runs = PageRun::of_runs(&runs);
-    let window = Window { x: 20, y: 10, width: 16, height: 12 };
-    let set = collect(&runs, Choice::Crop(window), BUDGET_BYTES).unwrap();
-    assert_eq!(set.images.len(), 4);
-    let mut sizes = Vec::new();
-    for cell in &runs[0].finished.cells {
-        let files = cell.images.clone().unwrap();
-        for file in [files.radiance, files.reference] {
-            let image = &set.images[set.index[&(0, file)]];
-            let is_large = cell.point.get("size").to_string().starts_with("48");
-            assert_eq!(image.window, is_large.then_some(window));
-            sizes.push(is_large);
-        }
-    }
-    assert!(sizes.contains(&true) && sizes.contains(&false));
-    assert!(set.notes.iter().any(|note| note.contains("2 of 4 images do not contain the crop")), "{:?}", set.notes);
-    // A crop that no size contains: the error names all sizes.
-    let beyond = Window { x: 40, y: 0, width: 16, height: 8 };
-    let error = collect(&runs, Choice::Crop(beyond), BUDGET_BYTES).unwrap_err();
-    assert_eq!(error.sizes, "24 x 24 or 48 x 40");
 }
 
 #[test]
