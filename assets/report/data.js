@@ -7,10 +7,8 @@ import { byId } from "report/dom";
  *   words: string[] }} Axis  An axis; labels and words are short texts of the values, words say what they are.
  * @typedef {{ label: string, name: string, link: string, failures: { cell: string, reason: string }[],
  *   sheets: [string, string][] }} Run
- * @typedef {{ x: number, y: number, width: number, height: number }} Window
- * @typedef {{ run: number, file: string, reference: number, size: [number, number], window: Window | null,
- *   payload: number | null, mask: number | null, clamped_count: number,
- *   light_mean: number }} Image
+ * @typedef {{ run: number, file: string, reference: number, size: [number, number], payload: number | null,
+ *   mask: number | null, clamped_count: number, light_mean: number }} Image
  * @typedef {{ run: number, name: string, columns: string[], rows: (string | number | null)[][] }} Answer
  * @typedef {{ run: number, cell: string, image: number | null, reference: number | null, verdict: string,
  *   floor: number | null, axes: Record<string, string>, scores: Record<string, number | null>, scene?: Scene,
@@ -187,13 +185,13 @@ const cache = new Map();
 export function pixels(index) {
   const image = index === null ? null : model.images[index];
   if (!image || image.payload === null) return Promise.resolve(null);
-  const load = () => decode(payloadText(image.payload), image.window.width, image.window.height);
+  const load = () => decode(payloadText(image.payload), ...image.size);
   if (!cache.has(index)) cache.set(index, load());
   return cache.get(index);
 }
 
 const masks = new Map();
-/** The mask of a reference's window: bytes, 1 where pixels count. */
+/** The mask of a reference: bytes, 1 where pixels count. */
 export function mask(reference) {
   const image = reference === null ? null : model.images[reference];
   if (!image || image.mask === null) return Promise.resolve(null);

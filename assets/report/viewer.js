@@ -51,10 +51,9 @@ class Viewer {
     if (this.scene !== scene) return undefined;
     const { texels } = this;
     if (!texels) return this.sayNothing(row);
-    const { window } = model.images[this.row.image];
     const pin = state.texel?.match(/^(\d+),(\d+)$/);
     this.isPinned = Boolean(pin);
-    if (pin) this.probed = this.inside([pin[1] - window.x, pin[2] - window.y]);
+    if (pin) this.probed = this.inside([Number(pin[1]), Number(pin[2])]);
     // Without a pointer the probe starts in the middle.
     this.probed ??= [texels.width >> 1, texels.height >> 1];
     this.parts.stage.classList.remove("empty");
@@ -101,7 +100,7 @@ class Viewer {
       ...{ mode: this.mode === "image" ? "" : this.mode, tone: this.tone === "curve" ? "" : this.tone },
       ...{ ev: rounded(this.stops), contrast: rounded(this.contrast), clip: this.isClipped ? "1" : "" },
       split: this.split === null ? "" : rounded(this.split),
-      texel: this.isPinned ? this.texelName.join(",") : "",
+      texel: this.isPinned ? this.probed.join(",") : "",
       ...{ zoom: isPlaced ? rounded(this.place.scale) : "", x, y },
     });
   }
@@ -203,12 +202,6 @@ class Viewer {
     say(this.parts.scale, scale >= 1 ? `${number(scale)}×` : `1/${number(1 / scale)}`);
   }
 
-  /** The probed texel in the whole image, of which the page may hold a window. */
-  get texelName() {
-    const { x, y } = model.images[this.row.image]?.window ?? { x: 0, y: 0 };
-    return [this.probed[0] + x, this.probed[1] + y];
-  }
-
   /** Every variant's linear values at the probed texel. */
   probe() {
     if (!this.scene || !this.probed || !this.place.origin) return;
@@ -235,7 +228,7 @@ class Viewer {
         value && truth && isCounted ? texelError(value, truth, model.images[row.reference].light_mean) : null;
       return { key: idOf(row), name: variantLabel(row), value, error, isCurrent: !this.isHeld && row === this.row };
     });
-    const place = `texel (${this.texelName.join(", ")})${this.isPinned ? " · pinned" : ""}`;
+    const place = `texel (${this.probed.join(", ")})${this.isPinned ? " · pinned" : ""}`;
     showProbe(this.parts, place, this.mode === "signed", [...truths, ...lines]);
   }
 
@@ -329,12 +322,8 @@ class Viewer {
     const image = model.images[row.image];
     parts.exr.hidden = !image;
     if (image) parts.exr.href = exrLink(row.image);
-    const { window, size, clamped_count: count } = image ?? {};
-    const isCut = window && (window.width !== size[0] || window.height !== size[1]);
-    const corner = isCut && `${window.width} × ${window.height} at (${window.x}, ${window.y})`;
-    const clamped = count > 0 && `${count} channels above 65504 are stored as 65504`;
-    const cut = isCut && `window ${corner} of ${size.join(" × ")}`;
-    if (image) say(parts.caption, [cut, clamped].filter(Boolean).join("; "));
+    const count = image?.clamped_count ?? 0;
+    if (image) say(parts.caption, count > 0 ? `${count} channels above 65504 are stored as 65504` : "");
     announce(`${sceneLabel(row)}: ${variantLabel(row)}, ${headline} ${scoreText(row)}`);
   }
 

@@ -1,47 +1,28 @@
-//! Chooses the images of the page: all of them whole if they fit the budget, else a window of native texels of each. Images are never
-//! reduced: averaging texels would hide noise.
+//! Chooses the images of the page: as many as fit the budget. Images are never reduced: averaging texels would hide noise.
 
 use super::page_run::PageRun;
 use crate::experiment::axis::SCENE;
 use crate::experiment::value::Value;
-use crate::metrics::{Comparison, Epsilon};
+use crate::metrics::Epsilon;
 use crate::pixels::packed;
-use crate::pixels::{Decoded, GrayImage, RgbImage, exr};
+use crate::pixels::{Decoded, GrayImage, exr};
 use crate::scene::is_design;
 use crate::study::finished::FinishedCell;
-use crate::tonemap::ToneCurve;
 use rayon::prelude::*;
 use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet, HashSet};
 use std::path::Path;
 
-/// A part of an image, in texels from the top left corner.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-pub struct Window {
-    pub x: u32,
-    pub y: u32,
-    pub width: u32,
-    pub height: u32,
-}
-
-const WHOLE: Window = Window { x: 0, y: 0, width: u32::MAX, height: u32::MAX };
-
-/// The embedded part of the images.
+/// The embedded images.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Choice {
-    /// Whole images within the budget, else windows.
+    /// As many as fit the budget.
     Automatic,
     None,
 }
 
 /// Largest page, bytes. The images get the rest of the tables and figures.
 pub const BUDGET_BYTES: usize = 40_000_000;
-/// Smallest window: smaller ones would only show noise.
-const WINDOW_SIDE_MIN: u32 = 48;
-/// Sides of windows are multiples of this; their corners move by 1/8 of a side.
-const WINDOW_STEP: u32 = 8;
-/// Share of the budget that estimates aim for: the compressed size is known only afterwards.
-const AIM: f64 = 0.9;
 /// Images that are read and encoded together.
 const CHUNK: usize = 32;
 
@@ -56,10 +37,8 @@ pub struct EmbeddedImage {
     pub reference: usize,
     /// [`Epsilon::mean`] of its light.
     pub light_mean: f64,
-    /// Full size in texels.
+    /// Size in texels.
     pub size: [u32; 2],
-    /// The embedded part.
-    pub window: Option<Window>,
     /// Index into the payloads.
     pub payload: Option<usize>,
     /// Index of the mask's payload, for references.
@@ -87,22 +66,11 @@ pub fn collect(runs: &[PageRun], choice: Choice, budget: usize) -> ImageSet {
             set.notes.push("Images are omitted (--no-images); the linear EXR files are linked.".to_owned());
         }
         Choice::Automatic => {
-            let mut wanted: BTreeSet<usize> = (0..set.images.len()).collect();
-            let mut done = set.embed(runs, budget, |_| Some(WHOLE));
-            let first_sets = set.of_first_point_set(runs);
-            if done.is_err() && first_sets.len() < wanted.len() {
-                // Further point sets only differ in noise: better fewer whole images than parts of all.
-                wanted = first_sets;
-                done = set.embed(runs, budget, |index| wanted.contains(&index).then_some(WHOLE));
-            }
-            if let Err(bytes_per_texel) = done {
-                set.embed_windows(runs, budget, bytes_per_texel, &wanted);
-            }
-            if wanted.len() < set.images.len() {
-                let note = "Not all images fit the page: only the images of the first point set are embedded; the EXR files of all are \
-                            linked.";
-                set.notes.insert(0, note.to_owned());
-            }
+            let first = set.of_first_point_set(runs);
+            let mut order: Vec<usize> = (0..set.images.len()).collect();
+            // Further point sets only differ in noise.
+            order.sort_by_key(|index| !first.contains(index));
+            set.embed(runs, &order, budget);
         }
     }
     if set.images.is_empty() && choice != Choice::None {
@@ -174,63 +142,42 @@ impl ImageSet {
         found
     }
 
-    /// Embeds the window of each image (`None`: nothing). If the images exceed the budget, the error is the bytes per texel.
-    fn embed(&mut self, runs: &[PageRun], budget: usize, window: impl Fn(usize) -> Option<Window>) -> Result<(), f64> {
-        (self.payloads, self.notes) = (Vec::new(), Vec::new());
-        for image in &mut self.images {
-            (image.window, image.payload, image.mask) = (None, None, None);
-        }
-        let wanted: Vec<(usize, Window)> =
-            (0..self.images.len()).filter_map(|index| Some((index, window(index)?))).collect();
-        let (mut bytes, mut texels, mut done) = (0, 0, 0);
-        for chunk in wanted.chunks(CHUNK) {
+    /// Embeds images in this order, as many as fit the budget.
+    fn embed(&mut self, runs: &[PageRun], order: &[usize], budget: usize) {
+        let (mut bytes, mut done) = (0, 0);
+        for chunk in order.chunks(CHUNK) {
             let prepared: Vec<Result<Prepared, String>> =
-                chunk.into_par_iter().map(|(index, window)| self.prepare(runs, *index, *window)).collect();
-            for ((index, _), prepared) in chunk.iter().zip(prepared) {
-                let (image, text, mask) = match prepared {
-                    Ok(prepared) => prepared,
-                    Err(note) => {
-                        self.notes.push(note);
-                        done += 1;
-                        continue;
+                chunk.into_par_iter().map(|index| self.prepare(runs, *index)).collect();
+            for (index, prepared) in chunk.iter().zip(prepared) {
+                match prepared {
+                    Err(note) => self.notes.push(note),
+                    Ok((image, text, mask)) => {
+                        bytes += text.len() + mask.as_ref().map_or(0, String::len);
+                        if bytes > budget {
+                            self.notes.push(format!(
+                                "{} of {} images exceed the {} MB for images; their EXR files are linked.",
+                                order.len() - done,
+                                order.len(),
+                                budget / 1_000_000
+                            ));
+                            return;
+                        }
+                        let (payload, mask) = (Some(self.store(text)), mask.map(|mask| self.store(mask)));
+                        self.images[*index] = EmbeddedImage { payload, mask, ..image };
                     }
-                };
-                bytes += text.len() + mask.as_ref().map_or(0, String::len);
-                texels += image.window.map_or(0, |window| u64::from(window.width) * u64::from(window.height));
-                if bytes > budget {
-                    self.notes.push(format!(
-                        "{} of {} images exceed the {} MB for images; their EXR files are linked.",
-                        wanted.len() - done,
-                        self.images.len(),
-                        budget / 1_000_000
-                    ));
-                    return Err(bytes as f64 / texels as f64);
                 }
-                let (payload, mask) = (Some(self.store(text)), mask.map(|mask| self.store(mask)));
-                self.images[*index] = EmbeddedImage { payload, mask, ..image };
                 done += 1;
             }
         }
-        Ok(())
     }
 
-    /// Reads an image and encodes the window.
-    fn prepare(&self, runs: &[PageRun], index: usize, wanted: Window) -> Result<Prepared, String> {
+    /// Reads and encodes an image.
+    fn prepare(&self, runs: &[PageRun], index: usize) -> Result<Prepared, String> {
         let mut image = self.images[index].clone();
-        let decoded = read_image(runs, &image)?;
-        image.size = [decoded.rgb.width, decoded.rgb.height];
-        let [full_width, full_height] = image.size;
-        let window = match wanted {
-            WHOLE => Window { width: full_width, height: full_height, ..WHOLE },
-            window => window,
-        };
-        let Window { x, y, width, height } = window;
-        let encoded = packed::texels(&RgbImage::from_fn(width, height, |i, j| decoded.rgb.get(x + i, y + j)));
-        let mask = (image.reference == index).then(|| {
-            let mask = mask_of(&decoded);
-            packed::mask(&GrayImage::from_fn(width, height, |i, j| mask.get(x + i, y + j)))
-        });
-        (image.window, image.clamped_count) = (Some(window), encoded.clamped_count);
+        let decoded = read(&runs[image.run].finished.dir, &image.file)?;
+        let encoded = packed::texels(&decoded.rgb);
+        let mask = (image.reference == index).then(|| packed::mask(&mask_of(&decoded)));
+        (image.size, image.clamped_count) = ([decoded.rgb.width, decoded.rgb.height], encoded.clamped_count);
         Ok((image, encoded.base64, mask))
     }
 
@@ -242,49 +189,6 @@ impl ImageSet {
             self.payloads.len() - 1
         })
     }
-
-    /// Embeds windows of one size, where the methods of each reference err most.
-    fn embed_windows(&mut self, runs: &[PageRun], budget: usize, bytes_per_texel: f64, wanted: &BTreeSet<usize>) {
-        let texels = budget as f64 * AIM / bytes_per_texel / wanted.len() as f64;
-        let side = (texels.sqrt() as u32 / WINDOW_STEP * WINDOW_STEP).max(WINDOW_SIDE_MIN);
-        let references: Vec<usize> = self.references().collect();
-        let worst = |index| Some((index, self.worst_window(runs, index, side)?));
-        let places: BTreeMap<usize, Window> = references.into_par_iter().filter_map(worst).collect();
-        let reference_of: Vec<usize> = self.images.iter().map(|image| image.reference).collect();
-        let place = |index: usize| places.get(&reference_of[index]).filter(|_| wanted.contains(&index)).copied();
-        // Overflow of the budget becomes a note.
-        let _ = self.embed(runs, budget, place);
-        let note = format!(
-            "The images exceed {} MB: each is cropped to {side} x {side} native texels where the methods of its scene err most. Metrics \
-             are of the whole images; the full EXR files are linked.",
-            budget / 1_000_000
-        );
-        self.notes.insert(0, note);
-    }
-
-    /// The window of a reference with the largest sum of relative errors of its images; `None` if it cannot be read.
-    fn worst_window(&self, runs: &[PageRun], reference: usize, side: u32) -> Option<Window> {
-        let truth = read_image(runs, &self.images[reference]).ok()?;
-        let [width, height] = [truth.rgb.width, truth.rgb.height];
-        let window = Window { x: 0, y: 0, width: side.min(width), height: side.min(height) };
-        let (mask, epsilon) = (mask_of(&truth), Epsilon::of_light(self.images[reference].light_mean));
-        let mut errors = vec![0.0; (width * height) as usize];
-        let tests = (0..self.images.len()).filter(|&i| i != reference && self.images[i].reference == reference);
-        for test in tests.filter_map(|i| read_image(runs, &self.images[i]).ok()) {
-            if let Ok(comparison) = Comparison::new(&test.rgb, &truth.rgb, &mask, ToneCurve::default(), epsilon) {
-                let map = comparison.relative_error_map();
-                errors.iter_mut().zip(&map.data).for_each(|(sum, error)| *sum += error);
-            }
-        }
-        let sum = |[x, y]: [u32; 2]| -> f32 {
-            let row = |row: u32| &errors[(row * width + x) as usize..][..window.width as usize];
-            (y..y + window.height).flat_map(row).sum()
-        };
-        let starts = |length: u32| (0..=length - side.min(length)).step_by((side / WINDOW_STEP) as usize);
-        let corners = starts(height).flat_map(|y| starts(width).map(move |x| [x, y]));
-        let worst = corners.map(|corner| (sum(corner), corner)).max_by(|a, b| a.0.total_cmp(&b.0));
-        worst.map(|(_, [x, y])| Window { x, y, ..window })
-    }
 }
 
 /// A linear image of the run in `dir`.
@@ -295,10 +199,6 @@ pub fn read(dir: &Path, file: &str) -> Result<Decoded, String> {
         return Err(format!("{file:?} in images.csv is not the name of a file in {}", images.display()));
     }
     exr::read(&images.join(file)).map_err(|error| error.to_string())
-}
-
-fn read_image(runs: &[PageRun], image: &EmbeddedImage) -> Result<Decoded, String> {
-    read(&runs[image.run].finished.dir, &image.file)
 }
 
 /// The mask of an image; everywhere 1 without alpha.
