@@ -8,8 +8,6 @@ pub mod container;
 pub mod convention;
 pub mod given;
 pub mod make;
-#[cfg(feature = "cli")]
-pub mod page;
 mod parts;
 pub mod paste;
 pub mod plain;

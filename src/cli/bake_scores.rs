@@ -5,7 +5,6 @@ use glam::DVec3;
 use serde_json::{Value, json};
 use splitsum::bakes::check::level::LevelScore;
 use splitsum::bakes::check::{GOOD, Judged, guess, image};
-use splitsum::bakes::page::Row;
 use splitsum::table::markdown::{Align, MarkdownTable};
 
 pub fn as_text(judged: &Judged, is_guessed: bool) -> String {
@@ -74,8 +73,20 @@ pub fn as_text(judged: &Judged, is_guessed: bool) -> String {
     text + &format!("Verdict: {}\n", judged.verdict())
 }
 
+/// The score of a map in words.
+struct Row {
+    name: String,
+    size: [u32; 2],
+    alpha: String,
+    /// Error in percent, as are errors between texels and the bias.
+    rms: String,
+    between: String,
+    bias: String,
+    worst: String,
+}
+
 /// Formats the scores of maps.
-pub fn rows(judged: &Judged) -> Vec<Row> {
+fn rows(judged: &Judged) -> Vec<Row> {
     let numbered = judged.levels.iter().enumerate().map(|(k, score)| (k.to_string(), score));
     let all = numbered.chain(judged.irradiance.iter().map(|score| ("irradiance".to_owned(), score)));
     let mean = |rgb: DVec3| rgb.element_sum() / 3.0;
@@ -90,10 +101,8 @@ pub fn rows(judged: &Judged) -> Vec<Row> {
             alpha: format!("{:.4}", score.alpha),
             rms: rms(score.errors.relmse),
             between: score.between.map_or_else(String::new, rms),
-            log: score.errors.relmse.max(1e-6).log10(),
             bias: format!("{:+.2}", 100.0 * score.errors.bias_rel),
             worst: format!("({x:.2}, {y:.2}, {z:.2}), face {face} texel {column},{row}: {values}"),
-            verdict: score.verdict.clone(),
         }
     };
     all.map(row).collect()

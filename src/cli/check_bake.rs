@@ -1,21 +1,17 @@
 //! `splitsum check-bake`: how wrong a bake is.
 
-use super::bake_scores::{Limits, as_json, as_text, rows};
-use super::shared::{InputFlags, check_out, preset};
+use super::bake_scores::{Limits, as_json, as_text};
+use super::shared::{InputFlags, preset};
 use super::{Failure, print, print_data, progress};
 use clap::Args;
 use splitsum::bakes::Stated;
 use splitsum::bakes::check::Judging;
 use splitsum::bakes::convention::{Axes, PRESETS, Preset, TableAxes, TableChannels};
-use splitsum::bakes::page;
 use splitsum::bakes::source::{Reading, read};
 use splitsum::brdf::{Brdf, MaskingShadowing};
 use splitsum::environment::layout::MapLayout;
 use splitsum::precompute::prefilter::{LevelMapping, Weight};
 use splitsum::spelling::Listed;
-use std::fs::File;
-use std::io::Read;
-use std::path::{Path, PathBuf};
 
 /// Score tables baked by any tool against exact integrals, level by level.
 #[derive(Args, Debug)]
@@ -85,9 +81,6 @@ pub struct Arguments {
     /// Print JSON.
     #[arg(long)]
     json: bool,
-    /// Write the scores as a page, too.
-    #[arg(long, value_name = "FILE")]
-    html: Option<PathBuf>,
     #[command(flatten)]
     limits: Limits,
     #[command(flatten)]
@@ -104,10 +97,6 @@ fn presets_help() -> String {
 }
 
 pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
-    if let Some(path) = &arguments.html {
-        check_out("--html", path, &["html", "htm"], arguments.environment.iter().map(PathBuf::from))?;
-        check_page(path)?;
-    }
     progress::doing("reading the bake");
     let reading = Reading { layout: arguments.layout, brdf: arguments.brdf.name() };
     let bake = read(&arguments.files, reading).map_err(Failure::input)?;
@@ -135,31 +124,14 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         judging.convention.alphas(map.levels.len()).map_err(|fault| Failure::input(format!("--alphas: {fault}")))?;
     }
     let judged = judging.judge_saying(&environment, &bake, progress::doing).map_err(Failure::input)?;
-    let scores = as_json(light, preset.name, &arguments.limits, &judged);
     if arguments.json {
+        let scores = as_json(light, preset.name, &arguments.limits, &judged);
         print_data(&(serde_json::to_string_pretty(&scores).map_err(Failure::failed)? + "\n"))?;
     } else {
         print(&as_text(&judged, arguments.guess))?;
     }
-    if let Some(path) = &arguments.html {
-        page::write(path, &arguments.files, &scores, &rows(&judged))
-            .map_err(|error| Failure::input(format!("--html: {error}")))?;
-    }
     let failures = arguments.limits.failures(&judged);
     if failures.is_empty() { Ok(()) } else { Err(Failure::failed(failures.join("\n"))) }
-}
-
-/// Refuses to replace a file that is not a page of this command.
-fn check_page(path: &Path) -> Result<(), Failure> {
-    let Ok(mut file) = File::open(path) else { return Ok(()) };
-    let mut start = [0; page::START.len()];
-    match file.read_exact(&mut start) {
-        Ok(()) if start == page::START.as_bytes() => Ok(()),
-        _ => {
-            let path = path.display();
-            Err(Failure::input(format!("--html: {path} is not a page of check-bake; give another name")))
-        }
-    }
 }
 
 /// Refuses limits of which none applies to a part of the bake.
