@@ -239,7 +239,7 @@ impl Config {
 
     /// Returns an axis by the name in the experiment, if that name can write every value.
     pub fn named(&self, axis: usize) -> Named {
-        self.sweep(axis).map_or(Named::own(axis), |sweep| sweep.named.invertible())
+        self.sweep(axis).map_or(Named::own(axis), |sweep| sweep.named)
     }
 
     /// Lists every value of an axis, swept or not, with its place.

@@ -172,7 +172,7 @@ const IMAGE_AXES: &[Axis] = &[
             symbol: Symbol::Before("roughness"),
             kind: Kind::Number(Range::closed(PERCEPTUAL_ROUGHNESS_MIN, 1.0)),
             to_axis: |v| Value::Number(decimal(brdf::alpha_from_perceptual_roughness(v.number()))),
-            of_axis: Some(|v| Value::Number(decimal(brdf::perceptual_roughness_from_alpha(v.number())))),
+            of_axis: |v| Value::Number(decimal(brdf::perceptual_roughness_from_alpha(v.number()))),
         }),
         apply: |s, v| s.material.alpha = Some(v.number() as f32),
         ..PLAIN
@@ -180,21 +180,11 @@ const IMAGE_AXES: &[Axis] = &[
     Axis {
         name: "f0",
         label: "F0",
-        about: "reflectance at normal incidence of every dielectric",
+        about: "reflectance at normal incidence of every dielectric, ((n - 1)/(n + 1))^2 of its index n",
         plural: "values of F0",
         symbol: Symbol::Before("F0"),
         used: |u| u.has_dielectric,
         kind: Kind::Color(Range::closed(0.0, 1.0)),
-        spelling: Some(Spelling {
-            name: "ior",
-            label: "Index of refraction",
-            about: "index of refraction of every dielectric; determines f0",
-            plural: "indices of refraction",
-            symbol: Symbol::Before("ior"),
-            kind: Kind::Number(Range::closed(1.0, 10.0)),
-            to_axis: |v| Value::Color([brdf::f0_from_ior(v.number()) as f32; 3]),
-            of_axis: None,
-        }),
         apply: |s, v| s.material.f0 = Some(v.color()),
         ..PLAIN
     },

@@ -15,8 +15,8 @@ pub struct Spelling {
     pub kind: Kind,
     /// Converts a value to the axis's own.
     pub to_axis: fn(&Value) -> Value,
-    /// The inverse, if every value of the axis has one.
-    pub of_axis: Option<fn(&Value) -> Value>,
+    /// The inverse.
+    pub of_axis: fn(&Value) -> Value,
 }
 
 /// An axis by one of its names.
@@ -62,14 +62,9 @@ impl Named {
         if label.is_empty() { in_words(self.name()) } else { label.to_owned() }
     }
 
-    /// Returns the name that users set: the second one, if it can write every value.
+    /// Returns the name that users set: the second one, if there is one.
     pub fn usual(axis: usize) -> Self {
-        Self { axis, spelling: AXES[axis].spelling.as_ref() }.invertible()
-    }
-
-    /// Falls back to the axis's own name if this one cannot write every value.
-    pub fn invertible(self) -> Self {
-        Self { spelling: self.spelling.filter(|spelling| spelling.of_axis.is_some()), ..self }
+        Self { axis, spelling: AXES[axis].spelling.as_ref() }
     }
 
     pub fn plural(self) -> &'static str {
@@ -82,8 +77,8 @@ impl Named {
 
     /// Converts an axis's value to this name's.
     pub fn shown(self, value: &Value) -> Value {
-        let of_axis = self.spelling.and_then(|spelling| spelling.of_axis).filter(|_| *value != Value::Unset);
-        of_axis.map_or_else(|| value.clone(), |of_axis| of_axis(value))
+        let spelling = self.spelling.filter(|_| *value != Value::Unset);
+        spelling.map_or_else(|| value.clone(), |spelling| (spelling.of_axis)(value))
     }
 
     /// Returns the flag of `render` without its dashes: `lod-bias` for `lod_bias`.
@@ -115,17 +110,16 @@ impl Named {
     }
 }
 
-/// Names the columns of an axis: its own name, and an invertible second one.
+/// Names the columns of an axis: its own name, and the second one.
 pub fn columns(axis: usize) -> impl Iterator<Item = &'static str> {
-    let second = AXES[axis].spelling.as_ref().filter(|spelling| spelling.of_axis.is_some());
+    let second = AXES[axis].spelling.as_ref();
     std::iter::once(AXES[axis].name).chain(second.map(|spelling| spelling.name))
 }
 
 /// Returns the fields of a value in its [`columns`]; empty if unset.
 pub fn fields(axis: usize, value: &Value) -> impl Iterator<Item = String> + use<> {
-    let second = AXES[axis].spelling.as_ref().and_then(|spelling| spelling.of_axis);
-    let of_second = second.map(|of_axis| if *value == Value::Unset { Value::Unset } else { of_axis(value) });
-    [value.to_string()].into_iter().chain(of_second.map(|value| value.to_string()))
+    let second = AXES[axis].spelling.as_ref().map(|_| Named::usual(axis).shown(value));
+    [value.to_string()].into_iter().chain(second.map(|value| value.to_string()))
 }
 
 /// Names that users try, with the correction.

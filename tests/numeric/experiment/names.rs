@@ -28,8 +28,6 @@ fn perceptual_roughness_makes_the_cells_of_its_square() {
     assert_eq!(ids(&plan(excluded, &[])), ids(&alphas)[..2]);
     let zipped = "perceptual_roughness = [0.1, 0.3]\nmetallic = [0, 1]\n[[zip]]\naxes = [\"perceptual_roughness\", \"metallic\"]";
     assert_eq!(plan(zipped, &[]).cells.len(), 2);
-    // An index of refraction sets a reflectance in the same way.
-    assert_eq!(ids(&plan("ior = [1.5]", &[])), ids(&plan("f0 = [0.04]", &[])));
 }
 
 #[test]
@@ -42,8 +40,6 @@ fn cells_are_labelled_by_the_name_that_the_experiment_uses() {
     assert_eq!(labels("perceptual_roughness = [0.3, 0.5]", &[]), rough);
     assert_eq!(labels("alpha = [1]", &["perceptual_roughness=0.3,0.5"]), rough);
     assert_eq!(labels("alpha = [0.09, 0.25]", &[]), ["alpha=0.09", "alpha=0.25"]);
-    // Not every f0 came from an index of refraction.
-    assert_eq!(labels("ior = [1.5, 2]", &[]), ["f0=0.04", "f0=0.1111"]);
 }
 
 /// A method in a file is identified by its text: a renamed file keeps its cells; a changed file loses its cells but no reference.
