@@ -106,41 +106,33 @@ pub fn linear_files(plan: &Plan, cell: &Cell) -> [String; 2] {
     [radiance_name(&cell.point, &cell.radiance), radiance_name(&reference, &cell.reference)]
 }
 
-/// Whether a file looks complete: a whole EXR, a PNG that is not empty.
-fn is_whole(path: &Path) -> bool {
-    match path.extension().is_some_and(|extension| extension == "exr") {
-        true => exr::check_whole(path).is_ok(),
-        false => std::fs::metadata(path).is_ok_and(|metadata| metadata.len() > 0),
-    }
-}
-
 /// The names in `images.csv`, in the order of its columns.
 fn index_names(plan: &Plan, cell: &Cell) -> [String; 5] {
     let [radiance, reference] = linear_files(plan, cell);
     [radiance, reference, picture_name(cell), reference_picture_name(plan, cell), error_name(cell)]
 }
 
-/// The content hashes that the records of finished cells name for each file. A file without a hash need only be whole.
+/// The content hashes that the records of finished cells name for each file.
 pub(super) type Recorded = BTreeMap<String, Vec<Hash>>;
 
 /// Notes the files of a finished cell with the hashes in its record.
 pub(super) fn note(recorded: &mut Recorded, plan: &Plan, cell: &Cell, hashes: &BTreeMap<String, String>) {
     for name in files(plan, cell) {
-        // An invalid hash fits no file.
-        let hash = hashes.get(&name).map(|hex| Hash::from_hex(hex).unwrap_or(Hash::from_bytes([0; blake3::OUT_LEN])));
+        // A missing or invalid hash fits no file.
+        let hash = hashes.get(&name).and_then(|hex| Hash::from_hex(hex).ok());
+        let hash = hash.unwrap_or(Hash::from_bytes([0; blake3::OUT_LEN]));
         let known = recorded.entry(name).or_default();
-        known.extend(hash.filter(|hash| !known.contains(hash)));
+        if !known.contains(&hash) {
+            known.push(hash);
+        }
     }
 }
 
 /// Files that are missing or differ from their records, by name.
 pub(super) fn damaged(store: &Store, recorded: Recorded) -> BTreeSet<String> {
     let is_sound = |name: &str, hashes: &[Hash]| {
-        let path = store.image_path(name);
-        match hashes.is_empty() {
-            true => is_whole(&path),
-            false => content_hash(&path).is_ok_and(|found| hashes.iter().all(|hash| *hash.to_hex() == *found)),
-        }
+        let found = content_hash(&store.image_path(name));
+        found.is_ok_and(|found| hashes.iter().all(|hash| *hash.to_hex() == *found))
     };
     recorded.into_par_iter().filter(|(name, hashes)| !is_sound(name, hashes)).map(|(name, _)| name).collect()
 }

@@ -92,8 +92,7 @@ pub struct CellRecord {
     pub driver: String,
     #[serde(default)]
     pub spent: Spent,
-    /// Content hash by file of `images/`. Empty in records of older programs.
-    #[serde(default)]
+    /// Content hash by file of `images/`.
     pub files: BTreeMap<String, String>,
 }
 

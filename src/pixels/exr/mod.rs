@@ -4,7 +4,7 @@ mod layers;
 mod read;
 mod write;
 
-pub use read::{check_whole, read, read_bytes, read_layer};
+pub use read::{read, read_bytes, read_layer};
 pub use write::{write_channels, write_rgba};
 
 pub const IS_BUILT: bool = true;

@@ -46,14 +46,6 @@ pub fn read_bytes(path: &Path, bytes: &[u8], layer: Option<&str>) -> Result<Deco
     guarded(path, bytes, |bytes| decode(bytes, layer, ENVIRONMENT_TEXELS_MAX))
 }
 
-/// Fails if a block of the first part is missing or truncated. Unpacks nothing.
-pub fn check_whole(path: &Path) -> Result<(), PixelsError> {
-    guarded(path, &read_bounded(path)?, |bytes| {
-        let mut chunks = chunks(bytes, 0).map_err(damaged)?;
-        chunks.try_for_each(|chunk| chunk.map(|_| ())).map_err(damaged)
-    })
-}
-
 /// Calls `read`. The crate's codecs may panic on bad input, which must not end a run.
 fn guarded<T>(path: &Path, bytes: &[u8], read: impl Fn(&[u8]) -> Result<T, Fault>) -> Result<T, PixelsError> {
     // The bytes are only borrowed.
