@@ -274,14 +274,10 @@ impl Rectangle {
     }
 }
 
-/// Integrates three functions over a rectangle. Kinks and cliffs cost time, not accuracy.
+/// Integrates `f(column(x), y)` over a rectangle: `column` is computed once for all y of a part. Kinks and cliffs cost
+/// time, not accuracy.
 ///
 /// The error of a part is its area times the largest residual of its interpolant: pessimistic for smooth parts.
-pub fn integrate_rectangle(rectangle: Rectangle, tolerance: Tolerance, f: impl Fn(DVec2) -> DVec3) -> Bounded {
-    integrate_columns(rectangle, tolerance, |x| x, |x, y| f(DVec2::new(*x, y)))
-}
-
-/// Integrates `f(column(x), y)`: `column` is computed once for all y of a part.
 pub fn integrate_columns<C>(
     rectangle: Rectangle,
     tolerance: Tolerance,

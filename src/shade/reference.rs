@@ -28,7 +28,6 @@ use crate::math::equirect_quadrature::{EquirectQuadrature, Focus};
 use crate::math::frame::Frame;
 use crate::math::quadrature::{Bounded, Estimate, Tolerance};
 use glam::DVec3;
-use rayon::prelude::*;
 use std::f64::consts::PI;
 
 /// A point to shade. `n` and `v` are unit vectors in the environment's frame, `n·v > 0`; `alpha` is in (0, 1].
@@ -60,11 +59,6 @@ pub struct Answer {
 
 /// A relative error bound of 1e-5. True errors are a tenth to a thousandth of the bound.
 pub const TOLERANCE: Tolerance = Tolerance { relative: 1e-5, max_part_count: 100_000 };
-
-/// Integrates many points in parallel; answers are in order.
-pub fn integrate_all(environment: &EquirectQuadrature, surfaces: &[Surface], tolerance: Tolerance) -> Vec<Answer> {
-    surfaces.par_iter().map(|surface| integrate(environment, surface, tolerance)).collect()
-}
 
 /// Integrates one point.
 pub fn integrate(environment: &EquirectQuadrature, surface: &Surface, tolerance: Tolerance) -> Answer {

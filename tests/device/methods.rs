@@ -5,6 +5,7 @@ use crate::harness::{golden_environment, render_by_seeds, request, scene, usual_
 use crate::symmetry::smooth_environment;
 use crate::tables::dfg_table;
 use glam::DVec3;
+use rayon::prelude::*;
 use splitsum::brdf::{Compensation, MODELS};
 use splitsum::environment::Placement;
 use splitsum::environment::layout::MapLayout;
@@ -14,7 +15,7 @@ use splitsum::pipeline::{Frame, Pipeline, RenderRequest};
 use splitsum::pixels::Pixels;
 use splitsum::precompute::{PrecomputeSettings, exact_quadrature};
 use splitsum::scene::{CameraKind, MaterialOverride};
-use splitsum::shade::reference::{Surface, integrate_all};
+use splitsum::shade::reference::{Answer, Surface, integrate};
 use splitsum::shade::{Diffuse, Method};
 use splitsum::spelling::Listed;
 
@@ -133,7 +134,7 @@ fn sampled_methods_converge_to_their_integral() {
             let sights = sights(&base, 13);
             let surfaces: Vec<Surface> = sights.iter().map(|sight| sight.surface).collect();
             let right: Vec<DVec3> =
-                integrate_all(&exact, &surfaces, EXACT).iter().map(|answer| answer.specular.value).collect();
+                surfaces.par_iter().map(|surface| integrate(&exact, surface, EXACT).specular.value).collect();
             // Relative, at 16384 points: the sun of 100 times the sky is hit by a few hundred of them.
             for (name, tolerance) in [("sampled", 3e-3), ("sampled-vndf", 3e-3), ("sampled-unfiltered", 5e-3)] {
                 let errors = COUNTS.map(|samples| {
@@ -212,7 +213,7 @@ fn the_mean_over_scrambles_is_the_integral() {
             });
             let sights = sights(&base, 29);
             let surfaces: Vec<Surface> = sights.iter().map(|sight| sight.surface).collect();
-            let right = integrate_all(&exact, &surfaces, EXACT);
+            let right: Vec<Answer> = surfaces.par_iter().map(|surface| integrate(&exact, surface, EXACT)).collect();
             for name in ["sampled", "sampled-vndf"] {
                 let frames: Vec<Frame> = (0..SETS)
                     .map(|point_set| {
