@@ -119,7 +119,6 @@ pub fn write(options: &PageOptions, runs: &[PageRun]) -> Result<Written, PageErr
         "heading": page_run::heading(runs),
         "metric": frames[0].metric_name(),
         "facts": page_run::facts(runs),
-        "repeats": page_run::repeats(runs),
         "metrics": first.finished.provenance["metrics"],
         "program_version": env!("CARGO_PKG_VERSION"),
         "runs": shown.collect::<Vec<Json>>(),

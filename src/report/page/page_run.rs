@@ -3,7 +3,7 @@
 //! Nothing is averaged over runs: two runs of one experiment are the same cases twice.
 
 use crate::files;
-use crate::metrics::{METRICS, Metric};
+use crate::metrics::Metric;
 use crate::run::sheets::sheet_files;
 use crate::study::finished::{Finished, FinishedCell};
 use crate::study::questions::Answer;
@@ -128,27 +128,8 @@ pub fn heading(runs: &[PageRun]) -> String {
     }
 }
 
-/// A sentence for every run that repeats an earlier one.
-pub fn repeats(runs: &[PageRun]) -> Vec<String> {
-    let say = |later: usize| {
-        let page_run = &runs[later];
-        let earlier = runs[..later].iter().find(|earlier| is_same(earlier.finished, page_run.finished))?;
-        let (label, of, cells) = (&page_run.label, &earlier.label, page_run.finished.cells.len());
-        Some(format!("{label} repeats {of}: all {cells} cells have the same scores."))
-    };
-    (0..runs.len()).filter_map(say).collect()
-}
-
 pub fn score(cell: &FinishedCell, metric: &Metric) -> Option<f64> {
     cell.scores.as_ref()?.get(metric.name)
-}
-
-/// Whether two runs have the same cells and scores.
-fn is_same(a: &Finished, b: &Finished) -> bool {
-    let is_equal = |(a, b): (&FinishedCell, &FinishedCell)| {
-        a.id == b.id && METRICS.iter().all(|metric| score(a, metric) == score(b, metric))
-    };
-    a.cells.len() == b.cells.len() && a.cells.iter().zip(&b.cells).all(is_equal)
 }
 
 /// `to` as a link from the folder `from`, with percent-escapes.
