@@ -15,7 +15,6 @@ use splitsum::run::estimate::{Forecast, Host, SpeedsFile};
 use splitsum::run::store::{Store, StoreError};
 use splitsum::run::timing::{self, TimingJob};
 use std::collections::BTreeMap;
-use std::fmt::Write;
 use std::path::Path;
 
 /// Show an experiment's cells, exclusions, progress and predicted time.
@@ -39,8 +38,6 @@ pub struct Arguments {
 }
 
 const DONE: &str = "done";
-/// JSON bytes per write.
-const BLOCK_BYTES: usize = 1 << 16;
 
 fn state(store: &Store, cell: &Cell) -> Result<&'static str, StoreError> {
     let failure = store.failure(&cell.id)?;
@@ -172,19 +169,15 @@ impl Shown<'_> {
     fn write_json(&self) -> Result<(), Failure> {
         let plan = self.plan;
         print_data("{\n  \"cells\": [")?;
-        let mut block = String::new();
         for (place, (cell, state)) in plan.cells.iter().zip(self.states).enumerate() {
             let names = |axis: usize| columns(axis).zip(fields(axis, &cell.point[axis]));
             let axes: BTreeMap<&str, String> = plan.columns.iter().flat_map(|axis| names(*axis)).collect();
             let line = json!({ "id": cell.id, "radiance": cell.radiance, "reference": cell.reference, "state": state, "axes": axes });
             let comma = if place == 0 { "" } else { "," };
-            let _ = write!(block, "{comma}\n    {line}");
-            if block.len() > BLOCK_BYTES {
-                print_data(&std::mem::take(&mut block))?;
-            }
+            print_data(&format!("{comma}\n    {line}"))?;
         }
         let rest = format!("{:#}\n", self.rest());
-        print_data(&format!("{block}\n  ],\n{}", rest.trim_start_matches("{\n")))
+        print_data(&format!("\n  ],\n{}", rest.trim_start_matches("{\n")))
     }
 
     /// Returns everything but the cells.
