@@ -6,7 +6,6 @@ use clap::Args;
 use serde_json::json;
 use splitsum::brdf::MaskingShadowing;
 use splitsum::experiment::lights::coordinates;
-use splitsum::pipeline::PipelineError;
 use splitsum::pipeline::shader_check::{ERRORS, Row, check, verdict, worst};
 use splitsum::run::RenderFault;
 use splitsum::shade::{FILE_PREFIX, own};
@@ -59,15 +58,12 @@ fn limits(text: &str) -> Result<[f32; 3], String> {
 }
 
 pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
-    let file = arguments.file.display();
-    let name = format!("{FILE_PREFIX}{file}");
+    let name = format!("{FILE_PREFIX}{}", arguments.file.display());
     let method = own::load_function(&name, Path::new(""), &arguments.entry).map_err(Failure::input)?;
     progress::doing("rendering");
     let mut pipeline = arguments.device.open().map_err(Failure::opening)?;
-    let rows = check(&mut pipeline, method, *arguments.masking).map_err(|error| match error {
-        PipelineError::InvalidRadiance { .. } => Failure::input(format!("{file}: {error}")),
-        error => Failure::rendering(RenderFault::from(error)),
-    })?;
+    let rows = check(&mut pipeline, method, *arguments.masking);
+    let rows = rows.map_err(|error| Failure::rendering(RenderFault::from(error)))?;
     let (verdict, failures) = (verdict(&rows), failures(arguments, &rows));
     if arguments.json {
         let passes = failures.is_empty();
@@ -86,7 +82,8 @@ fn failures(arguments: &Arguments, rows: &[Row]) -> Vec<String> {
     let limits = arguments.fail_above.into_iter().flatten().enumerate();
     let above = limits.filter_map(|(error, limit)| {
         let (size, words) = worst(rows, error);
-        (size > limit.into()).then(|| format!("{} above {limit}: {words}", ERRORS[error].0))
+        let (name, _, unit, scale) = ERRORS[error];
+        (size > limit.into()).then(|| format!("{name} above {:.4} {unit}: {words}", scale * f64::from(limit)))
     });
     let wrong = Some(verdict(rows)).filter(|words| arguments.fail_on_wrong && words.starts_with("wrong"));
     above.chain(wrong).collect()
@@ -96,8 +93,8 @@ fn as_table(rows: &[Row]) -> MarkdownTable {
     let columns = ["alpha", "f0", "gain %", "worst", "width %", "worst", "direction, degrees", "worst"];
     let mut table = MarkdownTable::new(&columns.map(|name| (name, Align::Right)));
     for row in rows {
-        let units = [100.0, 100.0, 1.0].into_iter().enumerate();
-        let errors = units.flat_map(|(error, unit)| row.ranked(error).map(|view| unit * view.errors[error]));
+        let scales = ERRORS.iter().map(|own| own.3).enumerate();
+        let errors = scales.flat_map(|(error, scale)| row.ranked(error).map(|view| scale * view.errors[error]));
         let surface = [row.alpha, row.f0].map(|x| x.to_string());
         table.row(&surface.into_iter().chain(errors.map(|error| format!("{error:+.1}"))).collect::<Vec<_>>());
     }

@@ -30,6 +30,7 @@ use crate::glsl::constants::POINTS_PER_DISPATCH;
 use crate::gpu::{Buffer, Gpu, GpuError, Report};
 use crate::pixels::{Pixels, Rgb8Image, RgbImage};
 use crate::precompute::SettingsError;
+use crate::shade::Method;
 use crate::shade::pass::Passes;
 use crate::shade::reference_pass::{Convergence, PartPair, ReferenceRun};
 use crate::tonemap::{self, ToneCurve};
@@ -46,9 +47,10 @@ pub enum PipelineError {
     Gpu(#[from] GpuError),
     /// A broken integrator must not pass as dark or clipped.
     #[error(
-        "{count} pixels of the {stage} radiance are not finite or are negative, the first at column {x}, row {y}: {value:?}"
+        "{}: {count} pixels of the radiance are not finite or are negative, the first at column {x}, row {y}: {value:?}",
+        method.name
     )]
-    InvalidRadiance { stage: &'static str, count: usize, x: u32, y: u32, value: [f32; 3] },
+    InvalidRadiance { method: &'static Method, count: usize, x: u32, y: u32, value: [f32; 3] },
     #[error("{field} is 0; expected at least 1")]
     NoSamples { field: &'static str },
     #[error(transparent)]
@@ -65,10 +67,11 @@ pub enum PipelineError {
 impl PipelineError {
     /// Whether the request itself must change: no retry can serve it.
     pub fn is_input(&self) -> bool {
-        matches!(
-            self,
-            Self::OpenCubes | Self::TooLarge { .. } | Self::NoSamples { .. } | Self::PartPair(_) | Self::Settings(_)
-        )
+        match self {
+            Self::OpenCubes | Self::TooLarge { .. } | Self::NoSamples { .. } | Self::PartPair(_) | Self::Settings(_) => true,
+            Self::InvalidRadiance { method, .. } => method.text.is_some(),
+            Self::Gpu(_) => false,
+        }
     }
 
     /// Whether [`Pipeline::interrupt_by`] stopped the work.
@@ -361,7 +364,7 @@ fn read_radiance(
     let invalid = |texel: &[f32; 3]| texel.iter().any(|x| !x.is_finite() || *x < 0.0);
     if let Some(index) = radiance.data.iter().position(invalid) {
         return Err(PipelineError::InvalidRadiance {
-            stage: "shaded",
+            method: request.shading.method,
             count: radiance.data.iter().filter(|texel| invalid(texel)).count(),
             x: index as u32 % width,
             y: index as u32 / width,

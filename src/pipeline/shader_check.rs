@@ -17,7 +17,7 @@ use crate::precompute::taps::Lobe;
 use crate::scene::{CameraKind, MaterialOverride, Scene};
 use crate::shade::{Method, Shading};
 use glam::{DVec2, DVec3};
-use serde::Serialize;
+use serde::{Serialize, Serializer};
 use std::path::Path;
 use std::sync::Arc;
 
@@ -32,15 +32,21 @@ const SIDE: u32 = 8;
 /// Growth of light from the centre to 1 along an axis; light stays positive.
 const SLOPE: f64 = 0.5;
 
-/// Names of the errors, and the largest medians of a good method.
-pub const ERRORS: [(&str, f64); 3] = [("gain", 0.03), ("width", 0.1), ("direction", 5.0)];
+/// The errors: name, largest median of a good method, unit in words, and what converts to that unit.
+pub const ERRORS: [(&str, f64, &str, f64); 3] =
+    [("gain", 0.03, "%", 100.0), ("width", 0.1, "%", 100.0), ("direction", 5.0, "degrees", 1.0)];
+/// First moments of a method that ignores the light are shorter; the widest kernel of a map has 2/3.
+const MOMENT_MIN: f64 = 0.05;
 
 /// A method at one view, compared with the lobe.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct View {
     pub n_dot_v: f64,
+    /// Length of the kernel's first moment, from 0 (the light has no effect) to 1 (one direction is read).
+    pub moment: f64,
     /// Relative errors of gain and `alpha`, and the angle between the first moments, degrees; positive towards the mirror
     /// direction, negative towards the normal.
+    #[serde(serialize_with = "by_name")]
     pub errors: [f64; 3],
     /// Alpha of the level as wide as the method's kernel.
     pub alpha: f64,
@@ -56,6 +62,10 @@ pub struct Row {
     pub views: Vec<View>,
 }
 
+fn by_name<S: Serializer>(errors: &[f64; 3], serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.collect_map(ERRORS.iter().map(|own| own.0).zip(errors))
+}
+
 impl View {
     fn words(&self, error: usize) -> String {
         let (size, is_positive) = (self.errors[error].abs(), self.errors[error] > 0.0);
@@ -66,6 +76,7 @@ impl View {
                 let side = side("blurred", "sharp");
                 format!("the level is too {side} (as of alpha {:.2} for {:.2})", self.alpha, self.right_alpha)
             }
+            _ if size > 90.0 => format!("looks away from the lobe, by {size:.1} degrees: check the signs of v and n"),
             _ => format!("direction {size:.1} degrees towards the {}", side("mirror direction", "normal")),
         }
     }
@@ -82,16 +93,25 @@ impl Row {
 
 /// Returns the largest median of an error over the rows without its sign, and it in words.
 pub fn worst(rows: &[Row], error: usize) -> (f64, String) {
-    let medians = rows.iter().map(|row| (row, row.ranked(error)[0]));
-    let size = |view: &View| view.errors[error].abs();
-    let (row, view) = medians.max_by(|(_, a), (_, b)| size(a).total_cmp(&size(b))).expect("there are rows");
-    (size(view), format!("{} at alpha {}, f0 {}", view.words(error), row.alpha, row.f0))
+    let size = |row: &Row| row.ranked(error)[0].errors[error].abs();
+    let mut sorted: Vec<&Row> = rows.iter().collect();
+    sorted.sort_by(|a, b| size(a).total_cmp(&size(b)));
+    let (least, row) = (size(sorted[0]), sorted[rows.len() - 1]);
+    let (_, good, unit, scale) = ERRORS[error];
+    let elsewhere = match least > good {
+        true => format!(" (at least {:.1} {unit} off at every alpha and f0)", scale * least),
+        false => String::new(),
+    };
+    (size(row), format!("{} at alpha {}, f0 {}{elsewhere}", row.ranked(error)[0].words(error), row.alpha, row.f0))
 }
 
 /// Names the largest median of each error above its limit.
 pub fn verdict(rows: &[Row]) -> String {
+    if rows.iter().flat_map(|row| &row.views).all(|view| view.moment < MOMENT_MIN) {
+        return "wrong: the light's direction has no effect; does the function look up the map?".to_owned();
+    }
     let worst = [0, 1, 2].map(|error| worst(rows, error));
-    let faults = worst.iter().zip(ERRORS).filter(|((size, _), (_, good))| size > good);
+    let faults = worst.iter().zip(ERRORS).filter(|((size, _), (_, good, ..))| size > good);
     let faults: Vec<&str> = faults.map(|((_, words), _)| words.as_str()).collect();
     let [gain, width, direction] = worst.each_ref().map(|(size, _)| size);
     match faults.is_empty() {
@@ -153,7 +173,8 @@ fn view(shading: &Shading, [alpha, f0]: [f64; 2], [n, v]: [DVec3; 2], gain: f64,
     let [own, of_lobe] = [moment, right].map(|m| alpha_of(Kernel::cosine(shading.brdf), m.length()));
     let right_alpha = own.clamp(alpha.min(of_lobe), alpha.max(of_lobe));
     let direction = off.to_degrees().copysign(angle(moment) - angle(right));
-    View { n_dot_v, errors: [gain / right_gain - 1.0, own / right_alpha - 1.0, direction], alpha: own, right_alpha }
+    let errors = [gain / right_gain - 1.0, own / right_alpha - 1.0, direction];
+    View { n_dot_v, moment: moment.length(), errors, alpha: own, right_alpha }
 }
 
 /// Returns the alpha, from 0.001 to 1, of the level whose first moment has that length.

@@ -32,26 +32,29 @@ pub fn load_function(name: &str, dir: &Path, function: &str) -> Result<&'static 
     let fault = |what: String| format!("{}: {what}", path.display());
     let bytes = read_given(&path, FILE_BYTES_MAX).map_err(|e| fault(e.to_string()))?;
     let mut text = String::from_utf8(bytes).map_err(|_| fault("not UTF-8 text".into()))?;
-    let is_wgsl = path.extension().is_some_and(|extension| extension == "wgsl");
+    let is_wgsl = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("wgsl"));
     if is_wgsl {
         text = wgsl::to_glsl(&text, function, &path)?;
     }
     let (mut sources, own) = (shader_sources(), format!("{FILE_PREFIX}{}", path.display()));
     let mut choice = Choice::from([(METHOD_INCLUDE.to_owned(), own.clone())]);
-    let (mut hashed, mut parameters) = (text.clone(), "Surface s");
+    let (mut hashed, mut expected) = (text.clone(), format!("vec3 {function}(Surface s)"));
     if is_wgsl || function != FUNCTION {
         let called = if is_wgsl { wgsl::FUNCTION } else { function };
         let call = format!(
             "#include \"{own}\"\n#include \"lib/prefilter_mapping.glsl\"\n\
             vec3 {FUNCTION}(Surface s) {{ return {called}(s.n, s.v, perceptual_roughness_from_alpha(s.alpha), s.f0); }}"
         );
-        (hashed, parameters) = (hashed + &call, "vec3 n, vec3 v, float perceptual_roughness, vec3 f0");
+        expected = match is_wgsl {
+            true => format!("fn {function}(n: vec3f, v: vec3f, perceptual_roughness: f32, f0: vec3f) -> vec3f"),
+            false => format!("vec3 {function}(vec3 n, vec3 v, float perceptual_roughness, vec3 f0)"),
+        };
+        hashed += &call;
         sources.0.insert(CALL.to_owned(), call);
         choice.insert(METHOD_INCLUDE.to_owned(), CALL.to_owned());
     }
     sources.0.insert(own, text.clone());
     let stem = format!("{FILE_PREFIX}{}", &blake3::hash(hashed.as_bytes()).to_hex()[..HASH_LENGTH]);
-    let expected = format!("vec3 {function}({parameters})");
     let mut reads = BTreeSet::new();
     for (permutation, choice) in sources.permutations(ENTRY, &choice)? {
         let code = sources.expand(ENTRY, &choice, Language::Vulkan).and_then(|text| compile(ENTRY, &text));
@@ -73,9 +76,9 @@ pub fn shader_name(permutation: &str, stem: &str) -> String {
 /// Returns the first error of a compiler's log, as `PATH:LINE: message`. Errors in the pass around the file count as errors of the file.
 fn first_error(log: &str, path: &Path, expected: &str) -> String {
     let first = log.lines().find_map(|line| line.trim().strip_prefix("ERROR: ")).unwrap_or_else(|| log.trim());
-    if !first.starts_with("shaders/") {
-        return first.to_owned();
+    match first.starts_with("shaders/") {
+        true => format!("{}: expected a definition of `{expected}`, and no `main`", path.display()),
+        false if first.contains("redefinition") => format!("{first} (a name of splitsum's shaders: rename yours)"),
+        false => first.to_owned(),
     }
-    let what = first.splitn(3, ':').last().unwrap_or_default().trim();
-    format!("{}: expected a definition of `{expected}` and no main: {what}", path.display())
 }
