@@ -8,6 +8,7 @@ use splitsum::experiment::axis::Named;
 use splitsum::math::sequence::SEQUENCES;
 use splitsum::precompute::prefilter::level_bias::LEVEL_BIASES;
 use splitsum::precompute::prefilter::{LEVEL_MAPPINGS, WEIGHTS};
+use splitsum::shade::coat::COAT_RENDERERS;
 use splitsum::study::columns;
 use splitsum::study::questions::QUESTIONS;
 use splitsum::table::markdown::{Align, MarkdownTable};
@@ -40,6 +41,8 @@ enum What {
     PrefilterWeights,
     /// Level biases of known prefilters.
     LevelBiases,
+    /// Whose way to shade a clear coat.
+    CoatRenderers,
     Questions,
     /// The text of docs/columns.md.
     Columns,
@@ -84,6 +87,7 @@ fn listing(what: What) -> String {
                 add(d.name, &format!("{}; {} values, {} is better", d.formula, d.space.name(), d.better.name()));
             }
         }
+        What::CoatRenderers => COAT_RENDERERS.iter().for_each(|renderer| add(renderer.name, renderer.about)),
         What::Questions => QUESTIONS.iter().for_each(|question| add(question.name, question.asks)),
         What::Columns => {}
         What::Sequences => SEQUENCES.iter().for_each(|sequence| add(sequence.name, sequence.about)),

@@ -1,7 +1,7 @@
 //! Checks of values together: combinations, sizes, lights in their scenes, exclusions.
 
 use super::axis::{
-    ALBEDO, ALPHA, AXES, COMPENSATION, DFG_TABLE, METALLIC, METHOD, Named, PREFILTER_BY, PREFILTER_SIZE, PREFILTERED,
+    ALBEDO, ALPHA, AXES, COAT, COMPENSATION, DFG_TABLE, METALLIC, METHOD, Named, PREFILTER_BY, PREFILTER_SIZE, PREFILTERED,
     Point, SAMPLES, SCENE, SIZE, index_of,
 };
 use super::config::{Config, Placed, Sweep};
@@ -72,6 +72,10 @@ fn check_ladder(config: &Config, point: &Point, faults: &mut Faults) {
         let usual = if is_given(&axis) { "own".to_owned() } else { usual.to_string() };
         let text = format!("{name}: [ladder] has no steps for {value}; expected {usual}");
         faults.add(&config.place_of(axis, point), text);
+    }
+    if point.settings().material.coat.is_some_and(|weight| weight > 0.0) {
+        let text = format!("coat: [ladder] has no steps for a coat of weight {}; expected 0", point[COAT]);
+        faults.add(&config.place_of(COAT, point), text);
     }
     let alpha = f64::from(point.settings().material.alpha.unwrap_or(1.0));
     if alpha < harmonic::ALPHA_MIN {

@@ -263,7 +263,7 @@ impl Plan {
 
     fn expanded(config: Config, inputs: Inputs) -> Self {
         let mut columns: Vec<usize> = config.axes.iter().map(|sweep| sweep.axis).collect();
-        columns.extend((0..AXES.len()).filter(|axis| config.sweep(*axis).is_none()));
+        columns.extend((0..AXES.len()).filter(|&axis| !AXES[axis].is_layer && config.sweep(axis).is_none()));
         let mut plan = Self {
             columns,
             cells: Vec::new(),
@@ -336,6 +336,10 @@ impl Plan {
         let given = inputs.given(&point.settings());
         for (index, axis) in AXES.iter().enumerate().filter(|(_, axis)| axis.changes_radiance()) {
             let value = &point[index];
+            // Layers came later: without one, ids are what they were.
+            if axis.is_layer && [&Value::Unset, &(axis.default)()].contains(&value) {
+                continue;
+            }
             let content = match index {
                 ENVIRONMENT => inputs.environment(value.text()).hash.clone(),
                 SCENE => inputs.scene(value.text()).hash.clone(),

@@ -1,6 +1,6 @@
 //! Answers tables of queries.
 
-use super::{Kind, Queries, Query, rungs};
+use super::{COAT_COLOR, COAT_NUMBER, Kind, Queries, Query, rungs};
 use crate::math::equirect_quadrature::EquirectQuadrature;
 use crate::math::quadrature::{Bounded, Estimate, Tolerance};
 use crate::math::spherical_harmonics::COUNT;
@@ -11,10 +11,11 @@ use crate::precompute::prefilter::reference::prefilter;
 use crate::precompute::sh9::reference::project_bilinear_bounded;
 use crate::precompute::{PrecomputeSettings, exact_quadrature};
 use crate::shade::Method;
-use crate::shade::reference::integrate;
+use crate::shade::coat::{COAT_RENDERERS, shares};
+use crate::shade::reference::{Surface, integrate};
 use crate::shade::twin::Twin;
 use crate::table::csv::{Cell, to_text};
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 use std::io::Write;
 use std::path::Path;
@@ -42,7 +43,11 @@ impl Queries {
     ///
     /// `tolerance` does not apply to DFG pairs (5e-7) and SH9 (1e-9), which are cheap.
     pub fn answer(&self, tolerance: Tolerance, done: impl Fn() + Sync) -> Answers {
-        let (colors, numbers) = (self.kind.colors(), self.kind.columns().numbers);
+        let (mut colors, mut numbers) = (self.kind.colors(), self.kind.columns().numbers.to_vec());
+        if self.columns.iter().any(|column| column == COAT_COLOR) {
+            colors.push(COAT_COLOR.to_owned());
+            numbers.push(COAT_NUMBER);
+        }
         let color_columns = colors.iter().flat_map(|color| {
             ["", "error_"]
                 .iter()
@@ -95,11 +100,23 @@ fn answer(
 ) -> Numbers {
     let environment = || environment.expect("the environment of the query was prepared");
     let (colors, judged) = match query {
-        Query::Shading { surface, .. } => {
+        Query::Shading { surface, coat, .. } => {
             let answer = integrate(environment(), surface, tolerance);
             // The integration judges itself by the terms with F = 1; the others are sums of the same parts.
             let judged = vec![answer.specular_white, answer.diffuse];
-            (vec![answer.specular, answer.specular_white, answer.diffuse_transmitted, answer.diffuse], judged)
+            let mut colors = vec![answer.specular, answer.specular_white, answer.diffuse_transmitted, answer.diffuse];
+            let Some(coat) = coat else { return numbers(&colors, &judged, tolerance) };
+            let n_dot_v = surface.n.dot(surface.v);
+            let pair = dfg(surface.model, surface.masking, n_dot_v, coat.alpha);
+            let pair = DVec2::new(pair.f0_scale, pair.f90_scale);
+            let shares = shares(coat.layering, &COAT_RENDERERS[0], coat.weight, n_dot_v, pair);
+            let lobe = Surface { alpha: coat.alpha, f0: DVec3::splat(coat.layering.f0()), ..*surface };
+            let over = integrate(environment(), &lobe, tolerance);
+            let Bounded { value, error } = over.specular;
+            colors.push(Bounded { value: shares.coat * value, error: shares.coat * error });
+            let mut found = numbers(&colors, &[judged, vec![over.specular_white]].concat(), tolerance);
+            found.values.push(shares.base[0]);
+            return found;
         }
         Query::Ladder { surface, levels, .. } => {
             let settings = PrecomputeSettings { prefilter_level_count: *levels, ..PrecomputeSettings::default() };
@@ -130,6 +147,10 @@ fn answer(
             (value.iter().zip(error).map(|(&value, &error)| Bounded { value, error }).collect(), Vec::new())
         }
     };
+    numbers(&colors, &judged, tolerance)
+}
+
+fn numbers(colors: &[Bounded], judged: &[Bounded], tolerance: Tolerance) -> Numbers {
     let channels = |color: DVec3| color.to_array();
     let values =
         colors.iter().flat_map(|color| channels(color.value).into_iter().chain(channels(color.error))).collect();

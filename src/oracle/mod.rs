@@ -14,6 +14,7 @@ pub use queries::{Queries, QueryFaults};
 
 use crate::brdf::{Brdf, MaskingShadowing};
 use crate::precompute::prefilter::Kernel;
+use crate::shade::coat::CoatLayering;
 use crate::shade::reference::Surface;
 use crate::shade::{METHODS, Method};
 use crate::spelling::listed;
@@ -66,7 +67,7 @@ impl Kind {
         match self {
             Self::Shading => &KindColumns {
                 required: &["environment", "brdf", "alpha", "f0", "nx", "ny", "nz", "vx", "vy", "vz"],
-                optional: &["masking", "id"],
+                optional: &["masking", "coat", "coat_alpha", "coat_layering", "id"],
                 colors: &["specular", "specular_white", "diffuse", "lambert"],
                 numbers: &[],
             },
@@ -117,10 +118,22 @@ fn rungs() -> impl Iterator<Item = &'static Method> {
     METHODS.iter().filter(|method| method.is_integrated())
 }
 
+/// A clear coat with the normal of the surface.
+#[derive(Clone, Copy, Debug)]
+struct Coat {
+    weight: f64,
+    alpha: f64,
+    layering: CoatLayering,
+}
+
+/// Results of a table with the column `coat`: the coat's radiance, and the share that the base keeps.
+const COAT_COLOR: &str = "coat";
+const COAT_NUMBER: &str = "base_share";
+
 /// A checked row. `environment` is an index into the table's environments.
 #[derive(Clone, Debug)]
 enum Query {
-    Shading { environment: usize, surface: Surface },
+    Shading { environment: usize, surface: Surface, coat: Option<Coat> },
     Ladder { environment: usize, surface: Surface, levels: u32 },
     Dfg { model: &'static dyn Brdf, masking: MaskingShadowing, alpha: f64, n_dot_v: f64 },
     Prefilter { environment: usize, kernel: Kernel, alpha: f64, r: DVec3 },

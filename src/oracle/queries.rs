@@ -200,8 +200,8 @@ impl<'a> Reader<'a> {
         let query = match self.kind {
             Kind::Shading | Kind::Ladder => {
                 let environment = self.environment(&row);
-                let (model, masking, alpha) = (row.model(), row.masking(), row.alpha());
-                let levels = row.levels();
+                let (model, masking, alpha) = (row.model(), row.masking(), row.alpha("alpha"));
+                let (levels, coat) = (row.levels(), row.coat());
                 let (f0, n, v) = (row.f0(), row.direction(["nx", "ny", "nz"]), row.direction(["vx", "vy", "vz"]));
                 if let (Some(n), Some(v)) = (n, v)
                     && n.dot(v) <= 0.0
@@ -213,18 +213,18 @@ impl<'a> Reader<'a> {
                     let surface = Surface { model, masking, alpha, f0: f0?, n: n?, v: v? };
                     Some(match self.kind {
                         Kind::Ladder => Query::Ladder { environment, surface, levels: levels? },
-                        _ => Query::Shading { environment, surface },
+                        _ => Query::Shading { environment, surface, coat: coat? },
                     })
                 })()
             }
             Kind::Dfg => {
-                let (model, masking, alpha) = (row.model(), row.masking(), row.alpha());
+                let (model, masking, alpha) = (row.model(), row.masking(), row.alpha("alpha"));
                 let n_dot_v = row.above_zero_to_one("n_dot_v");
                 (|| Some(Query::Dfg { model: model?, masking: masking?, alpha: alpha?, n_dot_v: n_dot_v? }))()
             }
             Kind::Prefilter => {
                 let environment = self.environment(&row);
-                let (model, alpha, r) = (row.model(), row.alpha(), row.direction(["rx", "ry", "rz"]));
+                let (model, alpha, r) = (row.model(), row.alpha("alpha"), row.direction(["rx", "ry", "rz"]));
                 let (weight, masking) = (row.weight(), row.masking());
                 (|| {
                     let kernel = Kernel::new(model?, weight?, masking?);

@@ -1,6 +1,6 @@
 //! Checks the cells of one row of queries.
 
-use super::ALPHA_MIN;
+use super::{ALPHA_MIN, Coat};
 use crate::brdf::{Brdf, MaskingShadowing};
 use crate::precompute::PrecomputeSettings;
 use crate::precompute::prefilter::Weight;
@@ -62,12 +62,27 @@ impl Row<'_> {
         is_inside.then_some(number)
     }
 
-    pub(super) fn alpha(&mut self) -> Option<f64> {
-        let (text, alpha) = (self.cell("alpha").to_owned(), self.above_zero_to_one("alpha")?);
+    pub(super) fn alpha(&mut self, column: &str) -> Option<f64> {
+        let (text, alpha) = (self.cell(column).to_owned(), self.above_zero_to_one(column)?);
         if alpha < ALPHA_MIN {
-            self.fault("alpha", format!("{text} is below {ALPHA_MIN}, the narrowest lobe that is integrated"));
+            self.fault(column, format!("{text} is below {ALPHA_MIN}, the narrowest lobe that is integrated"));
         }
         (alpha >= ALPHA_MIN).then_some(alpha)
+    }
+
+    /// Returns the row's coat, if the table has any; `None` after a fault.
+    pub(super) fn coat(&mut self) -> Option<Option<Coat>> {
+        let Some(text) = self.optional_cell("coat").map(str::to_owned) else {
+            let stray = ["coat_alpha", "coat_layering"].into_iter().find(|name| self.optional_cell(name).is_some());
+            stray.inspect(|name| self.fault(name, "it needs the column coat"));
+            return stray.is_none().then_some(None);
+        };
+        let weight = self.number("coat", &text)?;
+        if !(0.0..=1.0).contains(&weight) {
+            self.fault("coat", format!("{text} is outside [0, 1]"));
+        }
+        let (alpha, layering) = (self.alpha("coat_alpha"), self.optional("coat_layering").copied());
+        Some(Some(Coat { weight, alpha: alpha?, layering: layering? }))
     }
 
     /// Parses `x` or `R:G:B`.

@@ -51,6 +51,9 @@ pub(super) fn key(request: &RenderRequest) -> Option<SharedKey> {
         point_set: _,
         pixel_points: _,
         lod_bias: _,
+        // Layers are kept each by itself.
+        coat_layering: _,
+        coat_renderer: _,
     } = shading;
     if !request.has_reference_term() || method.has_pass() || diffuse.has_pass() {
         return None;

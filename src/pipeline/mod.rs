@@ -5,6 +5,7 @@
 
 mod antialias;
 mod cache;
+mod coat;
 mod disk_cache;
 mod fit;
 mod inputs;
@@ -87,12 +88,14 @@ impl PipelineError {
 
 /// Returns whether a cache with its device set holds what `request` would render: then nothing is rendered.
 pub fn is_kept(cache: &DiskCache, request: &RenderRequest) -> bool {
-    kept_reference::key(request).is_some_and(|key| cache.holds(&key.shaders, &key.text()))
+    let is_kept = |layer| kept_reference::key(layer).is_some_and(|key| cache.holds(&key.shaders, &key.text()));
+    request.layers().iter().all(is_kept)
 }
 
 /// Lists the shaders that a reference on disk depends on; `None` if frames of `request` are not kept.
 pub fn shaders_of_kept(request: &RenderRequest) -> Option<Vec<String>> {
-    Some(kept_reference::key(request)?.shaders)
+    let keys = request.layers().iter().map(kept_reference::key).collect::<Option<Vec<_>>>()?;
+    Some(keys.into_iter().flat_map(|key| key.shaders).collect())
 }
 
 /// An open device with cached results.
@@ -179,7 +182,7 @@ impl Pipeline {
 
     /// Renders one radiance image.
     pub fn render(&mut self, request: &RenderRequest) -> Result<Frame, PipelineError> {
-        let frame = self.render_points(request)?;
+        let frame = if request.scene.has_coat() { self.render_coated(request)? } else { self.render_points(request)? };
         if !request.is_antialiased() {
             return Ok(frame);
         }
@@ -250,12 +253,16 @@ impl Pipeline {
 
     /// Times the passes of a frame, tone curve included: `warmup` rounds that do not count, then `rounds`.
     pub fn time(&mut self, request: &RenderRequest, warmup: u32, rounds: u32) -> Result<TimingSamples, PipelineError> {
-        let prepared = self.prepare(request)?;
+        let layers = request.layers();
+        let prepared = layers.iter().map(|layer| self.prepare(layer)).collect::<Result<Vec<_>, _>>()?;
         let packed = tonemap::pass::packed(&self.gpu, request.size)?;
-        let (curve, radiance) = (ToneCurve::default(), &prepared.target.radiance);
+        let (curve, radiance) = (ToneCurve::default(), &prepared[0].target.radiance);
         let mut samples = TimingSamples::default();
         for round in 0..warmup + rounds {
-            let (mut report, _) = self.shade(request, &prepared)?;
+            let mut report = Report::default();
+            for (layer, prepared) in layers.iter().zip(&prepared) {
+                report.add(self.shade(layer, prepared)?.0);
+            }
             report.add(tonemap::pass::run(&self.gpu, curve, radiance, &packed, request.size)?);
             if round >= warmup {
                 samples.push(&report.passes, report.wall_ms);

@@ -1,11 +1,34 @@
 //! Metallic-workflow materials.
 
+use crate::glsl::constants::ALPHA_MIN;
+
 /// F0 of a common dielectric (index of refraction 1.5).
 pub const DEFAULT_F0: f32 = 0.04;
 /// Default albedo, linear grey.
 pub const DEFAULT_ALBEDO: f32 = 0.8;
 /// Default microfacet width.
 pub const DEFAULT_ALPHA: f32 = 0.25;
+
+/// A clear coat over a surface (`crate::shade::coat`).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Coat {
+    /// From 0, no coat, to 1.
+    pub weight: f32,
+    /// Index into `Scene::textures`; red multiplies `weight`.
+    pub weight_map: Option<usize>,
+    /// Microfacet width in (0, 1].
+    pub alpha: f32,
+    /// Index into `Scene::textures`; the square of green multiplies `alpha`.
+    pub roughness_map: Option<usize>,
+    /// Index into `Scene::textures`; normals of the coat, which has none of the base's.
+    pub normal_map: Option<usize>,
+}
+
+impl Default for Coat {
+    fn default() -> Self {
+        Self { weight: 0.0, weight_map: None, alpha: ALPHA_MIN, roughness_map: None, normal_map: None }
+    }
+}
 
 /// A surface. Its F0 is `mix(f0, albedo, metallic)`, its diffuse albedo `(1 - metallic) albedo`.
 #[derive(Clone, Debug, PartialEq)]
@@ -26,6 +49,7 @@ pub struct Material {
     pub f0: [f32; 3],
     /// Index into `Scene::textures`; tangent-space normals of any length.
     pub normal_map: Option<usize>,
+    pub coat: Coat,
     /// Culls back faces. Otherwise their normals are negated.
     pub is_one_sided: bool,
 }
@@ -33,6 +57,31 @@ pub struct Material {
 impl Material {
     pub fn maps(&self) -> impl Iterator<Item = usize> {
         [self.albedo_map, self.metallic_map, self.roughness_map, self.normal_map].into_iter().flatten()
+    }
+
+    /// The coat as a surface without a diffuse term.
+    pub(super) fn as_coat(&self, f0: f32, alpha: fn(f32) -> f32) -> Self {
+        Self {
+            name: self.name.clone(),
+            albedo: [0.0; 3],
+            alpha: alpha(self.coat.alpha),
+            roughness_map: self.coat.roughness_map,
+            f0: [f0; 3],
+            normal_map: self.coat.normal_map,
+            is_one_sided: self.is_one_sided,
+            ..Self::default()
+        }
+    }
+
+    /// A surface whose albedo is the weight of the coat.
+    pub(super) fn as_coat_weight(&self) -> Self {
+        Self {
+            name: self.name.clone(),
+            albedo: [self.coat.weight; 3],
+            albedo_map: self.coat.weight_map,
+            is_one_sided: self.is_one_sided,
+            ..Self::default()
+        }
     }
 }
 
@@ -48,6 +97,7 @@ impl Default for Material {
             roughness_map: None,
             f0: [DEFAULT_F0; 3],
             normal_map: None,
+            coat: Coat::default(),
             is_one_sided: false,
         }
     }
@@ -60,6 +110,8 @@ pub struct MaterialOverride {
     pub metallic: Option<f32>,
     pub alpha: Option<f32>,
     pub f0: Option<[f32; 3]>,
+    pub coat: Option<f32>,
+    pub coat_alpha: Option<f32>,
 }
 
 impl MaterialOverride {
@@ -73,6 +125,13 @@ impl MaterialOverride {
             alpha: self.alpha.unwrap_or(material.alpha),
             roughness_map: material.roughness_map.filter(|_| self.alpha.is_none()),
             f0: self.f0.unwrap_or(material.f0),
+            coat: Coat {
+                weight: self.coat.unwrap_or(material.coat.weight),
+                weight_map: material.coat.weight_map.filter(|_| self.coat.is_none()),
+                alpha: self.coat_alpha.unwrap_or(material.coat.alpha),
+                roughness_map: material.coat.roughness_map.filter(|_| self.coat_alpha.is_none()),
+                ..material.coat
+            },
             ..*material
         }
     }

@@ -15,7 +15,7 @@ pub use builtin::{SCENES, SceneEntry, is_design};
 pub use camera::{Camera, CameraKind, Orbit, Projection};
 pub use light::{Light, LightKind};
 pub use maps::Texture;
-pub use material::{Material, MaterialOverride};
+pub use material::{Coat, Material, MaterialOverride};
 pub use mesh::Mesh;
 pub use source::SceneFiles;
 
@@ -147,8 +147,31 @@ impl Scene {
 
     /// Overrides values of every material.
     pub fn apply(&self, values: &MaterialOverride) -> Self {
-        let materials = self.materials.iter().map(|material| values.apply(material)).collect();
+        self.with_materials(|material| values.apply(material))
+    }
+
+    fn with_materials(&self, change: impl Fn(&Material) -> Material) -> Self {
+        let materials = self.materials.iter().map(change).collect();
         Self { materials, ..self.clone() }.hashed()
+    }
+
+    pub fn has_coat(&self) -> bool {
+        self.materials.iter().any(|material| material.coat.weight > 0.0)
+    }
+
+    /// Returns the scene without coats.
+    pub fn uncoated(&self) -> Self {
+        self.with_materials(|material| Material { coat: Coat::default(), name: material.name.clone(), ..*material })
+    }
+
+    /// Returns the coats as surfaces of that F0, without a diffuse term; `alpha` converts their widths.
+    pub fn coat(&self, f0: f32, alpha: fn(f32) -> f32) -> Self {
+        self.with_materials(|material| material.as_coat(f0, alpha))
+    }
+
+    /// Returns the scene whose albedo is the weight of the coat.
+    pub fn coat_weights(&self) -> Self {
+        self.with_materials(Material::as_coat_weight)
     }
 
     /// Returns the smallest and largest corners of the bounding box.
@@ -204,6 +227,11 @@ impl Scene {
             let maps = [material.albedo_map, material.metallic_map, material.roughness_map, material.normal_map];
             list(&mut hasher, &maps.map(|map| map.map_or(0, |map| map as u64 + 1)));
             list(&mut hasher, &[u8::from(material.is_one_sided)]);
+            let Coat { weight, weight_map, alpha, roughness_map, normal_map } = material.coat;
+            if weight > 0.0 {
+                list(&mut hasher, &[weight, alpha]);
+                list(&mut hasher, &[weight_map, roughness_map, normal_map].map(|map| map.map_or(0, |map| map as u64 + 1)));
+            }
         }
         for texture in &self.textures {
             let Wrap(u, v) = texture.wrap;

@@ -1,5 +1,6 @@
 //! The parameters of one image: method, model, placement of the light, points and tables.
 
+use super::coat::{COAT_RENDERERS, CoatLayering, CoatRenderer};
 use super::{Diffuse, Method, NONE};
 use crate::brdf::{Brdf, Compensation, Ggx, MaskingShadowing};
 use crate::environment::Placement;
@@ -27,6 +28,8 @@ pub struct Shading {
     /// Added to the mip level of a filtered method.
     pub lod_bias: f32,
     pub precompute: PrecomputeSettings,
+    pub coat_layering: CoatLayering,
+    pub coat_renderer: &'static CoatRenderer,
 }
 
 impl Default for Shading {
@@ -46,6 +49,8 @@ impl Default for Shading {
             pixel_points: PixelPoints::default(),
             lod_bias: 0.0,
             precompute: PrecomputeSettings::default(),
+            coat_layering: CoatLayering::default(),
+            coat_renderer: &COAT_RENDERERS[0],
         }
     }
 }

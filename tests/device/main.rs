@@ -4,6 +4,7 @@
 //! validation layer (core and synchronisation) and any message fails the test; `SPLITSUM_VALIDATION=0` turns the layer off.
 mod antialias;
 mod brdf;
+mod coat;
 mod compare;
 mod determinism;
 mod furnace;

@@ -3,11 +3,13 @@
 use glam::{DQuat, DVec2, DVec3};
 use rayon::prelude::*;
 use splitsum::brdf::{self, Brdf, MODELS, MaskingShadowing};
+use splitsum::environment::LoadOptions;
 use splitsum::math::equirect::{direction_from_uv, uv_from_direction};
 use splitsum::math::equirect_quadrature::Focus;
 use splitsum::math::frame::Frame;
 use splitsum::math::quadrature::Tolerance;
 use splitsum::math::sampling::direction_from_polar;
+use splitsum::oracle::{Kind, Queries};
 use splitsum::pixels::{RgbImage, exr};
 use splitsum::precompute::dfg::reference::dfg;
 use splitsum::precompute::exact_quadrature;
@@ -69,6 +71,49 @@ fn constant_environment_gives_the_directional_albedo() {
         assert_close(&what, answer.specular.value / radiance, split, 2e-5);
         assert_close(&what, answer.diffuse.value / radiance, DVec3::ONE, 1.2e-5);
     });
+}
+
+/// Rows with a coat against a product rule over directions with GGX, Smith and Schlick typed here.
+#[test]
+fn the_coat_of_a_table_is_its_integral() {
+    const STEPS: u32 = 700;
+    let (alpha, weight) = (0.4, 0.6);
+    let image = golden_environment();
+    let dir = tempfile::tempdir().unwrap();
+    let text = "environment,brdf,alpha,f0,nx,ny,nz,vx,vy,vz,coat,coat_alpha,coat_layering\n\
+                ENV,ggx,0.5,0.3,0,1,0,0.6,0.8,0,0.6,0.4,khr\nENV,ggx,0.5,0.3,0,1,0,0.6,0.8,0,0.6,0.4,albedo\n";
+    let map = std::env::current_dir().unwrap().join("tests/golden/env_analytic.exr");
+    std::fs::write(dir.path().join("q.csv"), text.replace("ENV", &map.display().to_string())).unwrap();
+    let queries = Queries::read(&dir.path().join("q.csv"), Kind::Shading, &LoadOptions::default()).unwrap();
+    let answers = queries.answer(TOLERANCE, || ());
+    let column = |row: usize, name: &str| {
+        let at = answers.columns.iter().position(|column| column == name).unwrap();
+        answers.rows[row][at].to_string().parse::<f64>().unwrap()
+    };
+    let (v, cosine) = (DVec3::new(0.6, 0.8, 0.0), 0.8f64);
+    let smith = |x: f64| 2.0 * x / (x + (alpha * alpha + (1.0 - alpha * alpha) * x * x).sqrt());
+    let mut sums = [[DVec3::ZERO; 2]; 2];
+    for (i, j) in (0..STEPS).flat_map(|i| (0..2 * STEPS).map(move |j| (i, j))) {
+        let mu = (f64::from(i) + 0.5) / f64::from(STEPS);
+        let phi = TAU * (f64::from(j) + 0.5) / f64::from(2 * STEPS);
+        let sin = (1.0 - mu * mu).sqrt();
+        let l = DVec3::new(sin * phi.cos(), mu, sin * phi.sin());
+        let h = (v + l).normalize();
+        let d = alpha * alpha / (PI * (h.y * h.y * (alpha * alpha - 1.0) + 1.0).powi(2));
+        let f = d * smith(cosine) * smith(mu) / (4.0 * cosine) * TAU / f64::from(2 * STEPS * STEPS);
+        let schlick = 0.04 + 0.96 * (1.0 - v.dot(h)).powi(5);
+        for (k, radiance) in [lookup(&image, l), DVec3::ONE].into_iter().enumerate() {
+            sums[0][k] += f * radiance;
+            sums[1][k] += f * schlick * radiance;
+        }
+    }
+    let fresnel = 0.04 + 0.96 * (1.0f64 - cosine).powi(5);
+    let expected = [(fresnel * sums[0][0], fresnel), (sums[1][0], sums[1][1].x)];
+    for (row, (coat, lost)) in expected.into_iter().enumerate() {
+        let own = DVec3::new(column(row, "coat_r"), column(row, "coat_g"), column(row, "coat_b"));
+        assert_close("coat", own, weight * coat, 1e-4);
+        assert!((column(row, "base_share") - (1.0 - weight * lost)).abs() < 1e-5, "{row}");
+    }
 }
 
 #[test]

@@ -7,6 +7,7 @@ use crate::brdf::{self, Compensation, MaskingShadowing};
 use crate::environment::Placement;
 use crate::experiment::value::{IMAGE_SIZE, Kind, PERCEPTUAL_ROUGHNESS_MIN, Range, Value, decimal};
 use crate::math::sequence::{PixelPoints, Sequence};
+use crate::shade::coat::{CoatLayering, CoatRenderer};
 use crate::shade::{Diffuse, Method, REFERENCE};
 use crate::spelling::Listed;
 
@@ -20,6 +21,19 @@ const LIST: &[Axis] = &{
     tables.copy_from_slice(TABLE_AXES);
     list
 };
+
+const ROUGHNESS: Spelling = Spelling {
+    name: "perceptual_roughness",
+    label: "Roughness",
+    about: "roughness of every material, as in files; alpha is its square",
+    plural: "roughnesses",
+    symbol: Symbol::Before("roughness"),
+    kind: Kind::Number(Range::closed(PERCEPTUAL_ROUGHNESS_MIN, 1.0)),
+    to_axis: |v| Value::Number(decimal(brdf::alpha_from_perceptual_roughness(v.number()))),
+    of_axis: |v| Value::Number(decimal(brdf::perceptual_roughness_from_alpha(v.number()))),
+};
+
+const LAYER: Axis = Axis { is_layer: true, ..PLAIN };
 
 const IMAGE_AXES: &[Axis] = &[
     Axis {
@@ -164,16 +178,7 @@ const IMAGE_AXES: &[Axis] = &[
         plural: "alphas",
         symbol: Symbol::Before("alpha"),
         kind: Kind::Alpha,
-        spelling: Some(Spelling {
-            name: "perceptual_roughness",
-            label: "Roughness",
-            about: "roughness of every material, as in files; alpha is its square",
-            plural: "roughnesses",
-            symbol: Symbol::Before("roughness"),
-            kind: Kind::Number(Range::closed(PERCEPTUAL_ROUGHNESS_MIN, 1.0)),
-            to_axis: |v| Value::Number(decimal(brdf::alpha_from_perceptual_roughness(v.number()))),
-            of_axis: |v| Value::Number(decimal(brdf::perceptual_roughness_from_alpha(v.number()))),
-        }),
+        spelling: Some(ROUGHNESS),
         apply: |s, v| s.material.alpha = Some(v.number() as f32),
         ..PLAIN
     },
@@ -205,6 +210,55 @@ const IMAGE_AXES: &[Axis] = &[
         kind: Kind::Number(Range::closed(0.0, 1.0)),
         apply: |s, v| s.material.metallic = Some(v.number() as f32),
         ..PLAIN
+    },
+    Axis {
+        name: "coat",
+        about: "weight of a clear coat on every material; 0 has none",
+        plural: "coat weights",
+        symbol: Symbol::Before("coat"),
+        kind: Kind::Number(Range::closed(0.0, 1.0)),
+        apply: |s, v| s.material.coat = Some(v.number() as f32),
+        ..LAYER
+    },
+    Axis {
+        name: "coat_alpha",
+        about: "microfacet width of every coat",
+        plural: "coat alphas",
+        symbol: Symbol::Before("coat alpha"),
+        used: |u| u.has_coat,
+        kind: Kind::Alpha,
+        spelling: Some(Spelling {
+            name: "coat_perceptual_roughness",
+            label: "Coat roughness",
+            about: "roughness of every coat, as in files; coat_alpha is its square",
+            plural: "coat roughnesses",
+            symbol: Symbol::Before("coat roughness"),
+            ..ROUGHNESS
+        }),
+        apply: |s, v| s.material.coat_alpha = Some(v.number() as f32),
+        ..LAYER
+    },
+    Axis {
+        name: "coat_layering",
+        about: "how base and coat add up, for the image and its reference; docs/coat.md",
+        plural: "coat layerings",
+        used: |u| u.has_coat,
+        kind: Kind::one_of::<CoatLayering>(),
+        default: first::<CoatLayering>,
+        apply: |s, v| s.shading.coat_layering = *CoatLayering::listed(v.text()),
+        ..LAYER
+    },
+    Axis {
+        name: "coat_renderer",
+        part: Part::Parameter,
+        about: "whose way to shade a coat; `splitsum list coat-renderers`",
+        plural: "coat renderers",
+        used: |u| u.has_coat,
+        kind: Kind::one_of::<CoatRenderer>(),
+        default: first::<CoatRenderer>,
+        reference: |_, _| first::<CoatRenderer>(),
+        apply: |s, v| s.shading.coat_renderer = CoatRenderer::listed(v.text()),
+        ..LAYER
     },
     Axis {
         name: "exposure",
@@ -330,6 +384,8 @@ indices! {
     POINT_SET = "point_set";
     ALPHA = "alpha";
     ALBEDO = "albedo";
+    COAT = "coat";
+    COAT_ALPHA = "coat_alpha";
     METALLIC = "metallic";
     EXPOSURE = "exposure";
     CONTRAST = "contrast";

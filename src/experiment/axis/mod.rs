@@ -19,7 +19,7 @@ use crate::bakes::given::OWN;
 use crate::brdf::Compensation;
 use crate::environment::layout::{LAYOUTS, MapLayout};
 use crate::precompute::PrefilterBy;
-use crate::scene::MaterialOverride;
+use crate::scene::{MaterialOverride, SCENES};
 use crate::shade::{DIFFUSE, Diffuse, METHODS, Method, Shading};
 use crate::tonemap::ToneCurve;
 use std::ops::{Index, IndexMut};
@@ -119,6 +119,8 @@ pub struct Axis {
     pub feeds: &'static [&'static str],
     /// Whether it may be set outside `[axes]` in an experiment file.
     pub is_key: bool,
+    /// Whether it describes a layer over the base. Tables have it only if the experiment names it.
+    pub is_layer: bool,
     /// The flag of `render`, if it differs from the name.
     pub flag: Option<&'static str>,
     pub spelling: Option<Spelling>,
@@ -140,6 +142,8 @@ pub struct Used {
     pub has_lights: bool,
     pub has_diffuse_surface: bool,
     pub has_dielectric: bool,
+    /// Whether a surface may have a coat.
+    pub has_coat: bool,
     /// Whether the filtered tables are sampled.
     pub has_sampled_tables: bool,
     /// Whether the prefiltered map and the DFG table are made by splitsum.
@@ -258,6 +262,8 @@ impl Point {
         let has_sampled_tables = method.prefilter.map_or_else(is_sampled, |by| by != PrefilterBy::Harmonic);
         let has_own = [PREFILTERED, DFG_TABLE].map(|axis| AXES[axis].kind.path_in(&self[axis].to_string()).is_none());
         let compensation = self.settings().shading.compensation;
+        let is_built_in = SCENES.iter().any(|entry| entry.name == self[SCENE].text());
+        let has_coat = self[COAT] != Value::Number(0.0) && !(self[COAT] == Value::Unset && is_built_in);
         // Compensation may add a diffuse term to any surface.
         let has_diffuse_surface = has_diffuse_surface || compensation.is_diffuse();
         let used = Used {
@@ -267,6 +273,7 @@ impl Point {
             has_lights,
             has_diffuse_surface,
             has_dielectric,
+            has_coat,
             has_sampled_tables,
             has_own,
         };

@@ -21,6 +21,7 @@ pub(super) const PLAIN: Axis = Axis {
     needs_memory: false,
     feeds: &[],
     is_key: false,
+    is_layer: false,
     flag: None,
     spelling: None,
     kind: Kind::Input,

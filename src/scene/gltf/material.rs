@@ -8,6 +8,7 @@
 //! | `normalTexture` with `scale` | normal map | none |
 //! | `doubleSided` | whether backs are seen | they are not |
 //! | `KHR_materials_ior` | f0 = ((ior - 1) / (ior + 1))² | 0.04 |
+//! | `KHR_materials_clearcoat` | coat: factor, texture red; roughness factor², texture green; normals | none |
 //!
 //! Factors are clamped to [0, 1]. The maps of a material share one set of texture coordinates and one
 //! `KHR_texture_transform` \[KhrTransform18\]; they repeat, clamp or mirror by their samplers and are filtered
@@ -19,7 +20,7 @@ use crate::brdf;
 use crate::glsl::constants::ALPHA_MIN;
 use crate::pixels::lookup::{Edge, Wrap};
 use crate::scene::maps::{Maps, Meaning};
-use crate::scene::material::Material;
+use crate::scene::material::{Coat, Material};
 use crate::scene::source::SceneFiles;
 use ::gltf::image::Source;
 use ::gltf::json::extensions::texture::TextureTransform;
@@ -30,30 +31,69 @@ use serde::Deserialize;
 use std::collections::{BTreeSet, HashMap};
 use std::path::Path;
 
+const CLEARCOAT: &str = "KHR_materials_clearcoat";
+
+/// The extension's members; the crate has none of its own.
+#[derive(Default, Deserialize)]
+#[serde(default, rename_all = "camelCase")]
+struct Clearcoat {
+    clearcoat_factor: f32,
+    clearcoat_texture: Option<Map>,
+    clearcoat_roughness_factor: f32,
+    clearcoat_roughness_texture: Option<Map>,
+    clearcoat_normal_texture: Option<Map>,
+}
+
+impl Clearcoat {
+    fn maps(&self) -> impl Iterator<Item = &Map> {
+        let maps = [&self.clearcoat_texture, &self.clearcoat_roughness_texture, &self.clearcoat_normal_texture];
+        maps.into_iter().flatten()
+    }
+}
+
+#[derive(Deserialize)]
+#[serde(rename_all = "camelCase")]
+struct Map {
+    index: usize,
+    #[serde(default)]
+    tex_coord: u32,
+    /// Of normals.
+    scale: Option<f32>,
+    #[serde(default)]
+    extensions: ::gltf::json::extensions::texture::Info,
+}
+
 /// The used materials, in order of first use.
 #[derive(Default)]
 pub struct Materials<'a> {
     used: Vec<::gltf::Material<'a>>,
+    coats: Vec<Clearcoat>,
     slots: HashMap<Option<usize>, usize>,
 }
 
 impl<'a> Materials<'a> {
     /// Returns a material's index and adds it at its first use.
-    pub fn slot(&mut self, material: &::gltf::Material<'a>) -> usize {
-        *self.slots.entry(material.index()).or_insert_with(|| {
-            self.used.push(material.clone());
-            self.used.len() - 1
-        })
+    pub fn slot(&mut self, material: &::gltf::Material<'a>) -> Result<usize, String> {
+        if let Some(slot) = self.slots.get(&material.index()) {
+            return Ok(*slot);
+        }
+        let coat = material.extension_value(CLEARCOAT).map(Clearcoat::deserialize).transpose();
+        self.coats.push(coat.map_err(|error| format!("{CLEARCOAT} of its material: {error}"))?.unwrap_or_default());
+        self.used.push(material.clone());
+        self.slots.insert(material.index(), self.used.len() - 1);
+        Ok(self.used.len() - 1)
     }
 
     pub fn has_normal_map(&self, slot: usize) -> bool {
-        self.used[slot].normal_texture().is_some()
+        self.used[slot].normal_texture().is_some() || self.coats[slot].clearcoat_normal_texture.is_some()
     }
 
     pub fn has_maps(&self, slot: usize) -> bool {
         let (material, factors) = (&self.used[slot], self.used[slot].pbr_metallic_roughness());
         let maps = [factors.base_color_texture(), factors.metallic_roughness_texture()];
-        maps.iter().any(Option::is_some) || material.normal_texture().is_some()
+        maps.iter().any(Option::is_some)
+            || material.normal_texture().is_some()
+            || self.coats[slot].maps().next().is_some()
     }
 
     /// Returns the texture coordinate set of a material's maps, and its transform.
@@ -72,15 +112,19 @@ impl<'a> Materials<'a> {
             .flatten()
             .map(own)
             .collect();
+        let of_json = |set: u32, transform: Option<&TextureTransform>| {
+            let own = transform.and_then(|transform| transform.tex_coord).unwrap_or(set);
+            (own, transform.map_or(DAffine2::IDENTITY, |t| affine(t.offset.0, t.rotation.0, t.scale.0)))
+        };
         if let Some(map) = material.normal_texture() {
             // The crate has no accessor for it here.
             let transform = map.extension_value("KHR_texture_transform").map(TextureTransform::deserialize);
             let transform =
                 transform.transpose().map_err(|error| format!("KHR_texture_transform of its normal map: {error}"))?;
-            let set = transform.as_ref().and_then(|transform| transform.tex_coord);
-            let of = |t: TextureTransform| affine(t.offset.0, t.rotation.0, t.scale.0);
-            mappings.push((set.unwrap_or(map.tex_coord()), transform.map_or(DAffine2::IDENTITY, of)));
+            mappings.push(of_json(map.tex_coord(), transform.as_ref()));
         }
+        let of_coat = |map: &Map| of_json(map.tex_coord, map.extensions.texture_transform.as_ref());
+        mappings.extend(self.coats[slot].maps().map(of_coat));
         let first = mappings.first().copied().unwrap_or((0, DAffine2::IDENTITY));
         match mappings.iter().find(|mapping| **mapping != first) {
             None => Ok(first),
@@ -95,6 +139,7 @@ impl<'a> Materials<'a> {
     /// Reads the materials; adds skipped features to `unread`.
     pub fn read(
         &self,
+        document: &::gltf::Document,
         buffers: &Buffers,
         path: &Path,
         files: &dyn SceneFiles,
@@ -127,7 +172,7 @@ impl<'a> Materials<'a> {
             Ok::<usize, String>(index)
         };
         let mut materials = Vec::new();
-        for material in &self.used {
+        for (material, coat) in self.used.iter().zip(&self.coats) {
             let factors = material.pbr_metallic_roughness();
             let (albedo, surface) = (factors.base_color_texture(), factors.metallic_roughness_texture());
             let albedo_map = albedo.map(|info| map(info.texture(), Meaning::Color, unread)).transpose()?;
@@ -137,6 +182,20 @@ impl<'a> Materials<'a> {
                 map(info.texture(), Meaning::Normal { scale: info.scale() }, unread)
             };
             let normal_map = normal.map(scaled).transpose()?;
+            let mut coat_map = |texture: &Option<Map>, meaning: fn(f32) -> Meaning| {
+                let Some(Map { index, scale, .. }) = texture else { return Ok(None) };
+                let texture = document.textures().nth(*index);
+                let texture = texture.ok_or_else(|| format!("{CLEARCOAT}: there is no texture {index}"))?;
+                map(texture, meaning(scale.unwrap_or(1.0)), unread).map(Some)
+            };
+            let coat_alpha = f64::from(coat.clearcoat_roughness_factor.clamp(0.0, 1.0));
+            let coat = Coat {
+                weight: coat.clearcoat_factor.clamp(0.0, 1.0),
+                weight_map: coat_map(&coat.clearcoat_texture, |_| Meaning::Linear)?,
+                alpha: (brdf::alpha_from_perceptual_roughness(coat_alpha) as f32).max(ALPHA_MIN),
+                roughness_map: coat_map(&coat.clearcoat_roughness_texture, |_| Meaning::Linear)?,
+                normal_map: coat_map(&coat.clearcoat_normal_texture, |scale| Meaning::Normal { scale })?,
+            };
             let is_left_out = [
                 ("emission", material.emissive_factor() != [0.0; 3]),
                 ("occlusion", material.occlusion_texture().is_some()),
@@ -156,6 +215,7 @@ impl<'a> Materials<'a> {
                 roughness_map: surface_map,
                 f0: material.ior().map_or(default.f0, |ior| [brdf::f0_from_ior(f64::from(ior.max(0.0))) as f32; 3]),
                 normal_map,
+                coat,
                 is_one_sided: !material.double_sided(),
             });
         }

@@ -26,7 +26,8 @@ use serde::Deserialize;
 use std::collections::BTreeSet;
 use std::path::Path;
 
-const EXTENSIONS: [&str; 3] = ["KHR_materials_ior", "KHR_mesh_quantization", "KHR_texture_transform"];
+const EXTENSIONS: [&str; 4] =
+    ["KHR_materials_clearcoat", "KHR_materials_ior", "KHR_mesh_quantization", "KHR_texture_transform"];
 /// Most vertices after placement, and most corners / 3: below 1.5 GiB.
 const MAX_VERTICES: usize = 1 << 23;
 /// Largest coordinate: its square is finite in f32.
@@ -50,7 +51,7 @@ pub(super) fn load(spec: &str, path: &Path, files: &dyn SceneFiles) -> Result<Sc
     reader.nodes(&document).map_err(fault)?;
     let mut maps = Maps::default();
     let materials =
-        reader.materials.read(&reader.buffers, path, files, &mut maps, &mut reader.unread).map_err(fault)?;
+        reader.materials.read(&document, &reader.buffers, path, files, &mut maps, &mut reader.unread).map_err(fault)?;
     reader.meshes.retain(|mesh| !mesh.indices.is_empty());
     if reader.meshes.is_empty() {
         return Err(fault("its scene has no triangle with an area; expected at least one".to_owned()));
@@ -226,7 +227,7 @@ impl<'a> Reader<'a> {
         if primitive.get(&Semantic::Colors(0)).is_some() {
             self.unread.insert("vertex colours".to_owned());
         }
-        let slot = self.materials.slot(&primitive.material());
+        let slot = self.materials.slot(&primitive.material())?;
         if slot == self.meshes.len() {
             self.meshes.push(Mesh::empty(slot));
         }

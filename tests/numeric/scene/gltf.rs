@@ -287,7 +287,7 @@ fn axes_replace_factors() {
     model["extensionsRequired"] = json!(["KHR_materials_ior"]);
     let f0 = ((1.8f64 - 1.0) / (1.8 + 1.0)).powi(2) as f32;
     let values =
-        MaterialOverride { albedo: Some([0.9, 0.5, 0.1]), metallic: Some(0.375), alpha: Some(0.25), f0: Some([f0; 3]) };
+        MaterialOverride { albedo: Some([0.9, 0.5, 0.1]), metallic: Some(0.375), alpha: Some(0.25), f0: Some([f0; 3]), ..MaterialOverride::default() };
     let images = [loaded(&model), loaded(&quad()).apply(&values)].map(|scene| seen(&scene, [3, 3], DVec3::Z));
     let all = |g: &Gbuffer<f64>| [&g.normal_alpha, &g.albedo_metallic, &g.f0_material].map(|image| image.data.concat());
     for (a, b) in all(&images[0]).iter().flatten().zip(all(&images[1]).iter().flatten()) {
@@ -306,6 +306,35 @@ fn axes_replace_factors() {
     let near = |[a, b]: [f64; 2], [c, d]: [f64; 2]| (a - c).abs() < F32 && (b - d).abs() < F32;
     assert!(near(texel(&mapped), [0.04, 0.4]), "{:?}", texel(&mapped));
     assert!(near(texel(&set), [0.5, 0.4]), "{:?}", texel(&set));
+}
+
+/// The coat of a file as the g-buffers of its surface and of its weight: factors, channels, normal map.
+#[test]
+fn a_clear_coat_has_its_own_maps_and_normal() {
+    let coat = json!({
+        "clearcoatFactor": 0.5, "clearcoatTexture": { "index": 0 },
+        "clearcoatRoughnessFactor": 0.5, "clearcoatRoughnessTexture": { "index": 0 },
+        "clearcoatNormalTexture": { "index": 1, "scale": 0.5 },
+    });
+    let material = json!({ "extensions": { "KHR_materials_clearcoat": coat } });
+    let images = [png(1, 1, |_, _| [51, 102, 204]), png(1, 1, |_, _| [255, 128, 128])];
+    let mut model = textured(quad(), material, &images);
+    model["extensionsUsed"] = json!(["KHR_materials_clearcoat"]);
+    model["extensionsRequired"] = json!(["KHR_materials_clearcoat"]);
+    let scene = loaded(&model);
+    let seen = |scene: &Scene| seen(scene, [1, 1], DVec3::Z);
+    let (base, coat, weights) = (seen(&scene), seen(&scene.coat(1.0, |alpha| alpha)), seen(&scene.coat_weights()));
+    let [x, y, z, alpha] = coat.normal_alpha.data[0];
+    let slope = 0.5 / (2.0 * 128.0 / 255.0 - 1.0);
+    assert!((alpha - 0.25 * 0.4 * 0.4).abs() < F32 && (x / z - slope).abs() < 1e-3 * slope && y.abs() < 0.01);
+    assert_eq!(base.normal_alpha.data[0][..3], [0.0, 0.0, 1.0]);
+    assert!((weights.albedo_metallic.data[0][0] - 0.1).abs() < F32);
+    assert_eq!((coat.f0_material.data[0][0], coat.albedo_metallic.data[0]), (1.0, [0.0; 4]));
+    // Without it nothing is left of the coat, and values of axes replace its maps.
+    assert_eq!(scene.uncoated().hash, loaded(&textured(quad(), json!({}), &images)).hash);
+    let set = MaterialOverride { coat: Some(1.0), coat_alpha: Some(0.5), ..MaterialOverride::default() };
+    let set = scene.apply(&set).materials[0].coat;
+    assert_eq!((set.weight, set.weight_map, set.alpha, set.roughness_map), (1.0, None, 0.5, None));
 }
 
 #[test]
@@ -328,6 +357,13 @@ fn unsupported_and_broken_files_are_refused() {
             m["skins"] = json!([{ "joints": [0] }]);
         }),
         ("a morph target", |m| m["meshes"][0]["primitives"][0]["targets"] = json!([{ "POSITION": 0 }])),
+        ("a coat's texture that does not exist", |m| {
+            m["materials"] =
+                json!([{ "extensions": { "KHR_materials_clearcoat": { "clearcoatTexture": { "index": 7 } } } }]);
+        }),
+        ("a coat that is not one", |m| {
+            m["materials"] = json!([{ "extensions": { "KHR_materials_clearcoat": { "clearcoatFactor": "much" } } }]);
+        }),
         ("an extension", |m| m["extensionsRequired"] = json!(["KHR_draco_mesh_compression"])),
         ("two extensions", |m| m["extensionsRequired"] = json!(["KHR_a", "KHR_b"])),
         ("an extension in the place of a view", |m| {
