@@ -1,5 +1,6 @@
 #!/bin/sh
-# Runs both commands of the README in a bare Debian root that has Rust and nothing else, as a new user would.
+# Runs both commands of the README in a bare Debian root that has Rust and nothing else, as a new user would. With CI set,
+# the tests run all parts there, and then this is all that continuous integration needs.
 #
 # Needs root, debootstrap (installed if CI is set) and a network for apt; otherwise prints one line and exits with
 # status 77. The root is a folder below target/, removed at the end. Its mounts and processes live in namespaces of
@@ -96,7 +97,8 @@ run sh -euc '
     mount --bind "$2" "$root/opt/rust"
     mount -o remount,bind,ro "$root/opt/rust"
     path=/opt/rust/bin:/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin
-    exec chroot "$root" env -i HOME=/root PATH="$path" SSL_CERT_FILE=/root/.cargo/certificates \
-        sh -c "cd && exec sh ./commands"
-' sh "$root" "$rust" || stop "FAILED in the bare root: exit status $?"
+    certificates=/root/.cargo/certificates
+    exec chroot "$root" env -i HOME=/root PATH="$path" CI="$3" SSL_CERT_FILE=$certificates \
+        NODE_EXTRA_CA_CERTS=$certificates PIP_CERT=$certificates sh -c "cd && exec sh ./commands"
+' sh "$root" "$rust" "${CI:-}" || stop "FAILED in the bare root: exit status $?"
 say "PASSED in the bare root, in $(($(date +%s) - began)) s"

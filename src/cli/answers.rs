@@ -14,7 +14,7 @@ use std::path::{Path, PathBuf};
 /// Answer the questions of finished runs again, from their tables.
 #[derive(Args, Debug)]
 #[command(
-    after_help = "Needs neither a device nor the run's inputs. A run in progress is answered from its finished cells; nothing is written.\n\n\
+    after_help = "Needs neither a device nor the run's inputs. Answers, summary and report in the folder of a finished run are replaced. A run in progress is answered from its finished cells; nothing is written.\n\n\
     Examples:\n  splitsum answers runs/break-even\n  splitsum answers runs/break-even --metric flip\n  \
     splitsum answers runs/* --publish results"
 )]

@@ -1,8 +1,8 @@
 //! Checks of values together: combinations, sizes, lights in their scenes, exclusions.
 
 use super::axis::{
-    ALBEDO, ALPHA, AXES, COAT, COMPENSATION, DFG_TABLE, METALLIC, METHOD, Named, PREFILTER_BY, PREFILTER_SIZE, PREFILTERED,
-    Point, SAMPLES, SCENE, SIZE, index_of,
+    ALBEDO, ALPHA, AXES, COAT, COMPENSATION, DFG_TABLE, METALLIC, METHOD, Named, PREFILTER_BY, PREFILTER_SIZE,
+    PREFILTERED, Point, SAMPLES, SCENE, SIZE, index_of,
 };
 use super::config::{Config, Placed, Sweep};
 use super::fault::{Faults, Place};
@@ -125,27 +125,33 @@ pub fn idle_values(config: &Config) -> impl Iterator<Item = (Place, String)> + '
     idle(config).map(|(_, place, text, _)| (place, text))
 }
 
-/// Lists swept axes that no cell uses.
+/// Lists swept axes that no cell uses, or that reach no pixel.
 pub fn idle_sweeps<'p>(config: &Config, points: impl Iterator<Item = &'p Point> + Clone) -> Vec<(Place, String)> {
-    let is_idle = |axis: usize| points.clone().all(|point| point[axis] == Value::Unset);
+    let has_lights = !config.lights.is_empty();
+    let is_unused = |axis: usize| points.clone().all(|point| point[axis] == Value::Unset);
+    let is_idle = |axis: usize| points.clone().all(|point| point.of_pixels(has_lights)[axis] == Value::Unset);
     let would_be_used = |axis: usize| {
         let sampled = |point: &Point| {
             let mut point = point.clone();
             point[PREFILTER_BY] = Value::from(PrefilterBy::Sampled.name());
             point[axis] = config.values(axis).next().map_or(Value::Unset, |(value, _)| value.clone());
-            point.collapsed(!config.lights.is_empty())[axis] != Value::Unset
+            point.collapsed(has_lights)[axis] != Value::Unset
         };
         points.clone().any(sampled)
     };
     let describe = |sweep: &Sweep| {
-        let why = if would_be_used(sweep.axis) {
+        let (name, count) = (AXES[sweep.axis].name, sweep.values.len());
+        let text = if !is_unused(sweep.axis) {
+            format!("{name}: its {count} values give the same image: every surface is a metal or black")
+        } else if would_be_used(sweep.axis) {
             let [of, harmonic, sampled] =
                 [AXES[PREFILTER_BY].name, PrefilterBy::Harmonic.name(), PrefilterBy::Sampled.name()];
-            format!("{of} = \"{harmonic}\" uses no samples; expected {of} = \"{sampled}\"")
+            format!(
+                "{name}: its {count} values give one cell: {of} = \"{harmonic}\" uses no samples; expected {of} = \"{sampled}\""
+            )
         } else {
-            "no method of the experiment uses it".to_owned()
+            format!("{name}: its {count} values give one cell: no method of the experiment uses it")
         };
-        let text = format!("{}: its {} values give one cell: {why}", AXES[sweep.axis].name, sweep.values.len());
         (sweep.values[0].place.clone(), text)
     };
     config.axes.iter().filter(|sweep| sweep.values.len() > 1 && is_idle(sweep.axis)).map(describe).collect()

@@ -60,8 +60,6 @@ constants! {
     GUIDE_ALPHA_MIN: f32 = 0.15;
     /// Number of real spherical harmonics up to degree 2.
     SH9_COUNT: u32 = 9;
-    /// Width of the Hann window of `sh9-windowed`: degree 1 has the weight 0.933, degree 2 0.75.
-    SH9_WINDOW: f32 = 6.0;
     /// Masking-shadowing variants; in the order of `brdf::MaskingShadowing`.
     MASKING_SEPARABLE: u32 = 0;
     /// Height-correlated Smith.

@@ -69,7 +69,11 @@ impl PipelineError {
     /// Whether the request itself must change: no retry can serve it.
     pub fn is_input(&self) -> bool {
         match self {
-            Self::OpenCubes | Self::TooLarge { .. } | Self::NoSamples { .. } | Self::PartPair(_) | Self::Settings(_) => true,
+            Self::OpenCubes
+            | Self::TooLarge { .. }
+            | Self::NoSamples { .. }
+            | Self::PartPair(_)
+            | Self::Settings(_) => true,
             Self::InvalidRadiance { method, .. } => method.text.is_some(),
             Self::Gpu(_) => false,
         }

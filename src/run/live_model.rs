@@ -103,8 +103,12 @@ fn model(label: &str, request: &RenderRequest, triangles_max: usize) -> LiveMode
         return sphere(label, note, request);
     }
     let has_map = scene.materials.iter().any(|material| material.maps().next().is_some());
-    let note = if has_map { format!("The textures of {label} are replaced by their means.") } else { String::new() };
-    of_scene(label, note, scene, &request.camera, aspect)
+    let notes = [
+        (has_map, format!("The textures of {label} are replaced by their means.")),
+        (scene.has_coat(), format!("The clear coat of {label} is left out.")),
+    ];
+    let notes: Vec<String> = notes.into_iter().filter(|(applies, _)| *applies).map(|(_, note)| note).collect();
+    of_scene(label, notes.join(" "), scene, &request.camera, aspect)
 }
 
 /// The unit sphere in place of a scene that is not kept.

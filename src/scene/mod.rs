@@ -230,7 +230,10 @@ impl Scene {
             let Coat { weight, weight_map, alpha, roughness_map, normal_map } = material.coat;
             if weight > 0.0 {
                 list(&mut hasher, &[weight, alpha]);
-                list(&mut hasher, &[weight_map, roughness_map, normal_map].map(|map| map.map_or(0, |map| map as u64 + 1)));
+                list(
+                    &mut hasher,
+                    &[weight_map, roughness_map, normal_map].map(|map| map.map_or(0, |map| map as u64 + 1)),
+                );
             }
         }
         for texture in &self.textures {

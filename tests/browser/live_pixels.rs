@@ -166,7 +166,8 @@ impl Setting {
         let scene = Scene::load(SCENES[self.model], Path::new("")).unwrap();
         let Surface { albedo, metallic, f0, roughness } = self.surface;
         let alpha = roughness.map(|roughness| (roughness * roughness).max(1e-3));
-        let surface = MaterialOverride { albedo, metallic, alpha, f0: f0.map(|f0| [f0; 3]) };
+        let surface =
+            MaterialOverride { albedo, metallic, alpha, f0: f0.map(|f0| [f0; 3]), ..MaterialOverride::default() };
         RenderRequest {
             environment: Arc::new(environment),
             camera: self.camera(&scene, size),

@@ -4,12 +4,13 @@ use crate::harness::{constant_environment, render_by_seeds, request, scene, with
 use crate::methods::{EXACT, radiance, sights};
 use crate::symmetry::smooth_environment;
 use glam::{DVec2, DVec3};
-use splitsum::brdf::f_schlick;
+use splitsum::brdf::{eval, f_schlick};
+use splitsum::math::frame::Frame;
 use splitsum::pipeline::RenderRequest;
 use splitsum::precompute::dfg::reference::dfg;
 use splitsum::precompute::exact_quadrature;
 use splitsum::scene::{CameraKind, Light, LightKind, MaterialOverride};
-use splitsum::shade::coat::{COAT_F0, COAT_RENDERERS, CoatLayering, shares};
+use splitsum::shade::coat::{COAT_F0, COAT_RENDERERS, CoatLayering};
 use splitsum::shade::reference::{Surface, integrate};
 use splitsum::shade::{Diffuse, Method};
 use splitsum::spelling::Listed;
@@ -131,23 +132,24 @@ fn a_weight_of_0_changes_no_bit() {
     });
 }
 
-/// Lights reach the coat as a lobe without a diffuse part: under a mirror-like coat, away from its highlight, they only lose.
+/// A light on base and coat: the base's share of its own radiance, and the coat's BRDF for F = 1, without a diffuse part.
 #[test]
 fn lights_reach_the_coat_as_a_lobe_alone() {
     with_pipeline(|pipeline| {
         let dark = constant_environment([0.0; 3]);
         let light = Light { kind: LightKind::Directional, position_or_direction: DVec3::Y, color: [1.0; 3] };
-        let render = |pipeline: &mut splitsum::pipeline::Pipeline, coat: f32| {
-            let material = MaterialOverride { coat_alpha: Some(1e-3), ..plastic(Some(coat)) };
-            let plain = request(&dark, scene("sphere", material), CameraKind::Ortho, [9, 9]);
+        let frames = [0.0, 1.0].map(|coat| {
+            let plain = request(&dark, scene("sphere", plastic(Some(coat))), CameraKind::Ortho, [9, 9]);
             pipeline.render(&RenderRequest { lights: vec![light], ..plain }).unwrap()
-        };
-        let (bare, coated) = (render(pipeline, 0.0), render(pipeline, 1.0));
-        for sight in sights(&request(&dark, scene("sphere", plastic(None)), CameraKind::Ortho, [9, 9]), 1) {
-            let n_dot_v = sight.surface.n.dot(sight.surface.v);
-            let layering = CoatLayering::Khr;
-            let left = shares(layering, &COAT_RENDERERS[0], 1.0, n_dot_v, DVec2::X).base[0];
-            let [own, exact] = [radiance(&coated, sight.pixel), left * radiance(&bare, sight.pixel)];
+        });
+        for sight in sights(&coated(&dark), 1) {
+            let Surface { model, masking, n, v, .. } = sight.surface;
+            let frame = Frame::from_normal(n);
+            let [v, l] = [v, DVec3::Y].map(|world| frame.to_local(world));
+            let fresnel = f_schlick(DVec3::splat(COAT_F0), v.z).x;
+            let lobe = fresnel * eval(model, v, l, ALPHA.into(), DVec3::ONE, masking) * l.z.max(0.0);
+            let exact = (1.0 - fresnel) * radiance(&frames[0], sight.pixel) + lobe;
+            let own = radiance(&frames[1], sight.pixel);
             assert!((own - exact).abs().max_element() < 1e-5, "{:?}: {own} for {exact}", sight.pixel);
         }
     });

@@ -189,7 +189,15 @@ pub fn scene(name: &str, materials: MaterialOverride) -> Scene {
 /// The unit sphere, F = 1 and no diffuse albedo: the pure lobe.
 pub fn lobe_sphere(alpha: f64) -> Scene {
     let black = Some([0.0; 3]);
-    scene("sphere", MaterialOverride { alpha: Some(alpha as f32), f0: Some([1.0; 3]), albedo: black, ..MaterialOverride::default() })
+    scene(
+        "sphere",
+        MaterialOverride {
+            alpha: Some(alpha as f32),
+            f0: Some([1.0; 3]),
+            albedo: black,
+            ..MaterialOverride::default()
+        },
+    )
 }
 
 /// `request` with four seeds and a quarter of the reference's samples each, as one frame. Four scrambles of one seed

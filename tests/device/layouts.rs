@@ -168,8 +168,13 @@ fn beside_lamp(d: DVec3, size: u32) -> RenderRequest {
     );
     let options = LoadOptions { builtin_size: [512, 256], ..LoadOptions::default() };
     let environment = Arc::new(Environment::load(&name, Path::new("."), &options).unwrap());
-    let material =
-        MaterialOverride { alpha: Some(0.25), metallic: Some(0.0), albedo: Some([0.5; 3]), f0: Some([1.0; 3]) };
+    let material = MaterialOverride {
+        alpha: Some(0.25),
+        metallic: Some(0.0),
+        albedo: Some([0.5; 3]),
+        f0: Some([1.0; 3]),
+        ..MaterialOverride::default()
+    };
     let plain = request(&environment, scene("sphere", material), CameraKind::Ortho, [size; 2]);
     // The camera of `request` looks along -z; the lamp is on its right.
     let turn = DMat3::from_quat(DQuat::from_rotation_arc(DVec3::X, d));

@@ -32,6 +32,7 @@ fn lights_match_the_f64_brdf() {
                         metallic: Some(1.0),
                         alpha: Some(alpha),
                         f0: None,
+                        ..MaterialOverride::default()
                     };
                     let request = RenderRequest {
                         lights: lights(),

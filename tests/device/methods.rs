@@ -88,7 +88,8 @@ fn the_standard_error_is_the_spread_over_seeds() {
     const SEEDS: u32 = 96;
     with_pipeline(|pipeline| {
         let (albedo, f0) = (Some([0.4; 3]), Some([0.5; 3]));
-        let material = MaterialOverride { albedo, f0, alpha: Some(0.5), metallic: Some(0.0) };
+        let material =
+            MaterialOverride { albedo, f0, alpha: Some(0.5), metallic: Some(0.0), ..MaterialOverride::default() };
         let both = RenderRequest {
             reference_samples: 64,
             ..request(&smooth_environment(), scene("sphere", material), CameraKind::Ortho, [24; 2])
@@ -247,6 +248,7 @@ fn the_diffuse_term_gets_the_rest_of_the_light() {
                 metallic: Some(0.25),
                 alpha: Some(0.4),
                 f0: Some([0.04, 0.3, 0.6]),
+                ..MaterialOverride::default()
             };
             let base = request(&white, scene("sphere", material), CameraKind::Ortho, [9, 9]);
             let table = dfg_table(gpu, base.shading.brdf, base.shading.masking_shadowing, &base.shading.precompute);

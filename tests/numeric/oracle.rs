@@ -16,6 +16,7 @@ use splitsum::precompute::exact_quadrature;
 use splitsum::precompute::irradiance::reference::irradiance;
 use splitsum::shade::reference::{self, Surface, TOLERANCE};
 use splitsum::spelling::Listed;
+use splitsum::table::csv::Cell;
 use std::f64::consts::{PI, TAU};
 use std::path::Path;
 
@@ -88,7 +89,10 @@ fn the_coat_of_a_table_is_its_integral() {
     let answers = queries.answer(TOLERANCE, || ());
     let column = |row: usize, name: &str| {
         let at = answers.columns.iter().position(|column| column == name).unwrap();
-        answers.rows[row][at].to_string().parse::<f64>().unwrap()
+        match answers.rows[row][at] {
+            Cell::Number(number) => number,
+            ref other => panic!("{other:?}"),
+        }
     };
     let (v, cosine) = (DVec3::new(0.6, 0.8, 0.0), 0.8f64);
     let smith = |x: f64| 2.0 * x / (x + (alpha * alpha + (1.0 - alpha * alpha) * x * x).sqrt());

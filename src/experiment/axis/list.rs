@@ -185,7 +185,7 @@ const IMAGE_AXES: &[Axis] = &[
     Axis {
         name: "f0",
         label: "F0",
-        about: "reflectance at normal incidence of every dielectric, ((n - 1)/(n + 1))^2 of its index n",
+        about: "reflectance at normal incidence of every dielectric, ((n - 1)/(n + 1))^2 of its index n; a metal's is its albedo",
         plural: "values of F0",
         symbol: Symbol::Before("F0"),
         used: |u| u.has_dielectric,

@@ -105,7 +105,7 @@ impl Work {
             made.push(format!("references read back {}", self.references_read_back));
         }
         format!(
-            "{:.1} s, {:.0} % of it without the device. Computed once and shared: {}",
+            "{:.1} s, {:.0} % of it on the CPU alone. Computed once and shared: {}",
             wall_ms / 1e3,
             100.0 * (1.0 - self.waited_ms / wall_ms).max(0.0),
             if made.is_empty() { "nothing".to_owned() } else { made.join(", ") }

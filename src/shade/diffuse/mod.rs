@@ -3,8 +3,6 @@
 mod fresnel_inside;
 mod irradiance_map;
 mod sh9;
-pub mod sh9_windowed;
-pub mod zh3;
 
 use super::reference::integrate;
 use super::twin::{DiffuseTwin, Twin};
@@ -31,8 +29,6 @@ pub struct Diffuse {
 /// Every diffuse method. To add one: `shaders/shade/diffuse/<stem>.glsl`, its file here with its twin, and a line here.
 pub static DIFFUSE: &[Diffuse] = &[
     sh9::DIFFUSE,
-    sh9_windowed::DIFFUSE,
-    zh3::DIFFUSE,
     irradiance_map::DIFFUSE,
     INTEGRATED,
     fresnel_inside::DIFFUSE,

@@ -198,7 +198,7 @@ fn correct_experiments_have_no_faults() {
         (format!("name = \"x\"\n{DEEP}prefilter_level_count = [5]\n").replace("split-sum", "sampled"), None),
         (ladder("", ""), None),
         // Only the scene `design` has steps.
-        ("name = \"x\"\n[ladder]\n[axes]\nscene = [\"sphere\"]\ndiffuse = [\"zh3\"]\n".to_owned(), None),
+        ("name = \"x\"\n[ladder]\n[axes]\nscene = [\"sphere\"]\ndiffuse = [\"fresnel-inside\"]\n".to_owned(), None),
         // Values that `--set` removed, or that are in other rows.
         (excluding("samples = [16, 3]"), None),
         (excluding("samples = 16"), Some("samples=1,4")),

@@ -189,8 +189,9 @@ fn the_reference_inherits_the_axes_of_cases_alone() {
         };
         // Sample counts matter if the tables are sampled.
         let by = if axis.name == "prefilter" { "" } else { "prefilter = [\"sampled\"]\n" };
+        let coat = if axis.is_layer && axis.name != "coat" { "coat = [1]\n" } else { "" };
         let plan = plan(&format!(
-            "name = \"x\"\n[axes]\n{by}{} = [{values}]\nmethod = [\"sampled\", \"split-sum\"]\nsamples = [4]\n\
+            "name = \"x\"\n[axes]\n{by}{coat}{} = [{values}]\nmethod = [\"sampled\", \"split-sum\"]\nsamples = [4]\n\
                  diffuse = [\"irradiance-map\"]\n",
             axis.name
         ));

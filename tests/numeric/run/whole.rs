@@ -154,7 +154,7 @@ fn the_provenance_names_inputs_sessions_and_what_they_shared() {
     let line = outcome.work.unwrap().line(1000.0);
     assert_eq!(
         line,
-        "1.0 s, 100 % of it without the device. Computed once and shared: dfg 2, reference 3, references read back 1"
+        "1.0 s, 100 % of it on the CPU alone. Computed once and shared: dfg 2, reference 3, references read back 1"
     );
     let value = bench.json("provenance.json");
     assert_eq!(value["plan_hash"], bench.plan.hash);

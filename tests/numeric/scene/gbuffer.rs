@@ -119,6 +119,7 @@ fn f0_follows_metallic() {
             f0: Some([0.1, 0.2, 0.3]),
             metallic: Some(metallic),
             alpha: None,
+            ..MaterialOverride::default()
         };
         let scene = scene.apply(&values);
         let camera = Camera::for_scene(CameraKind::Ortho, &scene, [1, 1]);
