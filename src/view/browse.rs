@@ -51,7 +51,7 @@ impl Browse {
             } else if ui.memory(|memory| memory.focused().is_none()) {
                 field.request_focus();
             }
-            ScrollArea::vertical().max_height(SIZE[1]).auto_shrink([false, true]).show(ui, |ui| {
+            let rows = |ui: &mut Ui| {
                 if let Some(above) = self.folder.parent()
                     && ui.selectable_label(false, "..").clicked()
                 {
@@ -65,7 +65,10 @@ impl Browse {
                         chosen = Some(path.clone());
                     }
                 }
-            });
+            };
+            let across = egui::Layout::top_down_justified(egui::Align::LEFT);
+            let area = ScrollArea::vertical().max_height(SIZE[1]).auto_shrink([false, true]);
+            area.show(ui, |ui| ui.with_layout(across, rows));
             ui.button("Cancel").clicked()
         });
         match chosen {

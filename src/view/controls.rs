@@ -5,7 +5,8 @@ use super::state::{Side, State};
 use super::theme;
 use crate::environment::{BUILTIN_PREFIX, BUILTINS};
 use crate::experiment::axis::{
-    ALBEDO, ALPHA, AXES, ENVIRONMENT, EXPOSURE, F0, METALLIC, METHOD, Named, Part, Point, SAMPLES, SCENE, SIZE,
+    ALBEDO, ALPHA, AXES, ENVIRONMENT, ENVIRONMENT_CLIP, EXPOSURE, F0, METALLIC, METHOD, Named, Part, Point, SAMPLES,
+    SCENE, SIZE,
 };
 use crate::experiment::value::{Kind, Range, Value};
 use crate::scene::{CameraKind, SCENES};
@@ -105,7 +106,8 @@ impl Controls {
             let (place, response) = ui.allocate_exact_size(LABEL, egui::Sense::hover());
             let font = egui::TextStyle::Body.resolve(ui.style());
             ui.painter().text(place.left_center(), Align2::LEFT_CENTER, label, font, theme::INK);
-            response.on_hover_text(about);
+            // A window has no commands.
+            response.on_hover_text(about.split("; `splitsum").next().unwrap_or(about));
             add(self, ui);
         });
     }
@@ -124,7 +126,9 @@ impl Controls {
         let list = |ui: &mut Ui| {
             ui.set_min_width(MENU_WIDTH);
             let is_clicked = |(code, words): &&(String, String)| {
-                let response = ui.selectable_label(code == shown, words).on_hover_text(code);
+                let method = Method::all().find(|method| method.name == code);
+                let about = method.map_or(String::new(), |method| format!(": {}", method.about));
+                let response = ui.selectable_label(code == shown, words).on_hover_text(format!("{code}{about}"));
                 self.place(format!("choice {code}"), &response);
                 response.clicked()
             };
@@ -135,6 +139,7 @@ impl Controls {
             combo.selected_text(words).show_ui(ui, list)
         };
         let response = ui.scope(cut).inner;
+        response.response.clone().on_hover_text(words);
         self.place(name, &response.response);
         response.inner.flatten()
     }
@@ -202,7 +207,7 @@ impl Controls {
                     point[axis] = value;
                 }
                 if !is_unset && (AXES[axis].default)() == Value::Unset {
-                    let response = ui.small_button("×").on_hover_text("Use the default or the model's own");
+                    let response = ui.small_button("×").on_hover_text("Return to the model's value");
                     controls.place(format!("{} reset", named.name()), &response);
                     if response.clicked() {
                         point[axis] = Value::Unset;
@@ -223,7 +228,7 @@ impl Controls {
                 let mut number = shown.size().unwrap_or_default();
                 let slider = Slider::new(&mut number, range).logarithmic(is_log).clamping(SliderClamping::Never);
                 let slider = if is_count { slider.integer() } else { slider.max_decimals(3) };
-                let response = ui.add(numbered(slider, is_set));
+                let response = ui.add(numbered(slider, named, is_set));
                 found = response.changed().then(|| if is_count { number.to_string() } else { short(number) });
                 self.place(name, &response);
             }
@@ -232,7 +237,7 @@ impl Controls {
                 ui.spacing_mut().interact_size.x = 28.0;
                 let mut grey = (r + g + b) / 3.0;
                 let mut color = [*r, *g, *b];
-                let response = ui.add(numbered(Slider::new(&mut grey, 0.0..=1.0).max_decimals(3), is_set));
+                let response = ui.add(numbered(Slider::new(&mut grey, 0.0..=1.0).max_decimals(3), named, is_set));
                 self.place(name, &response);
                 if response.changed() {
                     found = Some(short(grey.into()));
@@ -267,9 +272,10 @@ fn f0(state: &State) -> usize {
     if state.point[METALLIC] == Value::Number(1.0) { ALBEDO } else { F0 }
 }
 
-/// Shows the slider's number if the axis is set.
-fn numbered(slider: Slider<'_>, is_set: bool) -> Slider<'_> {
-    if is_set { slider } else { slider.custom_formatter(|_, _| "own".to_owned()) }
+/// Shows the slider's number, or what an unset axis stands for.
+fn numbered(slider: Slider<'_>, named: Named, is_set: bool) -> Slider<'_> {
+    let word = if named.axis == ENVIRONMENT_CLIP { "off" } else { "model" };
+    if is_set { slider } else { slider.custom_formatter(|_, _| word.to_owned()) }
 }
 
 /// Returns the first value of an axis that the user sets.

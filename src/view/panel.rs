@@ -19,8 +19,8 @@ const STATUS_HEIGHT: f32 = 30.0;
 const MARGIN: f32 = 14.0;
 /// Half the width of the wipe's line for the pointer.
 const GRIP: f32 = 9.0;
-/// Pixels of the largest picture that fills the window; larger windows enlarge it.
-const PIXELS_MAX: f32 = (1 << 21) as f32;
+/// Pixels of the largest picture that fills the window: every device holds its reference. Larger windows enlarge it.
+const PIXELS_MAX: f32 = (1 << 20) as f32;
 /// Time that a notice stays.
 const NOTICE: Duration = Duration::from_secs(10);
 /// Delay before the window says that it is busy.
@@ -38,6 +38,8 @@ pub struct Panel {
     pub wants_fullscreen: bool,
     pub canvas: Canvas,
     is_flipped: bool,
+    /// Whether a drag of the picture began on the wipe's line: a slow window hears press and move together.
+    is_wiping: bool,
     /// The state that the user asked for, the last one with a picture, and since when they differ.
     generation: u64,
     seen: u64,
@@ -168,7 +170,7 @@ impl Panel {
                 ui.horizontal(|ui| {
                     ui.spacing_mut().item_spacing.x = 4.0;
                     let pictures = [
-                        (Picture::Image, "Image", "The picture (E or S leaves the errors)"),
+                        (Picture::Image, "Image", "The picture; E or S returns to it from an error"),
                         (Picture::Error, "Error", "Relative error against the reference (E)"),
                         (Picture::Signed, "Signed", "Relative error: blue is too dark, red too bright (S)"),
                     ];
@@ -178,9 +180,9 @@ impl Panel {
                     }
                     ui.separator();
                     let actions = [
-                        ("Save", "Picture, linear images and commands (Ctrl+S)"),
-                        ("Reset camera", "The first view (0)"),
-                        ("Fullscreen", "The window on the whole screen, and back (F)"),
+                        ("Save", "Save the picture, EXR files and commands in a new folder (Ctrl+S)"),
+                        ("Reset camera", "Return to the first view (0)"),
+                        ("Fullscreen", "Turn full screen on or off (F)"),
                     ];
                     let clicked = actions.map(|(label, about)| {
                         let button = ui.add(egui::Button::new(label).frame_when_inactive(false)).on_hover_text(about);
@@ -203,7 +205,14 @@ impl Panel {
         if response.clicked() || response.drag_started() {
             ui.memory_mut(|memory| memory.focused().map(|id| memory.surrender_focus(id)));
         }
-        if response.dragged() {
+        let x = rect.left() + state.wipe * rect.width();
+        if response.drag_started() {
+            let origin = ui.input(|input| input.pointer.press_origin());
+            self.is_wiping = !self.is_flipped && origin.is_some_and(|place| (place.x - x).abs() <= GRIP);
+        }
+        if let Some(pointer) = response.interact_pointer_pos().filter(|_| self.is_wiping && response.dragged()) {
+            state.wipe = ((pointer.x - rect.left()) / rect.width()).clamp(0.0, 1.0);
+        } else if response.dragged() {
             // Half a turn over the picture's width, as in the report.
             let [dx, dy] =
                 [response.drag_delta().x, response.drag_delta().y].map(|d| f64::from(d / rect.width()) * 180.0);

@@ -2,6 +2,7 @@
 //!
 //! Long because the events of a window and their handling are read together.
 
+use super::file::quoted;
 use super::overlay::composed;
 use super::panel::Panel;
 use super::state::{Side, State};
@@ -44,6 +45,8 @@ const SIZE: [f64; 2] = [1280.0, 800.0];
 const BEHIND: Duration = Duration::from_millis(50);
 /// Fits the toolbar.
 const SMALLEST: [f64; 2] = [800.0, 480.0];
+/// Height that title bar and task bar take of a screen.
+const BARS: f64 = 72.0;
 
 #[derive(Debug)]
 struct Arrived;
@@ -185,9 +188,12 @@ impl App {
 
     fn open_screen(&self, events: &ActiveEventLoop) -> Result<Screen, String> {
         let size = |[width, height]: [f64; 2]| LogicalSize::new(width, height);
+        let monitor = events.primary_monitor().or_else(|| events.available_monitors().next());
+        let room = monitor.map_or(size(SIZE), |monitor| monitor.size().to_logical(monitor.scale_factor()));
+        let first = size([SIZE[0].min(room.width), SIZE[1].min(room.height - BARS).max(SMALLEST[1])]);
         let attributes = Window::default_attributes()
             .with_title("splitsum view")
-            .with_inner_size(size(SIZE))
+            .with_inner_size(first)
             .with_min_inner_size(size(SMALLEST));
         let window = Rc::new(events.create_window(attributes).map_err(|error| words(&error))?);
         let surface = surface_of(&window).map_err(|error| error.to_string())?;
@@ -346,7 +352,9 @@ impl App {
         let folder = self.out.join(format!("view-{number}"));
         let fault = |path: &Path, error: &dyn std::fmt::Display| format!("{}: {error}", path.display());
         std::fs::create_dir_all(&folder).map_err(|error| fault(&folder, &error))?;
-        let mut commands = String::from("#!/bin/sh\n# Renders the halves of this state again.\n");
+        let program = std::env::current_exe().ok().and_then(|file| Some(file.parent()?.display().to_string()));
+        let search = format!("PATH=$PATH:{}", quoted(&program.unwrap_or_default()));
+        let mut commands = format!("#!/bin/sh\n# Renders the halves of this state again.\n{search}\n");
         for (name, side) in [("left", Side::Left), ("right", Side::Right)] {
             let shot = self.shown.side(side).expect("asked above");
             let path = folder.join(format!("{name}.exr"));
@@ -357,7 +365,7 @@ impl App {
         png::write_rgb8(&folder.join("picture.png"), &picture).map_err(|error| error.to_string())?;
         let texts = [
             ("render.sh", commands),
-            ("view.sh", format!("#!/bin/sh\n# Opens this state again.\n{}\n", self.state.view_command())),
+            ("view.sh", format!("#!/bin/sh\n# Opens this state again.\n{search}\n{}\n", self.state.view_command())),
         ];
         for (name, text) in texts {
             let path = folder.join(name);

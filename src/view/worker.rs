@@ -323,8 +323,11 @@ impl<'a> Renderer<'a> {
             let epsilon = image.request(inputs).epsilon();
             let look = (state.picture, state.point.settings().curve);
             let picture = Arc::new(of_frame(&mut self.pipeline, look, &frame, truth.as_deref(), epsilon)?);
+            // The score of the same frame stays until the next reference is ready.
+            let known = self.shown.side(side).filter(|shot| Arc::ptr_eq(&shot.frame, &frame));
+            let score = known.and_then(|shot| shot.score);
             self.shown.halves[side as usize] =
-                Some(Shot { image, frame, picture, kind: state.picture, generation, scale, score: None });
+                Some(Shot { image, frame, picture, kind: state.picture, generation, scale, score });
             if scale == 1 && is_first {
                 self.set_status(Status::Busy);
             }
