@@ -113,7 +113,7 @@ pub fn not_one_of(what: &str, text: &str, names: &[&str], or: &str) -> String {
 }
 
 /// Longest list of names in a message.
-pub const NAMES_SHOWN: usize = 8;
+pub const NAMES_SHOWN: usize = 12;
 
 /// Lists names, or says where a long list is.
 pub fn expected(what: &str, names: &[&str]) -> String {

@@ -24,7 +24,7 @@ use splitsum::spelling::Listed;
     or turned faces, channels, an encoding, a cut, another weight, missing levels. Level 0, the mirror, is compared with the environment \
     averaged over each texel.\n\n\
     Exit codes: 0 if every limit holds, 1 if a --fail limit is exceeded, 2 for wrong input.\n\n\
-    Unsure of a convention? --guess tries them all.\n\n\
+    Unsure of the axes or of the DFG table's convention? --guess tries them all.\n\n\
     Examples:\n  splitsum check-bake studio_ibl.ktx studio_sh.txt --environment studio.hdr --preset cmgen\n  \
     splitsum check-bake specular.ktx2 lut_ggx.png --environment studio.hdr --preset khronos --guess\n  \
     splitsum check-bake baked --environment studio.hdr --json --fail-on-wrong"

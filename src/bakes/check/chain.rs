@@ -13,7 +13,12 @@ const MISSING_MAX: usize = 8;
 /// Describes the chain whose levels have the fitted widths; `None` if it is the assumed one, if no known one fits, or if
 /// the widths are given.
 pub fn slip(convention: &Convention, scores: &[LevelScore]) -> Option<String> {
-    if convention.alphas.is_some() {
+    // A chain explains every level, or none.
+    let is_unexplained = |score: &LevelScore| {
+        let is_fitted = score.slip.is_some() || score.fit.is_some_and(|fit| fit.left <= EXPLAINED);
+        has_width(score.alpha) && score.errors.relmse > GOOD && !is_fitted
+    };
+    if convention.alphas.is_some() || scores.iter().any(is_unexplained) {
         return None;
     }
     let width = |score: &LevelScore| match score.fit {

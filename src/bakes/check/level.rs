@@ -53,7 +53,8 @@ pub fn score(truth: &Truth, map: &Map, convention: &Convention) -> Result<Vec<Le
         let fit = is_wrong.then(|| fit::fit(truth, &directions, &found, alpha)).flatten();
         let level =
             |of_cut| slip::Level { truth, of_cut, directions: &directions, found: &found, exact: &exact, alpha };
-        let slip = is_wrong.then(|| level(&of_cut).slip()).flatten();
+        let few = is_wrong.then(|| few_texels(truth, &directions, &found, &exact)).flatten();
+        let slip = few.or_else(|| is_wrong.then(|| level(&of_cut).slip()).flatten());
         // A slip must explain clearly more than width and gain do.
         let slip = slip.filter(|slip| fit.is_none_or(|fit| slip.left < 0.5 * fit.left));
         let is_read = k < read && has_width(alpha);
@@ -70,6 +71,23 @@ pub fn score(truth: &Truth, map: &Map, convention: &Convention) -> Result<Vec<Le
         score
     };
     Ok(map.levels.iter().zip(&alphas).enumerate().map(of).collect())
+}
+
+/// Describes the texels that alone are wrong, if the rest of the level is good.
+fn few_texels(truth: &Truth, directions: &Directions, found: &[DVec3], exact: &[DVec3]) -> Option<Slip> {
+    let square = |i: usize| directions.weights[i] * relative_square(found[i], exact[i], truth.epsilon());
+    let mut squares: Vec<(f64, usize)> = (0..found.len()).map(|i| (square(i), i)).collect();
+    squares.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let own: f64 = squares.iter().map(|(square, _)| square).sum();
+    let relmse = errors(directions, found, exact, truth.epsilon(), 1.0).relmse;
+    let left = |count: usize| squares[count..].iter().map(|(square, _)| square).sum::<f64>() / own;
+    let count = (1..=FEW.min(squares.len())).find(|count| left(*count) * relmse <= GOOD)?;
+    let [face, x, y] = directions.texel(squares[0].1);
+    let words = match count {
+        1 => format!("one texel is wrong: face {face}, column {x}, row {y}"),
+        _ => format!("{count} texels are wrong, most at face {face}, column {x}, row {y}"),
+    };
+    Some(Slip { words, left: left(count) })
 }
 
 /// Returns relMSE at four points per texel, looked up as a GPU does: linear, across the edges of faces.
@@ -176,7 +194,9 @@ const SHIFT: f64 = 0.05;
 pub(super) const DOUBT: &str = "its axes or its light do not fit";
 /// Start of the verdict of a part within [`GOOD`].
 pub(super) const GOOD_WORDS: &str = "good";
-const UNEXPLAINED: &str = "wrong, and no known slip explains it";
+const UNEXPLAINED: &str = "no known slip explains it";
+/// Most texels that are wrong by themselves.
+const FEW: usize = 4;
 
 impl LevelScore {
     /// Returns relMSE between its good texels where it is not good: the level has few texels for its width.

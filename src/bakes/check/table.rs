@@ -13,6 +13,10 @@ use std::fmt;
 
 /// Approximate number of compared rows and columns, edges included.
 const LINES: u32 = 17;
+/// Root mean square error of a table that is something else.
+const NOISE: f64 = 0.15;
+/// Number of further texels that stand out.
+const ODD_COUNT: usize = 16;
 /// Number of rows and columns in a search of conventions.
 const SEARCHED: u32 = 7;
 
@@ -39,7 +43,8 @@ const GOOD: f64 = 1.0 / 255.0;
 /// Scores a table against integrals in f64 at texel centres.
 pub fn score(table: &RgbImage, brdf: &'static dyn Brdf, convention: &Convention) -> TableScore {
     let Convention { table_axes, table_channels, masking, .. } = convention;
-    let places = places(table, LINES);
+    let mut places = places(table, LINES);
+    places.extend(odd_places(table));
     let errors: Vec<(DVec2, f64, f64)> = places
         .par_iter()
         .map(|place| {
@@ -98,7 +103,10 @@ fn explained(table: &RgbImage, brdf: &'static dyn Brdf, convention: &Convention,
         let share = 100.0 * (all[best] / own);
         return format!("its values are {far} texel too {side}; moving them back leaves {share:.0} % of the rms");
     }
-    format!("its convention fits best; the largest error is {:.0} steps of 8 bits", 255.0 * max_error)
+    if rms > NOISE {
+        return "no convention fits: not a DFG table of this model, or encoded".to_owned();
+    }
+    format!("no other convention fits better; the largest error is {:.0} steps of 8 bits", 255.0 * max_error)
 }
 
 /// Conventions of a table and their error.
@@ -148,6 +156,27 @@ pub fn search(table: &RgbImage, brdf: &'static dyn Brdf) -> Vec<Fitting> {
 struct Place {
     uv: DVec2,
     texel: DVec2,
+}
+
+/// Picks the texels that differ most from the mean of their neighbours: a row or a texel that is wrong by itself.
+fn odd_places(table: &RgbImage) -> Vec<Place> {
+    let texel = |x: u32, y: u32| DVec3::from_array(table.get(x, y).map(f64::from));
+    let sides = |at: u32, last: u32| [at.saturating_sub(1), (at + 1).min(last)];
+    let off = |i: u32| {
+        let (x, y) = (i % table.width, i / table.width);
+        let beside = sides(x, table.width - 1).map(|x| texel(x, y));
+        let below = sides(y, table.height - 1).map(|y| texel(x, y));
+        let mean = (beside[0] + beside[1] + below[0] + below[1]) / 4.0;
+        (texel(x, y) - mean).truncate().abs().max_element()
+    };
+    let mut ranked: Vec<(f64, u32)> = (0..table.width * table.height).map(|i| (off(i), i)).collect();
+    ranked.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let size = DVec2::new(table.width.into(), table.height.into());
+    let place = |(_, i): &(f64, u32)| {
+        let at = DVec2::new((i % table.width).into(), (i / table.width).into());
+        Place { uv: (at + 0.5) / size, texel: texel(i % table.width, i / table.width).truncate() }
+    };
+    ranked.iter().take(ODD_COUNT).map(place).collect()
 }
 
 /// Picks about `lines` x `lines` texels, evenly, edges included.

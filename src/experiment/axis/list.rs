@@ -1,13 +1,13 @@
-//! The list of all axes except the axes of tables ([`super::tables`]).
+//! The list of all axes except the axes of layers ([`super::layers`]) and of tables ([`super::tables`]).
 
-use super::plain::{LEVELS, PLAIN, first};
+use super::layers::LAYER_AXES;
+use super::plain::{LEVELS, PLAIN, ROUGHNESS, first};
 use super::tables::{DFG, IRRADIANCE, MIPS, PREFILTER, SH9, TABLE_AXES};
-use super::{Axis, Part, Sheet, Spelling, Symbol};
+use super::{Axis, Part, Sheet, Symbol};
 use crate::brdf::{self, Compensation, MaskingShadowing};
 use crate::environment::Placement;
-use crate::experiment::value::{IMAGE_SIZE, Kind, PERCEPTUAL_ROUGHNESS_MIN, Range, Value, decimal};
+use crate::experiment::value::{IMAGE_SIZE, Kind, Range, Value};
 use crate::math::sequence::{PixelPoints, Sequence};
-use crate::shade::coat::{CoatLayering, CoatRenderer};
 use crate::shade::{Diffuse, Method, REFERENCE};
 use crate::spelling::Listed;
 
@@ -15,25 +15,14 @@ use crate::spelling::Listed;
 pub static AXES: &[Axis] = LIST;
 
 const LIST: &[Axis] = &{
-    let mut list = [PLAIN; IMAGE_AXES.len() + TABLE_AXES.len()];
-    let (image, tables) = list.split_at_mut(IMAGE_AXES.len());
+    let mut list = [PLAIN; IMAGE_AXES.len() + LAYER_AXES.len() + TABLE_AXES.len()];
+    let (image, rest) = list.split_at_mut(IMAGE_AXES.len());
+    let (layers, tables) = rest.split_at_mut(LAYER_AXES.len());
     image.copy_from_slice(IMAGE_AXES);
+    layers.copy_from_slice(LAYER_AXES);
     tables.copy_from_slice(TABLE_AXES);
     list
 };
-
-const ROUGHNESS: Spelling = Spelling {
-    name: "perceptual_roughness",
-    label: "Roughness",
-    about: "roughness of every material, as in files; alpha is its square",
-    plural: "roughnesses",
-    symbol: Symbol::Before("roughness"),
-    kind: Kind::Number(Range::closed(PERCEPTUAL_ROUGHNESS_MIN, 1.0)),
-    to_axis: |v| Value::Number(decimal(brdf::alpha_from_perceptual_roughness(v.number()))),
-    of_axis: |v| Value::Number(decimal(brdf::perceptual_roughness_from_alpha(v.number()))),
-};
-
-const LAYER: Axis = Axis { is_layer: true, ..PLAIN };
 
 const IMAGE_AXES: &[Axis] = &[
     Axis {
@@ -210,55 +199,6 @@ const IMAGE_AXES: &[Axis] = &[
         kind: Kind::Number(Range::closed(0.0, 1.0)),
         apply: |s, v| s.material.metallic = Some(v.number() as f32),
         ..PLAIN
-    },
-    Axis {
-        name: "coat",
-        about: "weight of a clear coat on every material; 0 has none",
-        plural: "coat weights",
-        symbol: Symbol::Before("coat"),
-        kind: Kind::Number(Range::closed(0.0, 1.0)),
-        apply: |s, v| s.material.coat = Some(v.number() as f32),
-        ..LAYER
-    },
-    Axis {
-        name: "coat_alpha",
-        about: "microfacet width of every coat",
-        plural: "coat alphas",
-        symbol: Symbol::Before("coat alpha"),
-        used: |u| u.has_coat,
-        kind: Kind::Alpha,
-        spelling: Some(Spelling {
-            name: "coat_perceptual_roughness",
-            label: "Coat roughness",
-            about: "roughness of every coat, as in files; coat_alpha is its square",
-            plural: "coat roughnesses",
-            symbol: Symbol::Before("coat roughness"),
-            ..ROUGHNESS
-        }),
-        apply: |s, v| s.material.coat_alpha = Some(v.number() as f32),
-        ..LAYER
-    },
-    Axis {
-        name: "coat_layering",
-        about: "how base and coat add up, for the image and its reference; docs/coat.md",
-        plural: "coat layerings",
-        used: |u| u.has_coat,
-        kind: Kind::one_of::<CoatLayering>(),
-        default: first::<CoatLayering>,
-        apply: |s, v| s.shading.coat_layering = *CoatLayering::listed(v.text()),
-        ..LAYER
-    },
-    Axis {
-        name: "coat_renderer",
-        part: Part::Parameter,
-        about: "whose way to shade a coat; `splitsum list coat-renderers`",
-        plural: "coat renderers",
-        used: |u| u.has_coat,
-        kind: Kind::one_of::<CoatRenderer>(),
-        default: first::<CoatRenderer>,
-        reference: |_, _| first::<CoatRenderer>(),
-        apply: |s, v| s.shading.coat_renderer = CoatRenderer::listed(v.text()),
-        ..LAYER
     },
     Axis {
         name: "exposure",

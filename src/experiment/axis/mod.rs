@@ -1,6 +1,7 @@
 //! Axes (sweepable parameters) and points (one value for each axis). A new axis is one entry in `list.rs` or
 //! `tables.rs`.
 
+mod layers;
 mod list;
 pub mod named;
 mod plain;

@@ -1,7 +1,8 @@
 //! Defaults of the axes.
 
-use super::{Axis, Part, Sheet, Symbol};
-use crate::experiment::value::{Kind, Range, Value};
+use super::{Axis, Part, Sheet, Spelling, Symbol};
+use crate::brdf;
+use crate::experiment::value::{Kind, PERCEPTUAL_ROUGHNESS_MIN, Range, Value, decimal};
 use crate::spelling::Listed;
 
 pub(super) const LEVELS: Range = Range::closed(-16.0, 16.0);
@@ -35,3 +36,14 @@ pub(super) const PLAIN: Axis = Axis {
 pub(super) fn first<T: Listed + ?Sized>() -> Value {
     Value::from(T::names()[0])
 }
+
+pub(super) const ROUGHNESS: Spelling = Spelling {
+    name: "perceptual_roughness",
+    label: "Roughness",
+    about: "roughness of every material, as in files; alpha is its square",
+    plural: "roughnesses",
+    symbol: Symbol::Before("roughness"),
+    kind: Kind::Number(Range::closed(PERCEPTUAL_ROUGHNESS_MIN, 1.0)),
+    to_axis: |v| Value::Number(decimal(brdf::alpha_from_perceptual_roughness(v.number()))),
+    of_axis: |v| Value::Number(decimal(brdf::perceptual_roughness_from_alpha(v.number()))),
+};

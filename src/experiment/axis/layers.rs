@@ -1,0 +1,61 @@
+//! The axes of layers over the base. They came later: a cell without a layer has the id that it had before.
+
+use super::plain::{PLAIN, ROUGHNESS, first};
+use super::{Axis, Part, Spelling, Symbol};
+use crate::experiment::value::{Kind, Range};
+use crate::shade::coat::{CoatLayering, CoatRenderer};
+use crate::spelling::Listed;
+
+const LAYER: Axis = Axis { is_layer: true, ..PLAIN };
+
+pub(super) const LAYER_AXES: &[Axis] = &[
+    Axis {
+        name: "coat",
+        about: "weight of a clear coat on every material; 0 has none",
+        plural: "coat weights",
+        symbol: Symbol::Before("coat"),
+        kind: Kind::Number(Range::closed(0.0, 1.0)),
+        apply: |s, v| s.material.coat = Some(v.number() as f32),
+        ..LAYER
+    },
+    Axis {
+        name: "coat_alpha",
+        about: "microfacet width of every coat",
+        plural: "coat alphas",
+        symbol: Symbol::Before("coat alpha"),
+        used: |u| u.has_coat,
+        kind: Kind::Alpha,
+        spelling: Some(Spelling {
+            name: "coat_perceptual_roughness",
+            label: "Coat roughness",
+            about: "roughness of every coat, as in files; coat_alpha is its square",
+            plural: "coat roughnesses",
+            symbol: Symbol::Before("coat roughness"),
+            ..ROUGHNESS
+        }),
+        apply: |s, v| s.material.coat_alpha = Some(v.number() as f32),
+        ..LAYER
+    },
+    Axis {
+        name: "coat_layering",
+        about: "how base and coat add up, for the image and its reference; docs/coat.md",
+        plural: "coat layerings",
+        used: |u| u.has_coat,
+        kind: Kind::one_of::<CoatLayering>(),
+        default: first::<CoatLayering>,
+        apply: |s, v| s.shading.coat_layering = *CoatLayering::listed(v.text()),
+        ..LAYER
+    },
+    Axis {
+        name: "coat_renderer",
+        part: Part::Parameter,
+        about: "whose way to shade a coat; `splitsum list coat-renderers`",
+        plural: "coat renderers",
+        used: |u| u.has_coat,
+        kind: Kind::one_of::<CoatRenderer>(),
+        default: first::<CoatRenderer>,
+        reference: |_, _| first::<CoatRenderer>(),
+        apply: |s, v| s.shading.coat_renderer = CoatRenderer::listed(v.text()),
+        ..LAYER
+    },
+];
