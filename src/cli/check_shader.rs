@@ -83,7 +83,7 @@ fn failures(arguments: &Arguments, rows: &[Row]) -> Vec<String> {
     let above = limits.filter_map(|(error, limit)| {
         let (size, words) = worst(rows, error);
         let (name, _, unit, scale) = ERRORS[error];
-        (size > limit.into()).then(|| format!("{name} above {:.4} {unit}: {words}", scale * f64::from(limit)))
+        (size > limit.into()).then(|| format!("{name} above {} {unit}: {words}", scale as f32 * limit))
     });
     let wrong = Some(verdict(rows)).filter(|words| arguments.fail_on_wrong && words.starts_with("wrong"));
     above.chain(wrong).collect()
