@@ -53,7 +53,12 @@ fn request(
     let options = LoadOptions { builtin_size: environment_size, ..LoadOptions::default() };
     let environment = Environment::load(environment, Path::new("."), &options).expect("a builtin environment");
     let sphere = Scene::load("sphere", Path::new(".")).expect("a builtin scene");
-    let lobe = MaterialOverride { alpha: Some(alpha), f0: Some([1.0; 3]), albedo: Some([0.0; 3]), metallic: None };
+    let lobe = MaterialOverride {
+        alpha: Some(alpha),
+        f0: Some([1.0; 3]),
+        albedo: Some([0.0; 3]),
+        ..MaterialOverride::default()
+    };
     RenderRequest {
         shading: Shading { method: Method::listed(method), brdf, samples: 40, ..Shading::default() },
         reference_samples: 4096,

@@ -2,7 +2,7 @@
 
 use super::{Failure, log, print, print_data};
 use clap::Args;
-use serde::{Serialize, Serializer};
+use serde_json::{Value, json};
 use splitsum::experiment::axis::{AXES, CONTRAST, EXPOSURE};
 use splitsum::experiment::value::{Kind, Range};
 use splitsum::metrics::{Comparison, Epsilon, METRICS};
@@ -76,8 +76,11 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     log(&format!("relative metrics: mean luminance {}, epsilon {:e}", epsilon.mean(), epsilon.beside_square()));
     let scores = comparison.evaluate_all();
     if arguments.json {
-        let text = serde_json::to_string_pretty(&InOrder(&scores)).map_err(Failure::failed)?;
-        return print_data(&(text + "\n"));
+        // JSON has no infinity, so PSNR of equal images is the text "inf".
+        let value = |x: f64| if x.is_finite() { json!(x) } else { json!(x.to_string()) };
+        let scores: serde_json::Map<String, Value> =
+            scores.iter().map(|(name, x)| ((*name).to_owned(), value(*x))).collect();
+        return print_data(&format!("{:#}\n", Value::Object(scores)));
     }
     let mut table = MarkdownTable::new(&[
         ("metric", Align::Left),
@@ -90,17 +93,6 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         table.row(&[*name, &significant(*value, 4), d.better.name(), d.space.name()]);
     }
     print(&table.to_string())
-}
-
-/// Serializes scores in the order of [`METRICS`], which `serde_json`'s map would sort.
-struct InOrder<'a>(&'a [(&'static str, f64)]);
-
-impl Serialize for InOrder<'_> {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        // JSON has no infinity, so PSNR of equal images is the text "inf".
-        let value = |x: f64| if x.is_finite() { serde_json::json!(x) } else { serde_json::json!(x.to_string()) };
-        serializer.collect_map(self.0.iter().map(|(name, x)| (name, value(*x))))
-    }
 }
 
 fn read(path: &Path) -> Result<Decoded, Failure> {

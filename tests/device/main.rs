@@ -25,6 +25,8 @@ mod prefilter;
 mod probe;
 mod reference;
 mod scale;
+#[path = "../shared/sh9.rs"]
+mod sh9;
 mod shader_check;
 mod symmetry;
 mod tables;

@@ -14,7 +14,7 @@ use splitsum::pixels::{Pixels, RgbImage};
 use splitsum::precompute::dfg::{self, DfgAxes, reference::dfg_within};
 use splitsum::precompute::irradiance::{self, reference::irradiance as exact_irradiance};
 use splitsum::precompute::mips::{self, level_count, reference::chain};
-use splitsum::precompute::sh9::{self, reference::project_texel_centers};
+use splitsum::precompute::sh9;
 use splitsum::precompute::{PrecomputeSettings, exact_quadrature};
 use splitsum::spelling::Listed;
 use std::f64::consts::PI;
@@ -88,7 +88,7 @@ fn sh9_adds_suns_and_skies_without_loss() {
         for (size, sun) in [([512, 256], [300, 70]), ([77, 31], [76, 0]), ([3, 2], [1, 1])] {
             let environment = sunny(size, sun, 72_704.0);
             let (_, values) = coefficients(gpu, &environment_image(gpu, &environment));
-            let expected = project_texel_centers(&environment);
+            let expected = crate::sh9::project_texel_centers(&environment);
             for k in 0..COUNT {
                 worst.add_rgb(values[k] / expected[0], expected[k] / expected[0], || {
                     format!("{size:?} coefficient {k}")

@@ -31,6 +31,8 @@ mod scene;
 #[path = "../shared/scratch.rs"]
 mod scratch;
 mod sequence;
+#[path = "../shared/sh9.rs"]
+mod sh9;
 #[path = "../shared/snapshot.rs"]
 mod snapshot;
 mod study;
