@@ -1,7 +1,6 @@
 //! Finds the taps whose kernels are together closest to a lobe.
 
 use super::chain::{Chain, LEVEL_MIN};
-use super::lobe::Lobe;
 use super::{Tap, TapCount};
 use crate::math::quadrature::GaussLegendre;
 use glam::{DVec2, DVec3};
@@ -41,7 +40,7 @@ pub struct Fit<'a> {
     /// Above the plane of incidence; each counts for its mirror image too.
     directions: Vec<DVec3>,
     /// The normalised lobe.
-    densities: Vec<f64>,
+    pub densities: Vec<f64>,
     measures: Vec<f64>,
     /// Measure and objective's weight. Over all nodes the errors of no tap and of one along the moment add up to 1.
     weights: Vec<f64>,
@@ -103,21 +102,23 @@ fn weight(count: TapCount, own_level: f64, l: DVec3, density: f64) -> f64 {
 }
 
 impl<'a> Fit<'a> {
-    /// `share`: of the part of weight Fc.
-    pub fn new(chain: &'a Chain, lobe: &Lobe, share: f64, count: TapCount) -> Self {
-        let (n_dot_v, moments) = (lobe.mirror().z, lobe.moments());
-        let moment = moments[0].lerp(moments[1], share);
-        let m = moment.x * lobe.mirror() + moment.y * DVec3::Z;
-        let moment_angle = f64::atan2(-m.x, m.z);
-        let narrowest = 0.02 * lobe.alpha * n_dot_v + 1e-5;
+    /// Takes a lobe of any scale by its densities along directions; the view lies on the side of +x.
+    pub fn new(
+        chain: &'a Chain,
+        [n_dot_v, alpha]: [f64; 2],
+        moment_angle: f64,
+        count: TapCount,
+        densities: impl FnOnce(&[DVec3]) -> Vec<f64>,
+    ) -> Self {
+        let narrowest = 0.02 * alpha * n_dot_v + 1e-5;
         // The lobe may be much narrower than its moment is far from its peak, near r: half of the nodes about each.
         let centres = [n_dot_v.acos(), moment_angle].map(|angle| rings(angle, narrowest));
         let (directions, measures): (Vec<_>, Vec<_>) =
             centres.concat().into_iter().map(|(l, measure)| (l, 0.5 * measure)).unzip();
-        let mut densities: Vec<f64> = directions.iter().map(|l| lobe.density(share, *l)).collect();
+        let mut densities = densities(&directions);
         let whole: f64 = densities.iter().zip(&measures).map(|(density, measure)| density * measure).sum();
         densities.iter_mut().for_each(|density| *density /= whole);
-        let own_level = chain.level(lobe.alpha);
+        let own_level = chain.level(alpha);
         let weights =
             (0..directions.len()).map(|i| measures[i] * weight(count, own_level, directions[i], densities[i]));
         let mut fit = Self {
@@ -127,12 +128,13 @@ impl<'a> Fit<'a> {
             densities,
             measures,
             moment_angle,
-            angle_unit: lobe.alpha.sqrt() * (1.0 - n_dot_v * n_dot_v).sqrt(),
+            angle_unit: alpha.sqrt() * (1.0 - n_dot_v * n_dot_v).sqrt(),
             own_level,
             level_max: (LEVEL_RATIO_MAX * own_level).min(chain.last()),
         };
         let own = Tap { angle: moment_angle, level: own_level, weight: 1.0 };
-        let scale = fit.error(&[]) + fit.error(&[own]);
+        let error = |taps: &[Tap]| fit.square(&fit.residuals(taps, &fit.kernels(taps)));
+        let scale = error(&[]) + error(&[own]);
         fit.weights.iter_mut().for_each(|weight| *weight /= scale);
         fit
     }
@@ -154,27 +156,28 @@ impl<'a> Fit<'a> {
         self.directions.iter().map(|l| density(l.dot(about))).collect()
     }
 
-    /// Returns the weighted `∫ (Σ w K - ŵ)²` in the unit of the weights.
-    pub fn error(&self, taps: &[Tap]) -> f64 {
-        self.square(&self.residuals(taps, &self.kernels(taps)))
-    }
-
-    fn kernels(&self, taps: &[Tap]) -> Vec<Vec<[f64; 2]>> {
+    pub fn kernels(&self, taps: &[Tap]) -> Vec<Vec<[f64; 2]>> {
         taps.iter().map(|tap| self.kernel(tap)).collect()
     }
 
     /// Returns `Σ w K - ŵ` at the directions.
-    fn residuals(&self, taps: &[Tap], kernels: &[Vec<[f64; 2]>]) -> Vec<f64> {
+    pub fn residuals(&self, taps: &[Tap], kernels: &[Vec<[f64; 2]>]) -> Vec<f64> {
         let at = |i: usize| taps.iter().zip(kernels).map(|(tap, kernel)| tap.weight * kernel[i][0]).sum::<f64>();
         (0..self.directions.len()).map(|i| at(i) - self.densities[i]).collect()
     }
 
+    /// Returns the weighted `∫ (Σ w K - ŵ)²` in the unit of the weights.
     fn square(&self, residuals: &[f64]) -> f64 {
         self.weights.iter().zip(residuals).map(|(weight, residual)| weight * residual * residual).sum()
     }
 
+    /// Returns the objective of [`Self::residuals`] without the penalties of the parameters.
+    pub fn objective(&self, residuals: &[f64]) -> f64 {
+        self.square(residuals) + MOMENT * self.first_moment(residuals).length_squared()
+    }
+
     /// Returns `∫ f l dl` in the plane of incidence, along x and z.
-    fn first_moment(&self, f: &[f64]) -> DVec2 {
+    pub fn first_moment(&self, f: &[f64]) -> DVec2 {
         let parts = self.directions.iter().zip(&self.measures).zip(f);
         parts.map(|((l, measure), f)| f * measure * DVec2::new(l.x, l.z)).sum()
     }
@@ -183,10 +186,9 @@ impl<'a> Fit<'a> {
         let taps = self.taps(x);
         let kernels = self.kernels(&taps);
         let residuals = self.residuals(&taps, &kernels);
-        let moment = MOMENT * self.first_moment(&residuals).length_squared();
         let weights: f64 = taps.iter().map(|tap| tap.weight * tap.weight).sum();
         let far: f64 = x.iter().zip(near).map(|(x, near)| pull * (x - near).powi(2) + PRIOR * x * x).sum();
-        let cost = self.square(&residuals) + moment + RIDGE * weights + far;
+        let cost = self.objective(&residuals) + RIDGE * weights + far;
         Trial { taps, kernels, residuals, cost }
     }
 

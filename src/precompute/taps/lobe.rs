@@ -70,10 +70,6 @@ impl Lobe {
         Self { model, masking, alpha, v, g1_v, nodes, albedos }
     }
 
-    pub fn mirror(&self) -> DVec3 {
-        DVec3::new(-self.v.x, 0.0, self.v.z)
-    }
-
     /// Returns the normalised lobe in a direction; `share` weighs the part of weight Fc.
     pub fn density(&self, share: f64, l: DVec3) -> f64 {
         if l.z <= 0.0 {
@@ -85,6 +81,13 @@ impl Lobe {
         let g2 = g2_from_g1(self.g1_v, g1(self.model, l.z, self.alpha, self.masking), self.masking);
         // f n·l, so n·l cancels.
         self.model.d(h, self.alpha) * g2 / (4.0 * self.v.z) * parts.element_sum()
+    }
+
+    /// Returns the angle from the normal to the first moment; `share` weighs the part of weight Fc.
+    pub fn moment_angle(&self, share: f64) -> f64 {
+        let [of_f0, of_f90] = self.moments();
+        let of = of_f0.lerp(of_f90, share);
+        f64::atan2(of.x * self.v.x, of.x * self.v.z + of.y)
     }
 
     /// Returns the first moment of each part over its integral, as shares of r and n.

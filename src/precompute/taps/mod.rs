@@ -20,10 +20,10 @@ mod lobe;
 mod nodes;
 mod table;
 
-pub use chain::Chain;
-pub use fit::AMBIENT;
+pub use chain::{Chain, LEVEL_MIN};
+pub use fit::{AMBIENT, Fit};
 pub use lobe::Lobe;
-pub use nodes::{SIDE, parameters_from_node};
+pub use nodes::{SIDE, first_guess, parameters_from_node};
 pub use table::{TapTable, dielectric_share};
 
 /// The number of taps of a table.

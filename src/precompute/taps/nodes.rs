@@ -5,7 +5,7 @@ use super::fit::{Fit, Parameters};
 use super::lobe::Lobe;
 use super::{F0, Tap, TapCount};
 use crate::brdf::{Brdf, MaskingShadowing, alpha_from_perceptual_roughness};
-use glam::DVec2;
+use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
 /// Nodes along each axis.
@@ -28,7 +28,7 @@ pub fn parameters_from_node([x, y]: [usize; 2]) -> DVec2 {
 }
 
 /// Where every search starts.
-fn first_guess(count: TapCount) -> &'static [f64] {
+pub fn first_guess(count: TapCount) -> &'static [f64] {
     match count {
         TapCount::One => &[0.0, 0.0],
         TapCount::Two => &[0.1, -0.3, -0.5, 0.2, 0.4],
@@ -56,7 +56,9 @@ impl<'a> Nodes<'a> {
         let fit = |[f0, y, x]: Place| {
             let DVec2 { x: n_dot_v, y: alpha } = parameters_from_node([x, y]);
             let lobe = Lobe::new(brdf, masking, n_dot_v, alpha);
-            Fit::new(chain, &lobe, lobe.albedos.y / (F0[f0] * lobe.albedos.x + lobe.albedos.y), count)
+            let share = lobe.albedos.y / (F0[f0] * lobe.albedos.x + lobe.albedos.y);
+            let densities = |all: &[DVec3]| all.iter().map(|l| lobe.density(share, *l)).collect();
+            Fit::new(chain, [n_dot_v, alpha], lobe.moment_angle(share), count, densities)
         };
         let places: Vec<Place> = (0..F0.len() * (SIDE - first_row) * SIDE).map(|i| place(first_row, i)).collect();
         let fits: Vec<Fit> = places.par_iter().map(|place| fit(*place)).collect();
