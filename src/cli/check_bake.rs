@@ -1,11 +1,11 @@
 //! `splitsum check-bake`: how wrong a bake is.
 
-use super::bake_scores::{Limits, as_json, as_text};
+use super::bake_scores::as_text;
 use super::shared::{InputFlags, preset};
 use super::{Failure, print, print_data, progress};
 use clap::Args;
 use splitsum::bakes::Stated;
-use splitsum::bakes::check::Judging;
+use splitsum::bakes::check::{Judging, Limits, as_json};
 use splitsum::bakes::convention::{Axes, PRESETS, Preset, TableAxes, TableChannels};
 use splitsum::bakes::source::{Reading, read};
 use splitsum::brdf::{Brdf, MaskingShadowing};
@@ -111,13 +111,9 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         None => "builtin:constant",
     };
     let stated = &bake.stated;
-    let preset = match (arguments.preset, &stated.preset) {
-        (Some(preset), _) => preset,
-        (None, name) => name
-            .as_deref()
-            .map_or(Ok(&PRESETS[0]), Preset::parse)
-            .map_err(|fault| Failure::input(format!("bake.json: {fault}; give your own as --preset FILE.toml")))?,
-    };
+    let own = || stated.preset.as_deref().map_or(Ok(&PRESETS[0]), Preset::parse);
+    let unknown = |fault| Failure::input(format!("bake.json: {fault}; give your own as --preset FILE.toml"));
+    let preset = arguments.preset.map_or_else(own, Ok).map_err(unknown)?;
     let judging = judging(arguments, preset, stated)?;
     let environment = arguments.inputs.environment(light)?;
     if let Some(map) = &bake.specular {
@@ -150,10 +146,6 @@ fn check_limits(limits: &Limits, has_map: bool, has_table: bool) -> Result<(), F
 
 /// Applies the preset, the files' statements and the flags, in this order.
 fn judging(arguments: &Arguments, preset: &'static Preset, stated: &Stated) -> Result<Judging, Failure> {
-    // Another preset than the files' replaces all that they state.
-    let is_other = arguments.preset.is_some_and(|own| own.name != stated.preset.as_deref().unwrap_or(PRESETS[0].name));
-    let unstated = Stated::default();
-    let stated = if is_other { &unstated } else { stated };
     let mut convention = Judging::by(preset, stated).map_err(Failure::input)?.convention;
     if let Some(mapping) = arguments.level_mapping {
         (convention.mapping, convention.alphas) = (mapping, None);

@@ -55,8 +55,10 @@ impl Judging {
         Self::by(stated.preset.as_deref().map_or(Ok(&PRESETS[0]), Preset::parse)?, stated)
     }
 
-    /// Judges GGX by the conventions of a preset; statements of the files override them.
+    /// Judges GGX by the conventions of a preset; statements of the files override them, unless they name another preset.
     pub fn by(preset: &Preset, stated: &Stated) -> Result<Self, String> {
+        let is_own = preset.name == stated.preset.as_deref().unwrap_or(PRESETS[0].name);
+        let stated = if is_own { stated } else { &Stated::default() };
         let mut convention = preset.convention();
         convention.alphas = stated.alphas.clone().or(convention.alphas);
         if let Some(name) = &stated.masking {

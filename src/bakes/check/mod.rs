@@ -12,6 +12,7 @@ pub mod guess;
 pub mod image;
 mod judge;
 pub mod level;
+mod scores;
 pub mod sh;
 pub mod slip;
 pub mod table;
@@ -19,6 +20,7 @@ pub mod table;
 pub use directions::Directions;
 pub use fit::Fit;
 pub use judge::{IRRADIANCE, Judged, Judging};
+pub use scores::{Limits, as_json};
 
 use crate::brdf::Phong;
 use crate::environment::Environment;
