@@ -280,7 +280,7 @@ fn write_map(
 }
 
 /// Computes A and B at texel centres.
-pub(super) fn dfg(brdf: &'static dyn Brdf, masking: MaskingShadowing, axes: &TableAxes, side: u32) -> RgbImage {
+pub fn dfg(brdf: &'static dyn Brdf, masking: MaskingShadowing, axes: &TableAxes, side: u32) -> RgbImage {
     let table = patches::table(side, |at| table::exact(brdf, masking, at, TABLE_WITHIN));
     let size = f64::from(side);
     RgbImage::from_fn(side, side, |x, y| {

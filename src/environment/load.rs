@@ -119,7 +119,8 @@ fn format_of(spec: &str, path: &Path) -> Result<&'static Format, EnvironmentErro
     })
 }
 
-fn checked(spec: &str, decoded: Decoded, options: &LoadOptions) -> Result<Environment, EnvironmentError> {
+/// Checks the texels of a map in memory; `spec` names it in messages.
+pub fn checked(spec: &str, decoded: Decoded, options: &LoadOptions) -> Result<Environment, EnvironmentError> {
     let Decoded { rgb: mut image, mut warnings, .. } = decoded;
     if let Some(found) = invalid_texels(&image) {
         if !options.clamp_invalid {

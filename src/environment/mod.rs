@@ -8,7 +8,7 @@ mod placement;
 
 pub use builtin::{BUILTIN_PREFIX, BUILTINS, Builtin, Parameter};
 pub use error::EnvironmentError;
-pub use load::{FORMATS, Format, LoadOptions};
+pub use load::{FORMATS, Format, LoadOptions, checked};
 pub use luminance::Luminance;
 pub use placement::{Placement, orientation};
 

@@ -21,7 +21,7 @@ pub struct Queries {
     /// As in the file.
     pub(super) cells: Vec<Vec<Cell>>,
     pub(super) queries: Vec<Query>,
-    pub(super) environments: Vec<Environment>,
+    pub environments: Vec<Environment>,
 }
 
 /// All faults of a table, one per line: `file:line:column: what; what was expected`.

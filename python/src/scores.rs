@@ -1,0 +1,115 @@
+//! Exact integrals and scores.
+
+use crate::arrays::{Array, Source, file_error, image, shaped, value_error};
+use numpy::{PyReadonlyArray2, PyReadonlyArray3};
+use pyo3::prelude::*;
+use splitsum::bakes::check::{Judging, Limits, as_json};
+use splitsum::bakes::convention::{PRESETS, Preset};
+use splitsum::bakes::source::{Reading, read};
+use splitsum::brdf::Brdf;
+use splitsum::environment::{Environment, LoadOptions};
+use splitsum::math::quadrature::Tolerance;
+use splitsum::metrics::{Comparison, Epsilon, HEADLINE, Metric};
+use splitsum::oracle::{Kind, Queries};
+use splitsum::pixels::GrayImage;
+use splitsum::shade::reference::TOLERANCE;
+use splitsum::spelling::Listed;
+use splitsum::table::csv::Cell;
+use splitsum::tonemap::ToneCurve;
+use std::path::Path;
+
+/// Lists the columns of a kind of query: required ones first.
+#[pyfunction]
+pub fn kind_columns(kind: String) -> PyResult<Vec<&'static str>> {
+    let columns = Kind::parse(&kind).map_err(value_error)?.columns();
+    Ok([columns.required, columns.optional].concat())
+}
+
+/// Answers a table of queries in CSV; returns the names of the answer's columns and its numbers, a row each.
+#[pyfunction]
+pub fn integrate<'py>(
+    py: Python<'py>,
+    table: String,
+    kind: String,
+    source: Option<Source>,
+    tolerance: f64,
+) -> PyResult<(Vec<String>, Array<'py, f64>)> {
+    let kind = *Kind::parse(&kind).map_err(value_error)?;
+    let environment = source.map(|source| source.environment(py)).transpose()?;
+    let answers = py.detach(|| {
+        let mut queries = Queries::from_bytes(Path::new("queries"), table.as_bytes(), kind, &LoadOptions::default())
+            .map_err(|faults| faults.to_string())?;
+        queries.environments.clear();
+        queries.environments.extend(environment);
+        let answers = queries.answer(Tolerance { relative: tolerance, ..TOLERANCE }, || ());
+        match answers.not_finite.first() {
+            Some(row) => {
+                Err(format!("the answer to row {} is not finite: a cosine or width too small for f64", row - 1))
+            }
+            None => Ok(answers),
+        }
+    });
+    let answers = answers.map_err(value_error)?;
+    let given = table.lines().next().map_or(0, |header| header.split(',').count());
+    let number = |cell: &Cell| if let Cell::Number(number) = cell { *number } else { f64::NAN };
+    let values = answers.rows.iter().flat_map(|row| row[given..].iter().map(number)).collect();
+    let names = answers.columns[given..].to_vec();
+    let shape = vec![answers.rows.len(), names.len()];
+    Ok((names, shaped(py, values, shape)?))
+}
+
+/// Judges a bake; returns the scores as JSON. `preset` is a name or JSON, `limits` JSON; flags: guess, image.
+#[pyfunction]
+pub fn check_bake(
+    py: Python,
+    files: Vec<String>,
+    source: Option<Source>,
+    preset: Option<String>,
+    model: String,
+    flags: [bool; 2],
+    limits: String,
+) -> PyResult<String> {
+    let brdf = <dyn Brdf>::parse(&model).map_err(value_error)?;
+    let limits: Limits = serde_json::from_str(&limits).map_err(value_error)?;
+    let reading = Reading { layout: None, brdf: brdf.name() };
+    let bake = py.detach(|| read(&files, reading)).map_err(|error| file_error(&error.path.clone(), error))?;
+    let preset = match preset.as_deref().or(bake.stated.preset.as_deref()) {
+        Some(text) if text.starts_with('{') => Preset::from_json(text.to_owned()),
+        Some(name) => Preset::parse(name),
+        None => Ok(&PRESETS[0]),
+    };
+    let preset = preset.map_err(value_error)?;
+    let environment = match source {
+        Some(source) => source.environment(py)?,
+        None if bake.specular.is_some() || bake.irradiance.is_some() || bake.sh.is_some() => {
+            return Err(value_error("environment: maps and SH need the map that they were baked from"));
+        }
+        // The light does not reach a DFG table.
+        None => Environment::open("builtin:constant").map_err(value_error)?,
+    };
+    let judging = Judging::by(preset, &bake.stated).map_err(value_error)?;
+    let [is_guessed, has_image] = flags;
+    let judging = Judging { brdf, is_guessed, has_image, ..judging };
+    let judged = py.detach(|| judging.judge(&environment, &bake)).map_err(value_error)?;
+    Ok(as_json(&environment.name, preset.name, &limits, &judged).to_string())
+}
+
+/// Scores an image against a reference over a mask.
+#[pyfunction]
+pub fn relmse(
+    py: Python,
+    test: PyReadonlyArray3<f32>,
+    reference: PyReadonlyArray3<f32>,
+    mask: PyReadonlyArray2<bool>,
+    environment_mean: f64,
+) -> PyResult<f64> {
+    let (test, reference, mask) = (image(&test), image(&reference), mask.as_array());
+    let is_in = mask.iter().map(|is_in| f32::from(*is_in)).collect();
+    let mask = GrayImage::new(mask.dim().1 as u32, mask.dim().0 as u32, is_in);
+    py.detach(|| {
+        let epsilon = Epsilon::of_light(environment_mean);
+        let comparison = Comparison::new(&test, &reference, &mask, ToneCurve::default(), epsilon)?;
+        Ok(comparison.evaluate(&[Metric::listed(HEADLINE)])[0].1)
+    })
+    .map_err(|error: splitsum::metrics::MetricsError| value_error(error))
+}
