@@ -44,12 +44,8 @@ for map in "$@"; do
     [ -f "$map" ] || stop "$map: no such file; experiments/environments.csv says where the maps come from"
 done
 
-has_python() {
-    has_command python3 && python3 -c 'import ensurepip' 2>/dev/null
-}
-has_python || install_packages python3-venv
 require_rust
-require compiler loader driver
+require compiler loader driver python3 venv
 program=${SPLITSUM:-target/release/splitsum}
 [ -n "${SPLITSUM:-}" ] || cargo build --release --locked
 work=${BENCH_PEERS_WORK:-}

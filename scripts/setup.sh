@@ -80,10 +80,15 @@ has_browser() {
     has_command chromium || has_command chromium-browser || has_command google-chrome || has_command google-chrome-stable
 }
 
-# What `require` knows: compiler, loader, driver, validation, browser, keyboard, and any command.
+# Debian packs the files of virtual environments apart from Python.
+has_venv() {
+    has_command python3 && python3 -c 'import ensurepip' 2>/dev/null
+}
+
+# What `require` knows: compiler, loader, driver, validation, browser, keyboard, venv, and any command.
 has() { # name
     case $1 in
-        compiler | loader | driver | validation | browser | keyboard) "has_$1" ;;
+        compiler | loader | driver | validation | browser | keyboard | venv) "has_$1" ;;
         *) has_command "$1" ;;
     esac
 }
@@ -97,6 +102,7 @@ package_of() { # name
         browser) echo chromium ;;
         keyboard) echo libxkbcommon-x11-0 ;;
         node) echo nodejs ;;
+        venv) echo python3-venv ;;
         Xvfb) echo xvfb ;;
         *) echo "$1" ;;
     esac
@@ -110,6 +116,7 @@ describe() { # name
         validation) echo "the Vulkan validation layer" ;;
         browser) echo "Chromium" ;;
         keyboard) echo "the keyboard library of X11 (libxkbcommon-x11.so.0)" ;;
+        venv) echo "Python's virtual environments (ensurepip)" ;;
         *) echo "$1" ;;
     esac
 }

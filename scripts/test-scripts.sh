@@ -61,7 +61,7 @@ case $call in
                 vulkan-validationlayers) bring VkLayer_khronos_validation.json ;;
                 xvfb) bring bin/Xvfb ;;
                 nodejs) bring bin/node ;;
-                chromium | xdotool | openbox | npm | debootstrap) bring "bin/$package" ;;
+                chromium | xdotool | openbox | npm | python3 | debootstrap) bring "bin/$package" ;;
             esac
         done
         ;;
@@ -93,12 +93,12 @@ box() { # name, machine
     cp "$scripts/test.sh" "$scripts/demo.sh" "$scripts/bare.sh" "$scripts/setup.sh" "$1/scripts/"
     files="bin/apt-get bin/sudo bin/id bin/ldconfig bin/cargo bin/rustfmt target/release/splitsum
         scripts/test-scripts.sh scripts/check-commits.sh scripts/check-page.sh scripts/check-clients.sh
-        scripts/check-shaders.sh scripts/cluster-test.sh scripts/second-driver.sh scripts/examples.sh
+        scripts/check-python.sh scripts/check-shaders.sh scripts/cluster-test.sh scripts/second-driver.sh scripts/examples.sh
         target/lib target/main target/browser target/cli target/device target/numeric target/view"
     if [ "$2" = full ]; then
         mkdir -p "$1/.cargo/advisory-dbs/db/.git"
         files="$files bin/c++ bin/cc libvulkan.so.1 driver.json VkLayer_khronos_validation.json
-            libxkbcommon-x11.so.0 bin/chromium bin/Xvfb bin/xdotool bin/openbox bin/node bin/npm bin/shellcheck"
+            libxkbcommon-x11.so.0 bin/chromium bin/Xvfb bin/xdotool bin/openbox bin/node bin/npm bin/python3 bin/shellcheck"
     fi
     for file in $files; do
         ln -s "$WORK/stub" "$1/$file"
@@ -195,6 +195,9 @@ parts() { # user or ci
     part "$bare $full" numeric SEGV "numeric: killed by SIGSEGV"
     part "$bare $full" "cargo test*--doc" 101 "doc tests"
     part "$bare $full" examples.sh 1 scripts/examples.sh
+    part bare-ci "apt-get install*python3*" 100 "installing python3 venv"
+    part full-ci "python3 *ensurepip;apt-get install*python3-venv*" 1 "installing python3 venv"
+    part "bare-ci $full" check-python.sh 1 scripts/check-python.sh
     part "bare-ci full-ci" check-clients.sh 1 scripts/check-clients.sh
     part "bare-ci full-ci" check-shaders.sh 1 scripts/check-shaders.sh
     part "bare-ci full-ci" "cluster-test.sh *" 1 scripts/cluster-test.sh
@@ -214,12 +217,14 @@ passes() {
     has_call "^sudo .*apt-get install .* xvfb xdotool openbox libxkbcommon-x11-0"
     has_output "^skipped shellcheck (shellcheck is missing: apt-get install shellcheck)"
     has_output "^skipped scripts/check-page.sh (Node.js or npm is missing)"
+    has_output "^skipped scripts/check-python.sh (python3 or its venv is missing)"
     runs_as bare ci nothing 0 test.sh 0 PASSED
     has_call "^apt-get install .* nodejs npm"
+    has_call "^apt-get install .* python3 python3-venv"
     has_output "^ok scripts/second-driver.sh"
     runs_as full user "splitsum cost *" 2 test.sh 0 PASSED
     has_output "^skipped compiling every pipeline for AMD GPUs"
-    runs_as full ci "check-clients.sh;check-shaders.sh;cluster-test.sh *;second-driver.sh *" 77 test.sh 0 PASSED
+    runs_as full ci "check-clients.sh;check-python.sh;check-shaders.sh;cluster-test.sh *;second-driver.sh *" 77 test.sh 0 PASSED
     has_output "^skipped scripts/cluster-test.sh (the reason is above)"
     [ "$(grep -c "apt-get install" "$box/calls")" -eq 0 ] || complain "installs something"
     # A plain user is spared what cannot be installed.
@@ -266,12 +271,13 @@ bare() {
     runs_as full ci nothing 0 bare.sh 77 "skipped: the bare root (this machine forbids mount and process namespaces)"
 }
 
-# Without Python a workflow cannot run.
-cluster() {
-    box=$WORK/cluster
+# Without Python, or a package index, neither a workflow nor the package can run.
+python() {
+    box=$WORK/python
     cp -a "$WORK/bare" "$WORK/no-python"
-    rm "$WORK/no-python/scripts/cluster-test.sh"
-    cp "$scripts/cluster-test.sh" "$scripts/slurm.sh" "$WORK/no-python/scripts/"
+    rm "$WORK/no-python/scripts/cluster-test.sh" "$WORK/no-python/scripts/check-python.sh"
+    cp "$scripts/cluster-test.sh" "$scripts/check-python.sh" "$scripts/slurm.sh" "$WORK/no-python/scripts/"
+    runs_as no-python ci nothing 0 check-python.sh 77 "skipped: the Python package: python3 is missing"
     runs_as no-python ci nothing 0 cluster-test.sh 77 "skipped: the cluster test (local): Snakemake 9 needs Python 3.11"
 }
 
@@ -283,7 +289,7 @@ variables() (
     cat >"$box/script" <<'SCRIPT'
 . scripts/setup.sh
 everything() {
-    require compiler loader driver validation browser Xvfb xdotool openbox keyboard node npm
+    require compiler loader driver validation browser Xvfb xdotool openbox keyboard node npm python3 venv
     require_rust
     require_device cargo run --
     test_binaries
@@ -342,7 +348,7 @@ commits() (
 
 # Two at a time.
 parts user >"$WORK/user.log" 2>&1 &
-(parts ci && passes && demo && bare && cluster && variables && commits) >"$WORK/ci.log" 2>&1 || : >"$WORK/wrong"
+(parts ci && passes && demo && bare && python && variables && commits) >"$WORK/ci.log" 2>&1 || : >"$WORK/wrong"
 wait $! || : >"$WORK/wrong"
 cat "$WORK/user.log" "$WORK/ci.log"
 [ ! -e "$WORK/wrong" ]

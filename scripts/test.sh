@@ -199,6 +199,12 @@ done <"$binaries"
 check numeric await numeric
 check "doc tests" cargo test --release --locked --features view --quiet --doc
 check scripts/examples.sh sh scripts/examples.sh
+[ -z "${CI:-}" ] || provide scripts/check-python.sh python3 venv
+if has python3 && has venv; then
+    check scripts/check-python.sh sh scripts/check-python.sh
+else
+    note "skipped scripts/check-python.sh (python3 or its venv is missing)"
+fi
 
 check_in_ci scripts/check-clients.sh
 check_in_ci scripts/check-shaders.sh
