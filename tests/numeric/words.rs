@@ -179,14 +179,18 @@ fn files_below(folder: &Path, extensions: &[&str]) -> Vec<PathBuf> {
 fn help_messages_comments_and_names_of_tests_use_plain_words() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let is_checked = |file: &PathBuf| EXEMPT.iter().all(|(exempt, _)| !file.ends_with(exempt));
-    let rust =
-        ["src", "tests", "examples", "benches", "shaders"].map(|folder| files_below(&root.join(folder), &["rs"]));
+    let rust = ["src", "tests", "examples", "benches", "shaders", "python/src"]
+        .map(|folder| files_below(&root.join(folder), &["rs"]));
     let rust: Vec<PathBuf> = rust.concat().into_iter().filter(is_checked).collect();
     assert!(rust.len() > 400, "{} files", rust.len());
     assert_plain(&rust, words_of_rust);
     let shaders = files_below(&root.join("shaders"), &["glsl", "comp", "vert", "frag"]);
-    let scripts =
-        [files_below(&root.join("scripts"), &["sh", "mjs", "py"]), files_below(&root.join("cluster"), &["yaml"])];
+    let python = ["package", "tests", "examples"].map(|folder| files_below(&root.join("python").join(folder), &["py"]));
+    let scripts = [
+        files_below(&root.join("scripts"), &["sh", "mjs", "py"]),
+        files_below(&root.join("cluster"), &["yaml"]),
+        python.concat(),
+    ];
     let is_text = |file: &PathBuf| file.extension().is_some_and(|end| end == "js" || end == "html");
     let of_page = |folder: &str| std::fs::read_dir(root.join("assets").join(folder)).unwrap();
     let page = of_page("report").chain(of_page("bakes")).map(|entry| entry.unwrap().path());
