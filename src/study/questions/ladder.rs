@@ -46,7 +46,9 @@ pub const QUESTION: Question = Question {
 fn lacks(shape: &Shape) -> Option<&'static str> {
     match () {
         () if !shape.has_ladder => Some("the experiment has no section [ladder]"),
-        () if !shape.methods().any(|method| method.has_ladder) => Some("axes.method has no split-sum: only this method has steps"),
+        () if !shape.methods().any(|method| method.has_ladder) => {
+            Some("axes.method has no split-sum: only this method has steps")
+        }
         () if !shape.values[SCENE].iter().any(|scene| is_design(&scene.to_string())) => {
             Some("no scene is design, where every view sees the whole map; add it beside pictures: design,my.obj")
         }
