@@ -37,11 +37,6 @@ pub fn as_text(judged: &Judged, is_guessed: bool) -> String {
     if let Some((row, _)) = worst.filter(|(_, score)| score.errors.relmse > GOOD) {
         text += &format!("Worst direction, level {}: {}\n", row.name, row.worst);
     }
-    if let Some(off) = judged.spot_check {
-        text += &format!(
-            "The integrals agree with adaptive cubature within {off:.0e} at three directions of the worst level.\n"
-        );
-    }
     if let Some(dfg) = &judged.dfg {
         text += &format!(
             "DFG table: max error {:.2e}, rms {:.1e}, worst at n·v {:.3}, roughness {:.3}\n",

@@ -150,7 +150,9 @@ pub fn idle_sweeps<'p>(config: &Config, points: impl Iterator<Item = &'p Point> 
                 "{name}: its {count} values give one cell: {of} = \"{harmonic}\" uses no samples; expected {of} = \"{sampled}\""
             )
         } else {
-            format!("{name}: its {count} values give one cell: no method of the experiment uses it")
+            let user =
+                if AXES[sweep.axis].is_layer { "surface has a coat" } else { "method of the experiment uses it" };
+            format!("{name}: its {count} values give one cell: no {user}")
         };
         (sweep.values[0].place.clone(), text)
     };

@@ -13,7 +13,6 @@ use crate::brdf::{Brdf, Ggx, MaskingShadowing};
 use crate::environment::Environment;
 use crate::precompute::prefilter::{Kernel, Weight};
 use crate::spelling::Listed;
-use glam::DVec3;
 
 #[derive(Clone, Debug)]
 pub struct Judging {
@@ -42,8 +41,6 @@ pub struct Judged {
     pub sh: Option<ShScore>,
     /// Empty unless requested.
     pub image: Vec<ImageScore>,
-    /// Largest relative difference of the worst level from adaptive cubature at three directions.
-    pub spot_check: Option<f64>,
 }
 
 /// Name of the irradiance map in [`Judged::axes`].
@@ -117,11 +114,6 @@ impl Judging {
             Some(map) => level::score(truth, map, &convention)?,
             None => Vec::new(),
         };
-        // Checks the integral itself where a level is worst.
-        let wide = levels.iter().filter(|level| super::has_width(level.alpha));
-        let worst = wide.max_by(|a, b| a.errors.relmse.total_cmp(&b.errors.relmse));
-        let spot_check =
-            worst.map(|level| truth.spot_check(level.alpha, &[level.worst.direction, DVec3::X, -DVec3::Z]));
         doing("scoring diffuse maps and the DFG table");
         let mut judged = Judged {
             chain: chain::slip(&convention, &levels),
@@ -133,7 +125,6 @@ impl Judging {
             axes,
             table_way,
             levels,
-            spot_check,
         };
         // A fit explains nothing if the light or the axes are wrong.
         if judged.axes.iter().any(|(what, fits)| judged.doubt(what, fits).is_some()) {

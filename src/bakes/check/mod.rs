@@ -24,11 +24,9 @@ pub use scores::{Limits, as_json};
 
 use crate::brdf::Phong;
 use crate::environment::Environment;
-use crate::math::equirect_quadrature::EquirectQuadrature;
 use crate::math::harmonics::{Harmonics, SmoothMap};
-use crate::math::quadrature::Tolerance;
 use crate::metrics::Epsilon;
-use crate::precompute::prefilter::{Kernel, harmonic, reference};
+use crate::precompute::prefilter::{Kernel, harmonic};
 use glam::DVec3;
 
 /// Largest relMSE of a good level: 3 % rms.
@@ -98,21 +96,6 @@ impl<'a> Truth<'a> {
 
     pub fn epsilon(&self) -> Epsilon {
         Epsilon::of_light(self.environment.luminance.mean)
-    }
-
-    /// Returns the largest relative difference of the convolution from adaptive cubature at directions.
-    pub fn spot_check(&self, alpha: f64, directions: &[DVec3]) -> f64 {
-        let image = &self.environment.image;
-        let quadrature = EquirectQuadrature::new(image.width, image.height, |x, y| image.get(x, y));
-        let tolerance = Tolerance { relative: 1e-5, max_part_count: 100_000 };
-        let map = self.prefiltered(alpha);
-        let off = |direction: &DVec3| {
-            let exact = reference::prefilter(&quadrature, self.kernel, alpha, *direction, tolerance).value;
-            ((map.value(*direction) - exact) / (exact.abs() + self.epsilon().beside_square().sqrt()))
-                .abs()
-                .max_element()
-        };
-        directions.iter().map(off).fold(0.0, f64::max)
     }
 }
 

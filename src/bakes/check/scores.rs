@@ -100,7 +100,6 @@ pub fn as_json(environment: &str, preset: &str, limits: &Limits, judged: &Judged
         "levels": judged.levels.iter().map(level).collect::<Vec<_>>(),
         "image": judged.image,
         "image_verdict": image::in_words(&judged.image),
-        "spot_check": judged.spot_check,
         "irradiance": judged.irradiance.as_ref().map(level),
         "dfg": judged.dfg.as_ref().map(|dfg| json!({
             "max_error": dfg.max_error,

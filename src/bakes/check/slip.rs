@@ -26,6 +26,8 @@ const CLOSE: f64 = 0.01;
 /// Step of the turns about y that are tried, degrees, and the bisections around the best.
 const TURN_STEP: f64 = 5.0;
 const TURNS_REFINED: u32 = 8;
+/// Smallest ratio of two channels' gains that is a slip.
+const CHANNELS_APART: f64 = 1.02;
 /// Smallest turn that is a slip, degrees.
 const TURN_MIN: f64 = 0.5;
 
@@ -99,7 +101,7 @@ impl Level<'_> {
         let sample = Sample::new(self, side.max(1) | 1);
         let changes = CHANGES.iter().map(|(words, change)| sample.slip((*words).to_owned(), |x, _| change(x)));
         let slips = changes.chain(sample.cuts()).chain(sample.gain()).chain(sample.of_cut()).chain(sample.weights());
-        let slips = slips.chain(sample.turn()).chain(
+        let slips = slips.chain(sample.channel_gains()).chain(sample.turn()).chain(
             faces::slip(self.truth, self.directions, self.found, self.exact).map(|(words, left)| Slip { words, left }),
         );
         // For another map, a slip that flattens the level leaves a small part of a huge error.
@@ -150,6 +152,21 @@ impl<'a> Sample<'a> {
         let is_narrow = !has_width(self.level.alpha);
         let gain = fit::gain(&self.directions, &self.found, &self.exact, self.level.truth.epsilon());
         is_narrow.then(|| self.slip(fit::gain_in_words(gain), |x, _| gain * x)).into_iter()
+    }
+
+    /// A gain of each channel.
+    fn channel_gains(&self) -> Option<Slip> {
+        let only = |texels: &[DVec3], axis: DVec3| texels.iter().map(|texel| *texel * axis).collect::<Vec<_>>();
+        let gains = [DVec3::X, DVec3::Y, DVec3::Z].map(|axis| {
+            let (found, exact) = (only(&self.found, axis), only(&self.exact, axis));
+            let is_black = found.iter().all(|texel| *texel == DVec3::ZERO);
+            if is_black { 0.0 } else { fit::gain(&self.directions, &found, &exact, self.level.truth.epsilon()) }
+        });
+        let [red, green, blue] = gains;
+        let words = format!("red, green and blue are {red:.2}, {green:.2} and {blue:.2} times what they should be");
+        let gains = DVec3::from_array(gains);
+        let is_uneven = gains.max_element() > CHANNELS_APART * gains.min_element();
+        is_uneven.then(|| self.slip(words, |x, _| gains * x))
     }
 
     fn of_cut(&self) -> impl Iterator<Item = Slip> {

@@ -10,9 +10,13 @@ use splitsum::environment::Environment;
 use splitsum::environment::layout::LAYOUTS;
 use splitsum::glsl::constants::ALPHA_MIN;
 use splitsum::math::equirect::direction_from_uv;
+use splitsum::math::equirect_quadrature::EquirectQuadrature;
+use splitsum::math::quadrature::Tolerance;
 use splitsum::math::spherical_harmonics::irradiance;
 use splitsum::pixels::RgbImage;
+use splitsum::precompute::dfg::patches;
 use splitsum::precompute::dfg::reference::dfg_within;
+use splitsum::precompute::prefilter::reference::prefilter;
 use splitsum::precompute::prefilter::{Kernel, harmonic};
 use splitsum::spelling::Listed;
 use std::cell::RefCell;
@@ -82,10 +86,16 @@ fn the_judge_is_more_exact_than_the_judged_bake() {
     let directions: Vec<DVec3> = [[80.5, 12.5], [84.0, 14.0], [80.5, 44.5]]
         .map(|[x, y]: [f64; 2]| direction_from_uv(DVec2::new(x, y) / DVec2::new(128.0, 64.0)))
         .to_vec();
+    let quadrature = EquirectQuadrature::new(128, 64, |x, y| light.image.get(x, y));
+    let tolerance = Tolerance { relative: 1e-5, max_part_count: 100_000 };
     for alpha in [0.1, 1.0] {
         let off = [Truth::new, Truth::judging].map(|truth| {
-            let truth = truth(&light, Kernel::cosine(&Ggx), &[alpha]);
-            truth.spot_check(alpha, &directions)
+            let map = truth(&light, Kernel::cosine(&Ggx), &[alpha]).prefiltered(alpha);
+            let off = |direction: &DVec3| {
+                let exact = prefilter(&quadrature, Kernel::cosine(&Ggx), alpha, *direction, tolerance).value;
+                ((map.value(*direction) - exact) / exact).abs().max_element()
+            };
+            directions.iter().map(off).fold(0.0, f64::max)
         });
         assert!(off[0] > 1e-7 && off[1] < 0.4 * off[0], "{alpha}: {off:?}");
     }
@@ -292,4 +302,11 @@ fn conventions_of_a_table_are_found() {
     assert!(exact.max_error < 1e-5 && exact.verdict.starts_with("good"), "{exact:?}");
     let shifted = table::score(&table(0, 0, correlated, 1.0), &Ggx, &convention);
     assert!(shifted.verdict.contains("1 texel too high"), "{shifted:?}");
+    // A black row between the compared ones stands out.
+    let exact = patches::table(64, |at| table::exact(&Ggx, correlated, at, 1e-4));
+    let mut whole = exact.map(|pair| [pair.x as f32, pair.y as f32, 0.0]);
+    assert!(table::score(&whole, &Ggx, &convention).verdict.starts_with("good"));
+    whole.data[30 * 64..31 * 64].fill([0.0; 3]);
+    let black = table::score(&whole, &Ggx, &convention);
+    assert!(black.max_error > 0.5 && !black.verdict.starts_with("good"), "{black:?}");
 }

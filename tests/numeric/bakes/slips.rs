@@ -70,6 +70,17 @@ fn slips_of_faces_and_texels_are_named() {
         ("encoded with gamma 2.2", |map| each_texel(map, |rgb| rgb.map(|x| x.powf(1.0 / 2.2)))),
         ("decoded with gamma 2.2", |map| each_texel(map, |rgb| rgb.map(|x| x.powf(2.2)))),
         ("levels 0 to 2: pi times", |map| each_texel(map, |rgb| rgb.map(|x| x * PI as f32))),
+        ("red, green and blue are 2.00, 1.00 and 0.00 times", |map| each_texel(map, |[r, g, _]| [2.0 * r, g, 0.0])),
+        ("one texel is wrong: face 4, column 9, row 7", |map| {
+            map.levels[1][4].data[(7 * SIDE + 9) as usize] = [6e4; 3];
+        }),
+        ("every face is flipped left to right", |map| {
+            each_face(map, |faces| {
+                for face in faces {
+                    *face = RgbImage::from_fn(SIDE, SIDE, |x, y| face.get(SIDE - 1 - x, y));
+                }
+            });
+        }),
         ("cut at 1.000", |map| each_texel(map, |rgb| rgb.map(|x| x.min(1.0)))),
         ("RGBM read", |map| {
             each_texel(map, |rgb| {
@@ -147,6 +158,16 @@ fn chains_of_other_levels_are_named() {
     assert!(last.contains("the last 2 of 6 levels missing"), "{last}");
     let first = of((2..6).map(|k| linear(k, 6)).collect());
     assert!(first.contains("the first 2 of 6 levels missing"), "{first}");
+    // A level of noise is no reason to miss levels.
+    let alphas: Vec<f64> = (0..4).map(|k| linear(k, 6)).collect();
+    let truth = Truth::new(&light, Kernel::cosine(&Ggx), &alphas);
+    let mut map = cube(&truth, &alphas, |direction| direction);
+    map.levels[3].iter_mut().for_each(|face| {
+        let pixels = face.data.clone();
+        face.data.iter_mut().enumerate().for_each(|(i, texel)| *texel = pixels[i * 7 % pixels.len()].map(|x| x * x));
+    });
+    let noisy = judged(&light, map, None).verdict();
+    assert!(!noisy.contains("missing"), "{noisy}");
     let bent = of((0..5).map(|k| quadratic(k, 5)).collect());
     assert!(bent.contains("--level-mapping quadratic"), "{bent}");
 }
