@@ -98,7 +98,7 @@ pub fn worst(rows: &[Row], error: usize) -> (f64, String) {
     sorted.sort_by(|a, b| size(a).total_cmp(&size(b)));
     let (least, row) = (size(sorted[0]), sorted[rows.len() - 1]);
     let (_, good, unit, scale) = ERRORS[error];
-    let elsewhere = match least > good {
+    let elsewhere = match least > good.max(0.5 * size(row)) {
         true => format!(" (at least {:.1} {unit} off at every alpha and f0)", scale * least),
         false => String::new(),
     };

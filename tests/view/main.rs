@@ -39,8 +39,8 @@ fn png(path: &Path) -> Rgb8Image {
 /// Runs the commands that a window saved, in its folder.
 fn render_again(folder: &Path) {
     let text = std::fs::read_to_string(folder.join("render.sh")).unwrap();
-    for line in text.lines().filter(|line| !line.starts_with('#')) {
-        let words = line.strip_prefix("splitsum ").unwrap().split(' ').map(|word| word.replace('\'', ""));
+    for line in text.lines().filter_map(|line| line.strip_prefix("splitsum ")) {
+        let words = line.split(' ').map(|word| word.replace('\'', ""));
         let output = program().current_dir(folder).args(words).output().unwrap();
         assert!(output.status.success(), "{line}: {}", String::from_utf8_lossy(&output.stderr));
     }
@@ -200,7 +200,7 @@ fn every_control_moves_its_axis() {
         if is_pair && win.has(name) {
             win.drag(name, [0.5, 0.5], [1.5, 0.5], None);
         } else if win.has(name) {
-            win.click(name, [0.2, 0.5]);
+            win.click(name, [0.1, 0.5]);
             let current = format!("choice {}", before.as_str().unwrap_or_default());
             let others = win.controls().into_iter().filter(|name| name.starts_with("choice ") && *name != current);
             // Selects the topmost other entry: a long list is scrolled.
