@@ -158,7 +158,7 @@ fn chains_of_other_levels_are_named() {
     assert!(last.contains("the last 2 of 6 levels missing"), "{last}");
     let first = of((2..6).map(|k| linear(k, 6)).collect());
     assert!(first.contains("the first 2 of 6 levels missing"), "{first}");
-    // A level of noise is no reason to miss levels.
+    // A level of noise does not mean that levels are missing.
     let alphas: Vec<f64> = (0..4).map(|k| linear(k, 6)).collect();
     let truth = Truth::new(&light, Kernel::cosine(&Ggx), &alphas);
     let mut map = cube(&truth, &alphas, |direction| direction);
