@@ -22,8 +22,9 @@ const CLEAR: f64 = 4.0;
 /// Correlation below which a map belongs to another light: bakes of the light itself reach 0.95, of other lights at
 /// most 0.8.
 pub const SAME_LIGHT: f64 = 0.9;
-/// Correlation from which the axes explain the whole map; below it, alike axes by the dozen are chance.
+/// Correlation from which the axes explain the whole map.
 pub const SURE: f64 = 0.99;
+/// Number of equally good axes below [`SURE`] that chance gives: a map of another light.
 pub const ALIKE_MAX: usize = 4;
 
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -148,9 +148,10 @@ impl Judged {
         // A good level proves the light, as does one that a slip explains. With a constant light nothing correlates.
         let mut levels = self.levels.iter().chain(&self.irradiance);
         let is_wrong = levels.all(|score| score.errors.relmse > GOOD && score.slip.is_none());
-        let alike_count = fits.iter().filter(|fit| !guess::is_clear(fits[0], **fit)).count();
+        let best: Vec<String> =
+            fits.iter().filter(|fit| !guess::is_clear(fits[0], **fit)).map(|fit| fit.axes.to_string()).collect();
         let is_sure = fits[0].correlation >= guess::SURE;
-        let is_like = fits[0].correlation >= guess::SAME_LIGHT && (is_sure || alike_count < guess::ALIKE_MAX);
+        let is_like = fits[0].correlation >= guess::SAME_LIGHT && (is_sure || best.len() < guess::ALIKE_MAX);
         if is_wrong && !is_like {
             let (axes, correlation) = (fits[0].axes, fits[0].correlation);
             return Some(format!(
@@ -161,8 +162,6 @@ impl Judged {
         let is_slip = |score: &LevelScore| score.errors.relmse <= GOOD || score.slip.is_some();
         let is_explained = !is_sure && (self.levels.iter().all(is_slip) || !is_like && !is_wrong);
         let is_doubtful = fits[0].axes != used && guess::is_clear(fits[0], own) && !is_explained;
-        let best = fits.iter().filter(|fit| !guess::is_clear(fits[0], **fit)).map(|fit| fit.axes.to_string());
-        let best: Vec<String> = best.collect();
         let alike = if best.len() > 1 { ", which this map does not tell apart," } else { "" };
         let presets = PRESETS.iter().filter(|preset| preset.convention().axes == fits[0].axes);
         let presets: Vec<&str> = presets.map(|preset| preset.name).collect();

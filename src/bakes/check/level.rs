@@ -53,7 +53,7 @@ pub fn score(truth: &Truth, map: &Map, convention: &Convention) -> Result<Vec<Le
         let fit = is_wrong.then(|| fit::fit(truth, &directions, &found, alpha)).flatten();
         let level =
             |of_cut| slip::Level { truth, of_cut, directions: &directions, found: &found, exact: &exact, alpha };
-        let few = is_wrong.then(|| few_texels(truth, &directions, &found, &exact)).flatten();
+        let few = is_wrong.then(|| few_texels(truth, &directions, &found, &exact, errors.relmse)).flatten();
         let slip = few.or_else(|| is_wrong.then(|| level(&of_cut).slip()).flatten());
         // A slip must explain clearly more than width and gain do.
         let slip = slip.filter(|slip| fit.is_none_or(|fit| slip.left < 0.5 * fit.left));
@@ -74,12 +74,11 @@ pub fn score(truth: &Truth, map: &Map, convention: &Convention) -> Result<Vec<Le
 }
 
 /// Describes the texels that alone are wrong, if the rest of the level is good.
-fn few_texels(truth: &Truth, directions: &Directions, found: &[DVec3], exact: &[DVec3]) -> Option<Slip> {
+fn few_texels(truth: &Truth, directions: &Directions, found: &[DVec3], exact: &[DVec3], relmse: f64) -> Option<Slip> {
     let square = |i: usize| directions.weights[i] * relative_square(found[i], exact[i], truth.epsilon());
     let mut squares: Vec<(f64, usize)> = (0..found.len()).map(|i| (square(i), i)).collect();
     squares.sort_by(|a, b| b.0.total_cmp(&a.0));
     let own: f64 = squares.iter().map(|(square, _)| square).sum();
-    let relmse = errors(directions, found, exact, truth.epsilon(), 1.0).relmse;
     let left = |count: usize| squares[count..].iter().map(|(square, _)| square).sum::<f64>() / own;
     let count = (1..=FEW.min(squares.len())).find(|count| left(*count) * relmse <= GOOD)?;
     let [face, x, y] = directions.texel(squares[0].1);

@@ -325,7 +325,6 @@ indices! {
     ALPHA = "alpha";
     ALBEDO = "albedo";
     COAT = "coat";
-    COAT_ALPHA = "coat_alpha";
     METALLIC = "metallic";
     EXPOSURE = "exposure";
     CONTRAST = "contrast";

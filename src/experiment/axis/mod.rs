@@ -1,5 +1,5 @@
-//! Axes (sweepable parameters) and points (one value for each axis). A new axis is one entry in `list.rs` or
-//! `tables.rs`.
+//! Axes (sweepable parameters) and points (one value for each axis). A new axis is one entry in `list.rs`,
+//! `layers.rs` or `tables.rs`.
 
 mod layers;
 mod list;

@@ -273,4 +273,9 @@ fn probable_slips_are_warnings() {
     assert!(warnings(&text.replace("2897", "2896")).is_empty());
     let [warning] = &warnings(&excluding("samples = [16, 3]"))[..] else { panic!("one value of two is unknown") };
     assert!(warning.starts_with("e.toml:7:16: exclude.samples: ") && warning.contains('3'), "{warning}");
+    // An axis that reaches no pixel, and one of a coat without a coat.
+    let idle = |lines: &str| warnings(&format!("name = \"x\"\n[axes]\n{lines}\n")).join("\n");
+    assert!(idle("metallic = [1]\nf0 = [0.04, 1]").contains("f0: its 2 values give the same image: every surface"));
+    assert!(idle("coat_alpha = [0.1, 0.2]").contains("coat_alpha: its 2 values give one cell: no surface has a coat"));
+    assert!(idle("metallic = [0]\nf0 = [0.04, 1]\ncoat = [1]\ncoat_alpha = [0.1, 0.2]").is_empty());
 }

@@ -171,6 +171,14 @@ fn ids_depend_on_everything_that_determines_pixels() {
 }
 
 /// Two values of an axis have two cells each. They have two references if the axis distinguishes cases; else one reference judges both.
+/// Tables without a coat have the columns that they had before coats.
+#[test]
+fn layers_are_columns_only_where_they_are_named() {
+    let names = |text: &str| -> Vec<&str> { plan(text).columns.iter().map(|axis| AXES[*axis].name).collect() };
+    let layers = |text: &str| names(text).into_iter().filter(|name| name.starts_with("coat")).count();
+    assert_eq!([layers(SWEEP), layers(&format!("{SWEEP}coat = [1]\ncoat_alpha = [0.1]\n"))], [0, 2]);
+}
+
 #[test]
 fn the_reference_inherits_the_axes_of_cases_alone() {
     // Tables of files are tested elsewhere.
