@@ -11,7 +11,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let light = exact_quadrature(&Environment::open("builtin:studio")?.image);
     let (n, v) = (DVec3::Y, DVec3::new(0.6, 0.8, 0.0));
     let f0 = DVec3::splat(0.04);
-    let surface = Surface { model: &Ggx, masking: MaskingShadowing::Separable, alpha: 0.3, f0, n, v };
+    let surface = Surface::new(&Ggx, MaskingShadowing::Separable, 0.3, f0, [n, v]);
     let pixel = integrate(&light, &surface, TOLERANCE);
     for (term, radiance) in [("specular", pixel.specular), ("diffuse", pixel.diffuse)] {
         println!("{term}: {:.6} within {:.1e}", radiance.value, radiance.error.max_element());

@@ -49,29 +49,33 @@ vec3 sample_d_brdf(float u, vec2 cos_sin_phi, float alpha) {
 
 // Beckmann's own visible normals, as the method sampled-vndf draws them.
 struct VisibleNormals {
-    // The unit vector along v_local.xy.
+    // The unit vector along the stretched v_local.xy.
     vec2 along;
-    // Cosine and sine of the view stretched by alpha, up to a common factor.
+    // Cosine and sine of the stretched view, up to a common factor.
     float cos_theta;
     float sin_theta;
-    // No visible slope is steeper, in units of alpha.
+    // No visible slope is steeper, in units of the width.
     float end;
     // All that is visible.
     float area;
     float erf_end;
     float exponent;
-    float alpha;
+    vec2 width;
 };
 
-VisibleNormals visible_normals_brdf(vec3 v_local, float alpha) {
+VisibleNormals visible_normals_brdf(vec3 v_local, vec2 width) {
     float across = length(v_local.xy);
     vec2 along = across > TILT_MIN ? v_local.xy / across : vec2(1.0, 0.0);
-    float sin_theta = alpha * across;
+    float sin_theta = width.y * across;
+    if (ANISOTROPY != ANISOTROPY_NONE) {
+        along = normalize(width * along);
+        sin_theta = length(width * v_local.xy);
+    }
     float end = v_local.z < SLOPE_END * sin_theta ? v_local.z / sin_theta : SLOPE_END;
     float theta = atan2_precise(sin_theta, v_local.z);
     float exponent = 1.0 + theta * (-0.876 + theta * (0.4265 - 0.0594 * theta));
     float area = visible_area(v_local.z, sin_theta);
-    return VisibleNormals(along, v_local.z, sin_theta, end, area, 1.0 - erfc_precise(end), exponent, alpha);
+    return VisibleNormals(along, v_local.z, sin_theta, end, area, 1.0 - erfc_precise(end), exponent, width);
 }
 
 // Slopes along and across v: the first has density (cos - t sin) exp(-t^2) up to `end`, the other is Gaussian
@@ -93,7 +97,7 @@ VisibleSample sample_visible_normal(VisibleNormals normals, vec4 point) {
     // Infinite at 2/3 of a turn, which no net of points contains; most contain 0.
     float turns = fract(atan2_precise(point.z, point.y) * (0.5 / PI) + 1.0 / 3.0);
     float y = erf_inverse(2.0 * turns - 1.0, max(4.0 * turns * (1.0 - turns), 1e-13));
-    vec2 slope = normals.alpha * (t * normals.along + y * vec2(-normals.along.y, normals.along.x));
+    vec2 slope = normals.width * (t * normals.along + y * vec2(-normals.along.y, normals.along.x));
     vec3 h_local = normalize(vec3(-slope, 1.0));
-    return VisibleSample(h_local, 0.25 * d_brdf(h_local, normals.alpha) / normals.area, normals.area / normals.cos_theta);
+    return VisibleSample(h_local, 0.25 * d_brdf(h_local, normals.width) / normals.area, normals.area / normals.cos_theta);
 }

@@ -53,7 +53,7 @@ vec3 sample_d_brdf(float u, vec2 cos_sin_phi, float alpha) {
 }
 
 VisibleSample sample_visible_normal(VisibleNormals normals, vec4 point) {
-    vec3 h_local = sample_bounded_ggx(normals.cap, point, normals.alpha);
-    float d = d_ggx(h_local, normals.alpha);
-    return VisibleSample(h_local, d * normals.cap.pdf_over_d, normals.d_over_pdf * d_brdf(h_local, normals.alpha) / d);
+    vec3 h_local = sample_bounded_ggx(normals.cap, point, normals.width);
+    float d = d_ggx(h_local, normals.width);
+    return VisibleSample(h_local, d * normals.cap.pdf_over_d, normals.d_over_pdf * d_brdf(h_local, normals.width) / d);
 }

@@ -29,8 +29,13 @@ void main() {
 
     vec3 hit_world = world_from_camera(camera, hit);
     uint material_index = sphere.material.x;
-    GbufferTexels texels =
-        gbuffer_texels(sphere.center_radius.xyz + hit_world, normalize(hit_world), materials[material_index], material_index);
+    MaterialData material = materials[material_index];
+    vec3 n = normalize(hit_world);
+    if (material.tangent.w != 0.0) {
+        n = material.tangent.x * east(n) + material.tangent.y * cross(n, east(n));
+        material.f0_alpha.a = material.tangent.z;
+    }
+    GbufferTexels texels = gbuffer_texels(sphere.center_radius.xyz + hit_world, n, material, material_index);
     position_mask = texels.position_mask;
     normal_alpha = texels.normal_alpha;
     albedo_metallic = texels.albedo_metallic;

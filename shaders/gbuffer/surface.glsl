@@ -1,6 +1,12 @@
 // The four texels of the g-buffer, laid out as in src/gbuffer/mod.rs.
 #include "generated/layout.glsl"
 
+// The east of spheres, as math::frame::east.
+vec3 east(vec3 n) {
+    float across = length(n.xz);
+    return across > 0.0 ? vec3(n.z, 0.0, -n.x) / across : vec3(1.0, 0.0, 0.0);
+}
+
 struct GbufferTexels {
     vec4 position_mask;
     vec4 normal_alpha;

@@ -11,12 +11,13 @@ struct BoundedCap {
 };
 
 // It ends at z = -k v_standard.z; the density is D / (2 (k n_dot_v + length of stretched v)). [EtoTokuyoshi23 eq. 5, 8]
-BoundedCap bounded_cap(vec3 v_local, float alpha) {
-    vec3 stretched = vec3(alpha * v_local.xy, v_local.z);
+BoundedCap bounded_cap(vec3 v_local, vec2 width) {
+    vec3 stretched = vec3(width * v_local.xy, v_local.z);
     float length_v = length(stretched);
     vec3 v_standard = stretched / length_v;
     float s = 1.0 + length(v_local.xy);
-    float alpha2 = alpha * alpha;
+    float narrow = min(width.x, width.y);
+    float alpha2 = narrow * narrow;
     float z2 = v_local.z * v_local.z;
     float inv = 1.0 / (s * s + alpha2 * z2);
     float k = (1.0 - alpha2) * s * s * inv;
@@ -26,20 +27,20 @@ BoundedCap bounded_cap(vec3 v_local, float alpha) {
 }
 
 // Half vector of sample_visible_brdf from that cap. [EtoTokuyoshi23 listing 1]
-vec3 sample_bounded_ggx(BoundedCap cap, vec4 point, float alpha) {
+vec3 sample_bounded_ggx(BoundedCap cap, vec4 point, vec2 width) {
     float depth = point.x * cap.height;
     vec2 across = sqrt(max(depth * (2.0 - depth), 0.0)) * point.yz + cap.v_standard.xy;
-    return normalize(vec3(alpha * across, (1.0 - point.x) * cap.height + cap.above));
+    return normalize(vec3(width * across, (1.0 - point.x) * cap.height + cap.above));
 }
 
 // The normals visible from v; a model that includes this file weighs the samples.
 struct VisibleNormals {
     BoundedCap cap;
-    float alpha;
+    vec2 width;
     float d_over_pdf;
 };
 
-VisibleNormals visible_normals_brdf(vec3 v_local, float alpha) {
-    BoundedCap cap = bounded_cap(v_local, alpha);
-    return VisibleNormals(cap, alpha, 0.25 / (v_local.z * cap.pdf_over_d));
+VisibleNormals visible_normals_brdf(vec3 v_local, vec2 width) {
+    BoundedCap cap = bounded_cap(v_local, width);
+    return VisibleNormals(cap, width, 0.25 / (v_local.z * cap.pdf_over_d));
 }

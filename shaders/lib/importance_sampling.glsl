@@ -15,17 +15,17 @@ vec3 sampled_radiance(vec3 l, float omega_s);
 
 // The contribution of the point_count points of this dispatch, of sample_count in all, to the specular radiance.
 vec3 importance_sampled_radiance(Surface s, uint sample_count, uint point_count) {
-    mat3 frame = frame_from_normal(s.n);
+    mat3 frame = frame_of_surface(s);
     vec3 v_local = s.v * frame;
-    float g1_v = g1(s.n_dot_v, s.alpha, MASKING);
+    float g1_v = g1(vec3(v_local.xy, s.n_dot_v), s.width, MASKING);
 
     vec3 sum = vec3(0.0);
     for (uint i = 0u; i < point_count; ++i) {
-        LobeSample lobe = sample_lobe_brdf(sample_point(i), s.alpha);
+        LobeSample lobe = sample_lobe_brdf(sample_point(i), s.width);
         float v_dot_h = dot(v_local, lobe.h_local);
         vec3 l_local = 2.0 * v_dot_h * lobe.h_local - v_local;
         vec3 li = sampled_radiance(frame * l_local, 4.0 * v_dot_h / (float(sample_count) * lobe.pdf_h));
-        float g = g2_from_g1(g1_v, g1(l_local.z, s.alpha, MASKING), MASKING);
+        float g = g2_from_g1(g1_v, g1(l_local, s.width, MASKING), MASKING);
         float weight = g * v_dot_h / lobe.h_local.z;
         // A select, not a branch: neighbours would wait for the lookup anyway.
         sum += li * f_schlick(v_dot_h, s.f0) * (l_local.z > 0.0 && v_dot_h > 0.0 ? weight : 0.0);

@@ -1,5 +1,6 @@
-// Shared by the shading passes: the g-buffer in bindings 0 to 3 of set 0 (position.xyz, mask; normal.xyz, alpha;
-// albedo.rgb, metallic; f0.rgb, material index), the parameters, and the pixel of an invocation.
+// Shared by the shading passes: the g-buffer in bindings 0 to 4 of set 0 (position.xyz, mask; normal.xyz, alpha;
+// albedo.rgb, metallic; f0.rgb, material index; tangent.xyz, strength of the anisotropy), the parameters, and the pixel
+// of an invocation.
 
 #include "lib/image_groups.glsl"
 #include "lib/surface.glsl"
@@ -12,6 +13,7 @@ layout(set = 0, binding = 0) uniform sampler2D gbuffer_position;
 layout(set = 0, binding = 1) uniform sampler2D gbuffer_normal;
 layout(set = 0, binding = 2) uniform sampler2D gbuffer_albedo;
 layout(set = 0, binding = 3) uniform sampler2D gbuffer_f0;
+layout(set = 0, binding = 4) uniform sampler2D gbuffer_tangent;
 
 // The pixel of this invocation. False outside of the image.
 bool shaded_pixel(out uvec2 pixel) {
@@ -22,8 +24,14 @@ bool shaded_pixel(out uvec2 pixel) {
 // The surface of a pixel in world axes. False if nothing is hit; `s` is then not set.
 bool surface_of_pixel(uvec2 pixel, out Surface s) {
     ivec2 texel = ivec2(pixel);
-    return surface_from_gbuffer(texelFetch(gbuffer_position, texel, 0), texelFetch(gbuffer_normal, texel, 0),
-                                texelFetch(gbuffer_albedo, texel, 0), texelFetch(gbuffer_f0, texel, 0), params.eye, s);
+    if (!surface_from_gbuffer(texelFetch(gbuffer_position, texel, 0), texelFetch(gbuffer_normal, texel, 0),
+                              texelFetch(gbuffer_albedo, texel, 0), texelFetch(gbuffer_f0, texel, 0), params.eye, s)) {
+        return false;
+    }
+    if (ANISOTROPY != ANISOTROPY_NONE) {
+        s = surface_with_tangent(s, texelFetch(gbuffer_tangent, texel, 0));
+    }
+    return true;
 }
 
 // The place of a pixel in buffers, row-major.

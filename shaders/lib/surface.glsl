@@ -2,6 +2,8 @@
 
 #include "generated/constants.glsl"
 #include "generated/layout.glsl"
+#include "lib/frame.glsl"
+#include "lib/widths.glsl"
 
 struct Surface {
     // Unit vectors away from the surface.
@@ -9,8 +11,12 @@ struct Surface {
     vec3 v;
     vec3 albedo;
     vec3 f0;
-    // Microfacet width in [ALPHA_MIN, 1]; the floor means a mirror.
+    // Microfacet width in [ALPHA_MIN, 1]; the floor means a mirror. Of two widths, the mean for lookups that know one.
     float alpha;
+    // Widths along t and across it; both alpha if lobes have one width.
+    vec2 width;
+    // Unit tangent, orthogonal to n; set if lobes have two widths.
+    vec3 t;
     float metallic;
     // Cosine between n and v, at least COSINE_MIN.
     float n_dot_v;
@@ -27,9 +33,23 @@ bool surface_from_gbuffer(vec4 position, vec4 normal, vec4 albedo, vec4 f0, vec4
     s.albedo = albedo.rgb;
     s.f0 = f0.rgb;
     s.alpha = max(normal.w, ALPHA_MIN);
+    s.width = vec2(s.alpha);
     s.metallic = albedo.w;
     s.n_dot_v = max(dot(s.n, s.v), COSINE_MIN);
     return true;
+}
+
+// The surface with two widths: `tangent` is that texel of the g-buffer, with the strength in w.
+Surface surface_with_tangent(Surface s, vec4 tangent) {
+    s.t = normalize(tangent.xyz - dot(tangent.xyz, s.n) * s.n);
+    s.width = widths_from_strength(s.alpha, tangent.w);
+    s.alpha = mean_width(s.width);
+    return s;
+}
+
+// The frame of the lobe: columns tangent, bitangent, n.
+mat3 frame_of_surface(Surface s) {
+    return ANISOTROPY == ANISOTROPY_NONE ? frame_from_normal(s.n) : mat3(s.t, cross(s.n, s.t), s.n);
 }
 
 // A world direction in the environment's frame.
@@ -42,5 +62,8 @@ vec3 environment_from_world(vec3 d, ShadeParams params) {
 Surface surface_in_environment(Surface s, ShadeParams params) {
     s.n = environment_from_world(s.n, params);
     s.v = environment_from_world(s.v, params);
+    if (ANISOTROPY != ANISOTROPY_NONE) {
+        s.t = environment_from_world(s.t, params);
+    }
     return s;
 }

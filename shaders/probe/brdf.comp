@@ -24,16 +24,16 @@ void main() {
     float g1_v = g1(v_local.z, alpha, MASKING);
     float g1_l = g1(n_dot_l, alpha, MASKING);
     LobeSample lobe = sample_lobe_brdf(sample_point_from_xi(xi.xy), alpha);
-    vec3 visible = sample_visible_brdf(xi.xy, v_local, alpha);
-    VisibleSample own = sample_visible_normal(visible_normals_brdf(v_local, alpha), sample_point_from_xi(xi.xy));
+    vec3 visible = sample_visible_brdf(xi.xy, v_local, vec2(alpha));
+    VisibleSample own = sample_visible_normal(visible_normals_brdf(v_local, vec2(alpha)), sample_point_from_xi(xi.xy));
     uint first = item * 8u;
     outputs[first] = vec4(d_brdf(h_local, alpha), g1_v, g1_l, g2(v_local.z, n_dot_l, alpha, MASKING));
     outputs[first + 1u] = vec4(sample_d_brdf(xi.x, xi.zw, alpha), 0.0);
     outputs[first + 2u] = vec4(lobe.h_local, lobe.pdf_h);
     outputs[first + 3u] = vec4(visible, 0.0);
     outputs[first + 4u] =
-        vec4(pdf_visible_l_brdf(v_local, h_local, alpha), pdf_visible_l_brdf(v_local, visible, alpha), own.pdf_l, own.d_over_pdf);
+        vec4(pdf_visible_l_brdf(v_local, h_local, vec2(alpha)), pdf_visible_l_brdf(v_local, visible, vec2(alpha)), own.pdf_l, own.d_over_pdf);
     outputs[first + 5u] = vec4(f_schlick(dot(v_local, h_local), f0), 0.0);
-    outputs[first + 6u] = vec4(eval_brdf(v_local, l_local, h_local, alpha, f0, MASKING), 0.0);
+    outputs[first + 6u] = vec4(eval_brdf(v_local, l_local, h_local, vec2(alpha), f0, MASKING), 0.0);
     outputs[first + 7u] = vec4(own.h_local, 0.0);
 }

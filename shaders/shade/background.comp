@@ -1,7 +1,7 @@
 // One invocation sets the radiance of one pixel with mask 0 to the environment behind it; pixels with mask 1 are left
 // alone.
-// Set 0: 0 position.xyz, mask; 1 normal.xyz, alpha; 2 albedo.rgb, metallic; 3 f0.rgb, material index; 4 environment
-// (level 0 is read); 5 radiance, a vec4 a pixel, row-major.
+// Set 0: 0 position.xyz, mask; 1 normal.xyz, alpha; 2 albedo.rgb, metallic; 3 f0.rgb, material index; 5 environment
+// (level 0 is read); 6 radiance, a vec4 a pixel, row-major.
 
 #include "lib/image_groups.glsl"
 #include "lib/camera.glsl"
@@ -12,8 +12,8 @@ layout(push_constant) uniform Push {
 };
 
 layout(set = 0, binding = 0) uniform sampler2D gbuffer_position;
-layout(set = 0, binding = 4) uniform sampler2D environment;
-layout(std430, set = 0, binding = 5) buffer Radiance {
+layout(set = 0, binding = 5) uniform sampler2D environment;
+layout(std430, set = 0, binding = 6) buffer Radiance {
     vec4 radiance[];
 };
 

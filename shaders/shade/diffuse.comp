@@ -1,5 +1,5 @@
 // One invocation adds the diffuse image-based radiance of one pixel; pixels with mask 0 are left alone.
-// Set 0 after lib/shaded_pixel.glsl: 4 map of irradiance over pi; 5 DFG table; 6 SH9_COUNT radiance coefficients; 7
+// Set 0 after lib/shaded_pixel.glsl: 5 map of irradiance over pi; 6 DFG table; 7 SH9_COUNT radiance coefficients; 8
 // radiance, a vec4 a pixel.
 
 #include "lib/diffuse.glsl"
@@ -7,12 +7,12 @@
 #include "selected/map_layout.glsl"
 #include "selected/diffuse.glsl"
 
-layout(set = 0, binding = 4) uniform FILTERED_MAP irradiance_map;
-layout(set = 0, binding = 5) uniform sampler2D dfg;
-layout(std430, set = 0, binding = 6) readonly buffer Coefficients {
+layout(set = 0, binding = 5) uniform FILTERED_MAP irradiance_map;
+layout(set = 0, binding = 6) uniform sampler2D dfg;
+layout(std430, set = 0, binding = 7) readonly buffer Coefficients {
     vec4 coefficients[SH9_COUNT];
 };
-layout(std430, set = 0, binding = 7) buffer Radiance {
+layout(std430, set = 0, binding = 8) buffer Radiance {
     vec4 radiance[];
 };
 

@@ -1,6 +1,6 @@
 // One invocation adds the radiance of every analytic light at one pixel, specular and diffuse; pixels with mask 0 are
 // left alone.
-// Set 0 after lib/shaded_pixel.glsl: 4 DFG table; 5 lights; 6 radiance, a vec4 a pixel.
+// Set 0 after lib/shaded_pixel.glsl: 5 DFG table; 6 lights; 7 radiance, a vec4 a pixel.
 
 #include "lib/diffuse.glsl"
 #include "lib/frame.glsl"
@@ -9,11 +9,11 @@
 #include "lib/microfacet.glsl"
 #include "lib/shaded_pixel.glsl"
 
-layout(set = 0, binding = 4) uniform sampler2D dfg;
-layout(std430, set = 0, binding = 5) readonly buffer Lights {
+layout(set = 0, binding = 5) uniform sampler2D dfg;
+layout(std430, set = 0, binding = 6) readonly buffer Lights {
     LightData lights[];
 };
-layout(std430, set = 0, binding = 6) buffer Radiance {
+layout(std430, set = 0, binding = 7) buffer Radiance {
     vec4 radiance[];
 };
 
@@ -24,7 +24,7 @@ void main() {
         return;
     }
     vec3 position = texelFetch(gbuffer_position, ivec2(pixel), 0).xyz;
-    mat3 frame = frame_from_normal(s.n);
+    mat3 frame = frame_of_surface(s);
     vec3 v_local = s.v * frame;
     vec3 diffuse = diffuse_albedo(s, dfg, params.flags) / PI;
     vec3 factor = vec3(1.0);
@@ -40,7 +40,7 @@ void main() {
         if (l_local.z > 0.0) {
             vec3 f = diffuse;
             if (has_specular) {
-                f += factor * eval_brdf(v_local, l_local, normalize(v_local + l_local), s.alpha, s.f0, MASKING);
+                f += factor * eval_brdf(v_local, l_local, normalize(v_local + l_local), s.width, s.f0, MASKING);
             }
             sum += f * l_local.z * light.irradiance;
         }

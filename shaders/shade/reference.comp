@@ -11,30 +11,30 @@
 // shade/reference_resolve.comp makes mean and variance of them. A sum is kept with its low part, so that a net drawn in
 // parts has the bits of one drawn at once.
 //
-// Set 0 after lib/shaded_pixel.glsl: 4 environment (level 0 in f32); 5 tables of the environment
-// (lib/environment_sampling.glsl); 6 m X_k of each pixel and scramble, high part (rgb) and low part (rgb), which the
-// dispatch from pair 0 on overwrites; 7 as 4, through a bilinear sampler; 8 mean direction and mass of each slot of 5;
-// 9 DFG table.
+// Set 0 after lib/shaded_pixel.glsl: 5 environment (level 0 in f32); 6 tables of the environment
+// (lib/environment_sampling.glsl); 7 m X_k of each pixel and scramble, high part (rgb) and low part (rgb), which the
+// dispatch from pair 0 on overwrites; 8 as 5, through a bilinear sampler; 9 mean direction and mass of each slot of 6;
+// 10 DFG table.
 
 #include "lib/compensated_sum.glsl"
 #include "lib/environment_sampling.glsl"
 #include "lib/shaded_pixel.glsl"
 #include "lib/sobol.glsl"
 
-layout(set = 0, binding = 4) uniform sampler2D environment;
-layout(set = 0, binding = 7) uniform sampler2D environment_linear;
-layout(std430, set = 0, binding = 5) readonly buffer EnvironmentWords {
+layout(set = 0, binding = 5) uniform sampler2D environment;
+layout(set = 0, binding = 8) uniform sampler2D environment_linear;
+layout(std430, set = 0, binding = 6) readonly buffer EnvironmentWords {
     uint environment_words[];
 };
-layout(std430, set = 0, binding = 6) buffer Sums {
+layout(std430, set = 0, binding = 7) buffer Sums {
     vec4 sums[];
 };
 
-layout(std140, set = 0, binding = 8) uniform Slots {
+layout(std140, set = 0, binding = 9) uniform Slots {
     vec4 slots[CELL_COLUMNS * CELL_ROWS];
 };
 
-layout(set = 0, binding = 9) uniform sampler2D dfg;
+layout(set = 0, binding = 10) uniform sampler2D dfg;
 
 #include "selected/lobe.glsl"
 

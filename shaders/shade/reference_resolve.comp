@@ -11,20 +11,20 @@
 //
 // Each sum's high part becomes w X_k, for callers that read the scrambles.
 //
-// Set 0 after lib/shaded_pixel.glsl: 4 DFG table; 5 the sums; 6 radiance; 7 squared standard error; 6 and 7 a vec4 a
+// Set 0 after lib/shaded_pixel.glsl: 5 DFG table; 6 the sums; 7 radiance; 8 squared standard error; 7 and 8 a vec4 a
 // pixel.
 
 #include "lib/compensation.glsl"
 #include "lib/shaded_pixel.glsl"
 
-layout(set = 0, binding = 4) uniform sampler2D dfg;
-layout(std430, set = 0, binding = 5) buffer Sums {
+layout(set = 0, binding = 5) uniform sampler2D dfg;
+layout(std430, set = 0, binding = 6) buffer Sums {
     vec4 sums[];
 };
-layout(std430, set = 0, binding = 6) buffer Radiance {
+layout(std430, set = 0, binding = 7) buffer Radiance {
     vec4 radiance[];
 };
-layout(std430, set = 0, binding = 7) buffer SquaredErrors {
+layout(std430, set = 0, binding = 8) buffer SquaredErrors {
     vec4 squared_errors[];
 };
 

@@ -1,7 +1,7 @@
 // One invocation adds the specular image-based radiance of one pixel, or the part of this dispatch's points; pixels
 // with mask 0 are left alone.
-// Set 0 after lib/shaded_pixel.glsl: 4 environment with its mips; 5 its filtered levels; 6 prefiltered map with its
-// levels; 7 DFG table; 8 table of taps; 9 sample points of this dispatch (lib/sampling.glsl); 10 radiance, a vec4 a
+// Set 0 after lib/shaded_pixel.glsl: 5 environment with its mips; 6 its filtered levels; 7 prefiltered map with its
+// levels; 8 DFG table; 9 table of taps; 10 sample points of this dispatch (lib/sampling.glsl); 11 radiance, a vec4 a
 // pixel.
 
 #include "lib/compensation.glsl"
@@ -10,18 +10,18 @@
 #include "lib/sobol.glsl"
 #include "selected/map_layout.glsl"
 
-layout(set = 0, binding = 4) uniform sampler2D environment;
-layout(set = 0, binding = 5) uniform FILTERED_MAP filtered_environment;
-layout(set = 0, binding = 6) uniform FILTERED_MAP prefiltered;
-layout(set = 0, binding = 7) uniform sampler2D dfg;
+layout(set = 0, binding = 5) uniform sampler2D environment;
+layout(set = 0, binding = 6) uniform FILTERED_MAP filtered_environment;
+layout(set = 0, binding = 7) uniform FILTERED_MAP prefiltered;
+layout(set = 0, binding = 8) uniform sampler2D dfg;
 // A method reads one of these at most.
-layout(set = 0, binding = 8) uniform sampler2D one_tap;
-layout(set = 0, binding = 8) uniform sampler2D two_taps;
-layout(set = 0, binding = 8) uniform sampler2D four_taps;
-layout(std140, set = 0, binding = 9) uniform Points {
+layout(set = 0, binding = 9) uniform sampler2D one_tap;
+layout(set = 0, binding = 9) uniform sampler2D two_taps;
+layout(set = 0, binding = 9) uniform sampler2D four_taps;
+layout(std140, set = 0, binding = 10) uniform Points {
     vec4 points[POINTS_PER_DISPATCH];
 };
-layout(std430, set = 0, binding = 10) buffer Radiance {
+layout(std430, set = 0, binding = 11) buffer Radiance {
     vec4 radiance[];
 };
 

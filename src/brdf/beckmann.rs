@@ -11,7 +11,7 @@
 //! exact sampler left 0.48 to 0.89 of the variance at 1.2 to 1.6 times the cost. The variance falls with the power 1.5
 //! of the count, so both take the same time to an error, mostly within 20 %; the closed form is kept.
 
-use super::{Brdf, SHORT_TAILED, g1_rational, sin2_cos2};
+use super::{Brdf, SHORT_TAILED, Widths, g1_rational, sin2_cos2};
 use crate::glsl::constants::TILT_MIN;
 use crate::math::erf::erf_inverse;
 use crate::math::sampling::direction_from_polar;
@@ -32,9 +32,9 @@ fn visible_area_up_to(slope: f64, sin_theta: f64, cos_theta: f64) -> f64 {
     0.5 * (cos_theta * erfc(-slope) + sin_theta * (-slope * slope).exp() / PI.sqrt())
 }
 
-/// Returns the area of the microfacets visible at a polar angle, per area of surface: `cos θ / G1`, G1 exact.
-fn projected_area(sin_theta: f64, cos_theta: f64, alpha: f64) -> f64 {
-    let stretched = alpha * sin_theta;
+/// Returns the area of the microfacets that a view sees, per area of surface: `cos θ / G1`, G1 exact; `stretched` is the
+/// width times the sine.
+fn projected_area(stretched: f64, cos_theta: f64) -> f64 {
     // At the normal the last visible slope is infinite, and erfc(-∞) = 2, exp(-∞) = 0.
     visible_area_up_to(cos_theta / stretched, stretched, cos_theta)
 }
@@ -76,16 +76,16 @@ impl Brdf for Beckmann {
             return 0.0;
         }
         let sin_theta = ((1.0 - n_dot_w) * (1.0 + n_dot_w)).max(0.0).sqrt();
-        n_dot_w / projected_area(sin_theta, n_dot_w, alpha)
+        n_dot_w / projected_area(alpha * sin_theta, n_dot_w)
     }
 
     /// Samples the model's own visible normals. Of the slopes along and across `v`, in units of alpha, the first has
     /// density `(cos θ - t sin θ) exp(-t²)/√π` up to `cot θ`, the other is Gaussian \[HeitzDeon14\]. Halley's method
     /// inverts the first, starting from the fit of \[Jakob14\].
-    fn sample_vndf(&self, xi: DVec2, v_local: DVec3, alpha: f64) -> DVec3 {
+    fn sample_vndf(&self, xi: DVec2, v_local: DVec3, widths: Widths) -> DVec3 {
         const STEPS: u32 = 6;
-        let across = v_local.x.hypot(v_local.y);
-        let (sin, cos) = (alpha * across, v_local.z);
+        let across = widths.stretched(v_local).truncate();
+        let (sin, cos) = (across.length(), v_local.z);
         let end = (cos / sin).min(SLOPE_MAX);
         let area = visible_area_up_to(end, sin, cos);
         let theta = sin.atan2(cos);
@@ -104,16 +104,16 @@ impl Brdf for Beckmann {
         // Infinite at 2/3, which no net of points contains; most contain 0.
         let turn = (xi.y + 1.0 / 3.0).fract();
         let y = erf_inverse(2.0 * turn - 1.0, (4.0 * turn * (1.0 - turn)).max(1e-13));
-        let along = if across > f64::from(TILT_MIN) { DVec2::new(v_local.x, v_local.y) / across } else { DVec2::X };
-        let slope = alpha * (t * along + y * along.perp());
+        let along = if v_local.truncate().length() > f64::from(TILT_MIN) { across / sin } else { DVec2::X };
+        let slope = widths.0 * (t * along + y * along.perp());
         DVec3::new(-slope.x, -slope.y, 1.0).normalize()
     }
 
     /// Computes `G1(v) D / (4 n_dot_v)` with the exact G1.
-    fn pdf_vndf_l(&self, v_local: DVec3, h_local: DVec3, alpha: f64) -> f64 {
+    fn pdf_vndf_l(&self, v_local: DVec3, h_local: DVec3, widths: Widths) -> f64 {
         let visible = v_local.dot(h_local) > 0.0;
-        let area = projected_area(v_local.x.hypot(v_local.y), v_local.z, alpha);
-        if visible { self.d(h_local, alpha) / (4.0 * area) } else { 0.0 }
+        let area = projected_area(widths.stretched(v_local).truncate().length(), v_local.z);
+        if visible { widths.d(self, h_local) / (4.0 * area) } else { 0.0 }
     }
 
     /// Samples `tan² θ = -alpha² ln(1 - u)` [Walter07, eq. 28].

@@ -1,7 +1,7 @@
 //! GGX (Trowbridge-Reitz): `D = alpha² / (π (alpha² cos² θ_h + sin² θ_h)²)` [Walter07, eq. 33],
 //! `G1 = 2 / (1 + √(1 + alpha² tan² θ))` [Walter07, eq. 34].
 
-use super::{Brdf, sin2_cos2};
+use super::{Brdf, Widths, sin2_cos2};
 use crate::math::sampling::direction_from_polar;
 use glam::{DVec2, DVec3};
 use std::f64::consts::PI;
@@ -11,9 +11,8 @@ use std::f64::consts::PI;
 pub struct Ggx;
 
 /// Returns the visible microfacet area along `v`, per area of surface: `n_dot_v / G1(v)`, regular at `n_dot_v = 0`.
-fn projected_area(v_local: DVec3, alpha: f64) -> f64 {
-    let (sin2, cos2) = sin2_cos2(v_local);
-    0.5 * (v_local.z + (cos2 + alpha * alpha * sin2).sqrt())
+fn projected_area(v_local: DVec3, widths: Widths) -> f64 {
+    0.5 * (v_local.z + widths.stretched(v_local).length())
 }
 
 impl Brdf for Ggx {
@@ -62,12 +61,12 @@ impl Brdf for Ggx {
 
 /// Samples visible normals by spherical caps: the normals of the visible half sphere are the half vectors of the cap
 /// that `v` reflects into \[Dupuy23\]. `xi.x = 0` is the cap's centre.
-pub(super) fn sample_visible(xi: DVec2, v_local: DVec3, alpha: f64) -> DVec3 {
-    let v_hemisphere = DVec3::new(alpha * v_local.x, alpha * v_local.y, v_local.z).normalize();
+pub(super) fn sample_visible(xi: DVec2, v_local: DVec3, widths: Widths) -> DVec3 {
+    let v_hemisphere = widths.stretched(v_local).normalize();
     let z = (1.0 - xi.x) * (1.0 + v_hemisphere.z) - v_hemisphere.z;
     let cap = direction_from_polar((1.0 - z * z).max(0.0).sqrt(), z, xi.y);
     let h = cap + v_hemisphere;
-    DVec3::new(alpha * h.x, alpha * h.y, h.z.max(0.0)).normalize()
+    widths.stretched(h.truncate().extend(h.z.max(0.0))).normalize()
 }
 
 /// The cap of the stretched sphere with all directions that leave above the horizon \[EtoTokuyoshi23\].
@@ -82,9 +81,9 @@ struct BoundedCap {
 }
 
 impl BoundedCap {
-    fn new(v_local: DVec3, alpha: f64) -> Self {
-        let stretched = DVec3::new(alpha * v_local.x, alpha * v_local.y, v_local.z);
-        let (length, alpha2) = (stretched.length(), alpha * alpha);
+    fn new(v_local: DVec3, widths: Widths) -> Self {
+        let stretched = widths.stretched(v_local);
+        let (length, alpha2) = (stretched.length(), widths.0.min_element().powi(2));
         let s2 = (1.0 + v_local.x.hypot(v_local.y)).powi(2);
         let denominator = s2 + alpha2 * v_local.z * v_local.z;
         let (k, rest) = ((1.0 - alpha2) * s2 / denominator, alpha2 * (s2 + v_local.z * v_local.z) / denominator);
@@ -97,31 +96,31 @@ impl BoundedCap {
 }
 
 /// As [`sample_visible`], from the smaller cap of [EtoTokuyoshi23, listing 1]: fewer samples leave below the horizon.
-pub(super) fn sample_bounded(xi: DVec2, v_local: DVec3, alpha: f64) -> DVec3 {
-    let cap = BoundedCap::new(v_local, alpha);
+pub(super) fn sample_bounded(xi: DVec2, v_local: DVec3, widths: Widths) -> DVec3 {
+    let cap = BoundedCap::new(v_local, widths);
     let depth = xi.x * cap.height();
     let radius = (depth * (2.0 - depth)).max(0.0).sqrt();
     let point = direction_from_polar(radius, 0.0, xi.y);
     let across = point + cap.v_standard;
     let z = (1.0 - xi.x) * cap.height() + cap.rest * cap.v_standard.z;
-    DVec3::new(alpha * across.x, alpha * across.y, z).normalize()
+    widths.stretched(across.truncate().extend(z)).normalize()
 }
 
 /// Computes `D / (2 (k n_dot_v + t))`, t the length of the stretched `v` [EtoTokuyoshi23, eq. 8]; 0 outside the cap.
-pub(super) fn pdf_bounded_l(v_local: DVec3, h_local: DVec3, alpha: f64) -> f64 {
-    let cap = BoundedCap::new(v_local, alpha);
-    let h = DVec3::new(h_local.x, h_local.y, alpha * h_local.z).normalize();
+pub(super) fn pdf_bounded_l(v_local: DVec3, h_local: DVec3, widths: Widths) -> f64 {
+    let cap = BoundedCap::new(v_local, widths);
+    let h = (h_local.truncate() / widths.0).extend(h_local.z).normalize();
     let v_dot_h = cap.v_standard.dot(h);
     if v_dot_h <= 0.0 || 2.0 * v_dot_h * h.z - cap.v_standard.z < -cap.k * cap.v_standard.z {
         return 0.0;
     }
-    Ggx.d(h_local, alpha) / (2.0 * (cap.k * v_local.z + cap.length))
+    widths.d(&Ggx, h_local) / (2.0 * (cap.k * v_local.z + cap.length))
 }
 
 /// Computes `G1(v) D / (4 n_dot_v)`.
-pub(super) fn pdf_visible_l(v_local: DVec3, h_local: DVec3, alpha: f64) -> f64 {
+pub(super) fn pdf_visible_l(v_local: DVec3, h_local: DVec3, widths: Widths) -> f64 {
     if v_local.dot(h_local) <= 0.0 {
         return 0.0;
     }
-    Ggx.d(h_local, alpha) / (4.0 * projected_area(v_local, alpha))
+    widths.d(&Ggx, h_local) / (4.0 * projected_area(v_local, widths))
 }

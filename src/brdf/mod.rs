@@ -12,22 +12,29 @@ use crate::spelling::{Listed, listed};
 use glam::{DVec2, DVec3};
 use std::f64::consts::E;
 
+mod anisotropy;
 mod beckmann;
 mod compensation;
 mod ggx;
 mod phong;
 
+pub use anisotropy::{Stretch, WidthLaw, Widths};
 pub use beckmann::Beckmann;
 pub use compensation::Compensation;
 pub use ggx::Ggx;
 pub use phong::{Phong, exponent_from_alpha};
 
 /// A microfacet distribution with its Smith masking. `alpha` is in (0, 1] and precise down to 0.001.
+/// The samplers take two widths; a distribution that knows one gets it twice.
 pub trait Brdf: Sync + std::fmt::Debug {
     /// Name in configs, tables and shader files.
     fn name(&self) -> &'static str;
     /// One sentence for `splitsum list`.
     fn about(&self) -> &'static str;
+    /// Whether stretched slopes are the slopes of other widths ([`Widths`]).
+    fn is_stretchable(&self) -> bool {
+        true
+    }
     /// Normal distribution D(h), 1/sr, of a unit vector; 0 below the horizon. `∫ D n_dot_h = 1`.
     fn d(&self, h_local: DVec3, alpha: f64) -> f64;
     /// Smith masking G1, in [0, 1], of a direction with cosine `n_dot_w` to the normal; 0 below the horizon.
@@ -42,12 +49,12 @@ pub trait Brdf: Sync + std::fmt::Debug {
     /// Samples a half vector among the normals visible from `v_local`, for the method `sampled-vndf`;
     /// [`Brdf::pdf_vndf_l`] is its density over `l`. The default draws normals of GGX within the cap that reflects
     /// above the horizon \[EtoTokuyoshi23\].
-    fn sample_vndf(&self, xi: DVec2, v_local: DVec3, alpha: f64) -> DVec3 {
-        ggx::sample_bounded(xi, v_local, alpha)
+    fn sample_vndf(&self, xi: DVec2, v_local: DVec3, widths: Widths) -> DVec3 {
+        ggx::sample_bounded(xi, v_local, widths)
     }
     /// Density per solid angle of `l = reflect(-v, h)` under [`Brdf::sample_vndf`]; its integral over the sphere is 1.
-    fn pdf_vndf_l(&self, v_local: DVec3, h_local: DVec3, alpha: f64) -> f64 {
-        ggx::pdf_bounded_l(v_local, h_local, alpha)
+    fn pdf_vndf_l(&self, v_local: DVec3, h_local: DVec3, widths: Widths) -> f64 {
+        ggx::pdf_bounded_l(v_local, h_local, widths)
     }
     /// Largest weight of [`Brdf::sample_vndf`] in constant light with exact masking, `G2 D / (4 n_dot_v pdf_l)`.
     fn vndf_weight_max(&self) -> f64 {
@@ -59,12 +66,12 @@ pub trait Brdf: Sync + std::fmt::Debug {
     /// Samples a half vector by the best known sampler given `v_local` (`v_local.z >= 0`); [`Brdf::pdf_visible_l`] is
     /// its density over `l`. The default draws the visible normals of GGX of the same alpha; each model that keeps it
     /// documents the quality.
-    fn sample_visible(&self, xi: DVec2, v_local: DVec3, alpha: f64) -> DVec3 {
-        ggx::sample_visible(xi, v_local, alpha)
+    fn sample_visible(&self, xi: DVec2, v_local: DVec3, widths: Widths) -> DVec3 {
+        ggx::sample_visible(xi, v_local, widths)
     }
     /// Density per solid angle of `l = reflect(-v, h)` under [`Brdf::sample_visible`]; integrates to 1 over the sphere.
-    fn pdf_visible_l(&self, v_local: DVec3, h_local: DVec3, alpha: f64) -> f64 {
-        ggx::pdf_visible_l(v_local, h_local, alpha)
+    fn pdf_visible_l(&self, v_local: DVec3, h_local: DVec3, widths: Widths) -> f64 {
+        ggx::pdf_visible_l(v_local, h_local, widths)
     }
 }
 
@@ -162,14 +169,11 @@ pub fn eval_without_fresnel(
     model: &dyn Brdf,
     v_local: DVec3,
     l_local: DVec3,
-    alpha: f64,
+    widths: impl Into<Widths>,
     masking: MaskingShadowing,
 ) -> f64 {
-    if v_local.z <= 0.0 || l_local.z <= 0.0 {
-        return 0.0;
-    }
-    let h = (v_local + l_local).normalize();
-    model.d(h, alpha) * g2(model, v_local.z, l_local.z, alpha, masking) / (4.0 * v_local.z * l_local.z)
+    let lobe = widths.into().lobe(model, v_local, l_local, masking);
+    if lobe == 0.0 { 0.0 } else { lobe / l_local.z }
 }
 
 /// Computes the BRDF (1/sr), per channel, without the cosine; 0 if `v` or `l` is not above the horizon.
@@ -177,11 +181,11 @@ pub fn eval(
     model: &dyn Brdf,
     v_local: DVec3,
     l_local: DVec3,
-    alpha: f64,
+    widths: impl Into<Widths>,
     f0: DVec3,
     masking: MaskingShadowing,
 ) -> DVec3 {
-    let f = eval_without_fresnel(model, v_local, l_local, alpha, masking);
+    let f = eval_without_fresnel(model, v_local, l_local, widths, masking);
     if f == 0.0 {
         return DVec3::ZERO;
     }
@@ -197,9 +201,9 @@ pub fn reflect(v: DVec3, h: DVec3) -> DVec3 {
 /// |v·h|)`, for every `l`.
 ///
 /// A normal facing away from `v` (`v·h < 0`) gives an `l` whose half vector is `-h`: the pair ±h has one density.
-pub fn pdf_d_l(model: &dyn Brdf, v_local: DVec3, h_local: DVec3, alpha: f64) -> f64 {
+pub fn pdf_d_l(model: &dyn Brdf, v_local: DVec3, h_local: DVec3, widths: Widths) -> f64 {
     let h = if h_local.z < 0.0 { -h_local } else { h_local };
-    let pdf_h = model.d(h, alpha) * h.z;
+    let pdf_h = widths.d(model, h) * h.z;
     // 0 also where l = -v, whose half vector is undefined.
     if pdf_h == 0.0 { 0.0 } else { pdf_h / (4.0 * v_local.dot(h).abs()) }
 }

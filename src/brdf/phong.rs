@@ -47,6 +47,10 @@ impl Brdf for Phong {
         SHORT_TAILED
     }
 
+    fn is_stretchable(&self) -> bool {
+        false
+    }
+
     fn about(&self) -> &'static str {
         "microfacets of a power of the cosine; its masking is Walter's rational fit, made for Beckmann"
     }

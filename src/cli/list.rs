@@ -8,6 +8,7 @@ use splitsum::experiment::axis::Named;
 use splitsum::math::sequence::SEQUENCES;
 use splitsum::precompute::prefilter::level_bias::LEVEL_BIASES;
 use splitsum::precompute::prefilter::{LEVEL_MAPPINGS, WEIGHTS};
+use splitsum::shade::bend::BENDS;
 use splitsum::shade::coat::COAT_RENDERERS;
 use splitsum::study::columns;
 use splitsum::study::questions::QUESTIONS;
@@ -41,6 +42,8 @@ enum What {
     PrefilterWeights,
     /// Level biases of known prefilters.
     LevelBiases,
+    /// Whose way to look up an anisotropic lobe.
+    Bends,
     /// Whose way to shade a clear coat.
     CoatRenderers,
     Questions,
@@ -87,6 +90,7 @@ fn listing(what: What) -> String {
                 add(d.name, &format!("{}; {} values, {} is better", d.formula, d.space.name(), d.better.name()));
             }
         }
+        What::Bends => BENDS.iter().for_each(|bend| add(bend.name, bend.about)),
         What::CoatRenderers => COAT_RENDERERS.iter().for_each(|renderer| add(renderer.name, renderer.about)),
         What::Questions => QUESTIONS.iter().for_each(|question| add(question.name, question.asks)),
         What::Columns => {}

@@ -1,8 +1,8 @@
 //! Checks of values together: combinations, sizes, lights in their scenes, exclusions.
 
 use super::axis::{
-    ALBEDO, ALPHA, AXES, COAT, COMPENSATION, DFG_TABLE, METALLIC, METHOD, Named, PREFILTER_BY, PREFILTER_SIZE,
-    PREFILTERED, Point, SAMPLES, SCENE, SIZE, index_of,
+    ALBEDO, ALPHA, ANISOTROPY, AXES, COAT, COMPENSATION, DFG_TABLE, METALLIC, METHOD, Named, PREFILTER_BY,
+    PREFILTER_SIZE, PREFILTERED, Point, SAMPLES, SCENE, SIZE, index_of,
 };
 use super::config::{Config, Placed, Sweep};
 use super::fault::{Faults, Place};
@@ -23,6 +23,12 @@ pub fn check_combinations(config: &Config, faults: &mut Faults) {
         let point = point.collapsed(has_lights);
         check_reference_counts(config, &point, &judge, faults);
         check_ladder(config, &point, faults);
+        let shading = point.settings().shading;
+        if has_layer(&point, ANISOTROPY)
+            && let Some(what) = shading.widths.fault(shading.brdf, shading.masking_shadowing)
+        {
+            faults.add(&config.place_of(ANISOTROPY, &point), format!("anisotropy: {what}"));
+        }
         if let Err(error) = point.method().tables(point.settings().shading.precompute).validate() {
             let partners = index_of(error.field).into_iter().chain([PREFILTER_SIZE]);
             let place = partners.map(|axis| config.place_of(axis, &point)).find(|place| *place != Place::Default);
@@ -49,6 +55,10 @@ pub fn check_sizes(config: &Config, faults: &mut Faults) {
     }
 }
 
+fn has_layer(point: &Point, axis: usize) -> bool {
+    point[axis] != Value::Unset && point[axis] != Value::Number(0.0)
+}
+
 /// Fewer pixels leave a band of n·v without views.
 const LADDER_PIXELS_MIN: u32 = 64;
 
@@ -73,9 +83,9 @@ fn check_ladder(config: &Config, point: &Point, faults: &mut Faults) {
         let text = format!("{name}: [ladder] has no steps for {value}; expected {usual}");
         faults.add(&config.place_of(axis, point), text);
     }
-    if point.settings().material.coat.is_some_and(|weight| weight > 0.0) {
-        let text = format!("coat: [ladder] has no steps for a coat of weight {}; expected 0", point[COAT]);
-        faults.add(&config.place_of(COAT, point), text);
+    for axis in [COAT, ANISOTROPY].into_iter().filter(|axis| has_layer(point, *axis)) {
+        let text = format!("{}: [ladder] has no steps for {}; expected 0", AXES[axis].name, point[axis]);
+        faults.add(&config.place_of(axis, point), text);
     }
     let alpha = f64::from(point.settings().material.alpha.unwrap_or(1.0));
     if alpha < harmonic::ALPHA_MIN {
@@ -150,8 +160,11 @@ pub fn idle_sweeps<'p>(config: &Config, points: impl Iterator<Item = &'p Point> 
                 "{name}: its {count} values give one cell: {of} = \"{harmonic}\" uses no samples; expected {of} = \"{sampled}\""
             )
         } else {
-            let user =
-                if AXES[sweep.axis].is_layer { "surface has a coat" } else { "method of the experiment uses it" };
+            let user = match AXES[sweep.axis].layer() {
+                Some("coat") => "surface has a coat",
+                Some(_) => "surface is anisotropic",
+                None => "method of the experiment uses it",
+            };
             format!("{name}: its {count} values give one cell: no {user}")
         };
         (sweep.values[0].place.clone(), text)

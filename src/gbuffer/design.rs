@@ -3,9 +3,9 @@
 //! The eye is the origin and positions are -v, so that shading computes the right v.
 
 use super::Gbuffer;
-use crate::math::design::frame;
+use crate::math::design::{frame, tangent};
 use crate::pixels::Pixels;
-use crate::scene::Scene;
+use crate::scene::{Anisotropy, Scene};
 use glam::Vec3;
 
 /// Fills the attachments.
@@ -13,11 +13,19 @@ pub fn gbuffer(scene: &Scene, [width, height]: [u32; 2]) -> Gbuffer<f32> {
     let material = &scene.materials[0];
     let rgb = |values: [f32; 3]| Vec3::from_array(values);
     let f0 = rgb(material.f0).lerp(rgb(material.albedo), material.metallic);
+    let tangent = |index, count, turn: f32| tangent(index, count, turn.into()).as_vec3();
     let frames = Pixels::from_fn(width, height, |x, y| frame(y * width + x, width * height));
+    let Anisotropy { strength, turn, is_shown, .. } = material.anisotropy;
     let constant = |xyz: Vec3, w: f32| Pixels::filled(width, height, xyz.extend(w).to_array());
     Gbuffer {
         position_mask: frames.map(|[_, v]| (-v).as_vec3().extend(1.0).to_array()),
-        normal_alpha: frames.map(|[n, _]| n.as_vec3().extend(material.alpha).to_array()),
+        normal_alpha: if is_shown {
+            Pixels::from_fn(width, height, |x, y| {
+                tangent(y * width + x, width * height, turn).extend(strength).to_array()
+            })
+        } else {
+            frames.map(|[n, _]| n.as_vec3().extend(material.alpha).to_array())
+        },
         albedo_metallic: constant(rgb(material.albedo), material.metallic),
         f0_material: constant(f0, 0.0),
     }

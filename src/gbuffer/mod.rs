@@ -21,6 +21,11 @@
 //! by its green squared. Devices snap vertices to a sub-pixel grid (1/256 pixel is common), so mesh texels match the
 //! twin only to about that much of a pixel; spheres do not depend on it.
 //!
+//! Lobes of two widths need a tangent, and the strength of the anisotropy. Both are the normals and alphas of a second
+//! g-buffer, of [`Scene::tangents`]: in place of a normal m is the direction `(d.x, d.y, 0)` of the material's map
+//! (without one +x), turned counter-clockwise, and in place of alpha the strength times the length of d. Spheres, and
+//! meshes without tangents, have the one of [`crate::math::frame::east`]. Shading makes tangents orthogonal to the normal of the first.
+//!
 //! Draw state: only one-sided meshes are culled, front faces are counter-clockwise, depth test `<` on 1. Spheres:
 //! `sphere.vert/frag`, a strip of 4 vertices, one instance per sphere, depth written by the shader. Meshes:
 //! `mesh.vert/frag`, indexed triangle lists with position, normal, uv and tangent at locations 0 to 3. Set 0: binding 0
@@ -28,16 +33,15 @@
 
 pub mod design;
 pub mod pass;
-pub mod reference;
 
 use crate::glsl::layout::{GbufferParams, MaterialData, SphereData};
 use crate::pixels::{GrayImage, Pixels};
-use crate::scene::{Camera, Material, Projection, Scene, Sphere};
+use crate::scene::{Anisotropy, Camera, Material, Projection, Scene, Sphere};
 use glam::DVec3;
 
 pub const ATTACHMENT_NAMES: [&str; 4] = ["position-mask", "normal-alpha", "albedo-metallic", "f0-material"];
 
-/// The four attachments: f32 from the device, f64 from the twin.
+/// The four attachments: f32 from the device, f64 from the twin in tests.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Gbuffer<T> {
     pub position_mask: Pixels<[T; 4]>,
@@ -105,6 +109,10 @@ pub fn material_data(scene: &Scene) -> Vec<MaterialData> {
     let data = |material: &Material| MaterialData {
         albedo_metallic: with(material.albedo, material.metallic),
         f0_alpha: with(material.f0, material.alpha),
+        tangent: {
+            let Anisotropy { strength, turn, is_shown, .. } = material.anisotropy;
+            [turn.cos(), turn.sin(), strength, f32::from(u8::from(is_shown))]
+        },
     };
     scene.materials.iter().map(data).collect()
 }

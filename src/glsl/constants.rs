@@ -90,6 +90,35 @@ constants! {
     PREFILTER_WEIGHT_MASKING: u32 = 1;
     /// 1 above the horizon.
     PREFILTER_WEIGHT_NONE: u32 = 2;
+    /// Whether lobes have two widths, and how alpha and a strength make them; in the order of `brdf::Anisotropy`.
+    ANISOTROPY_NONE: u32 = 0;
+    ANISOTROPY_GLTF: u32 = 1;
+    ANISOTROPY_KULLA: u32 = 2;
+    ANISOTROPY_DISNEY: u32 = 3;
+    ANISOTROPY_OPENPBR: u32 = 4;
+    /// Ways to look up a lobe of two widths; in the order of `shade::bend`.
+    BEND_NAMES_NARROW: u32 = 0;
+    BEND_NAMES_MEAN: u32 = 1;
+    BEND_NAMES_GEOMETRIC: u32 = 2;
+    BEND_NAMES_SQUARE: u32 = 3;
+    BEND_NORMAL_PLAIN: u32 = 0;
+    BEND_NORMAL_LINEAR: u32 = 1;
+    BEND_NORMAL_QUARTIC: u32 = 2;
+    BEND_NORMAL_QUARTIC_UNIT: u32 = 3;
+    BEND_NORMAL_QUARTIC_ALPHA: u32 = 4;
+    BEND_NORMAL_ROOT: u32 = 5;
+    BEND_NORMAL_CAP: u32 = 6;
+    BEND_TOWARD_MIRROR: u32 = 0;
+    BEND_TOWARD_NORMAL: u32 = 1;
+    BEND_TOWARD_BENT: u32 = 2;
+    BEND_TOWARD_BENT_LESS: u32 = 3;
+    BEND_TOWARD_TWICE: u32 = 4;
+    BEND_TOWARD_UNITY: u32 = 5;
+    BEND_TOWARD_CAP: u32 = 6;
+    /// Of the strips of `split-sum-strips-*`: length and breadth over their share of the widths, and how far the outermost reach.
+    STRIP_LENGTH: f32 = 0.5;
+    STRIP_BREADTH: f32 = 0.9;
+    STRIP_REACH: f32 = 0.95;
     /// Light kinds; in the order of `scene::LightKind`.
     LIGHT_DIRECTIONAL: u32 = 0;
     LIGHT_POINT: u32 = 1;

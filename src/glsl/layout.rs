@@ -116,6 +116,8 @@ shared_structs! {
     MaterialData {
         albedo_metallic: vec4,
         f0_alpha: vec4,
+        /// Cosine and sine of the turn of the tangent, strength of the anisotropy; w = 1 where tangents replace normals.
+        tangent: vec4,
     }
     /// A sphere as the g-buffer pass reads it: centre and radius; index of its material in x.
     SphereData {

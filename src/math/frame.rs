@@ -1,6 +1,13 @@
 //! Orthonormal frames about a normal, without branches and without a singular direction \[Duff17\].
 
-use glam::DVec3;
+use glam::{DQuat, DVec3};
+
+/// Returns the tangent of spheres and queries: east about +y, at the poles +x, turned counter-clockwise about `n` by an angle
+/// in radians.
+pub fn east(n: DVec3, turn: f64) -> DVec3 {
+    let horizontal = DVec3::new(n.z, 0.0, -n.x);
+    DQuat::from_axis_angle(n, turn) * horizontal.try_normalize().unwrap_or(DVec3::X)
+}
 
 /// A right-handed orthonormal frame; `n` is the local +z.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -22,6 +29,11 @@ impl Frame {
             bitangent: DVec3::new(b, sign + n.y * n.y * a, -n.y),
             n,
         }
+    }
+
+    /// Makes the frame whose x axis is `tangent`, a unit vector orthogonal to `n`.
+    pub fn from_tangent(n: DVec3, tangent: DVec3) -> Self {
+        Self { tangent, bitangent: n.cross(tangent), n }
     }
 
     pub fn to_world(&self, local: DVec3) -> DVec3 {

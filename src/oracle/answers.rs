@@ -110,7 +110,8 @@ fn answer(
             let pair = dfg(surface.model, surface.masking, n_dot_v, coat.alpha);
             let pair = DVec2::new(pair.f0_scale, pair.f90_scale);
             let shares = shares(coat.layering, &COAT_RENDERERS[0], coat.weight, n_dot_v, pair);
-            let lobe = Surface { alpha: coat.alpha, f0: DVec3::splat(coat.layering.f0()), ..*surface };
+            let f0 = DVec3::splat(coat.layering.f0());
+            let lobe = Surface::new(surface.model, surface.masking, coat.alpha, f0, [surface.n, surface.v]);
             let over = integrate(environment(), &lobe, tolerance);
             let Bounded { value, error } = over.specular;
             colors.push(Bounded { value: shares.coat * value, error: shares.coat * error });

@@ -67,7 +67,16 @@ impl Kind {
         match self {
             Self::Shading => &KindColumns {
                 required: &["environment", "brdf", "alpha", "f0", "nx", "ny", "nz", "vx", "vy", "vz"],
-                optional: &["masking", "coat", "coat_alpha", "coat_layering", "id"],
+                optional: &[
+                    "masking",
+                    "anisotropy",
+                    "anisotropy_rotation_deg",
+                    "anisotropy_widths",
+                    "coat",
+                    "coat_alpha",
+                    "coat_layering",
+                    "id",
+                ],
                 colors: &["specular", "specular_white", "diffuse", "lambert"],
                 numbers: &[],
             },

@@ -2,8 +2,10 @@
 
 use super::row::{Fault, Row};
 use super::{Kind, KindColumns, Query};
+use crate::brdf::Stretch;
 use crate::environment::{Environment, LoadOptions};
 use crate::files::{TEXT_BYTES_MAX, read_given};
+use crate::math::frame::east;
 use crate::precompute::prefilter::Kernel;
 use crate::shade::reference::Surface;
 use crate::spelling::Listed;
@@ -201,7 +203,7 @@ impl<'a> Reader<'a> {
             Kind::Shading | Kind::Ladder => {
                 let environment = self.environment(&row);
                 let (model, masking, alpha) = (row.model(), row.masking(), row.alpha("alpha"));
-                let (levels, coat) = (row.levels(), row.coat());
+                let (levels, coat, anisotropy) = (row.levels(), row.coat(), row.anisotropy());
                 let (f0, n, v) = (row.f0(), row.direction(["nx", "ny", "nz"]), row.direction(["vx", "vy", "vz"]));
                 if let (Some(n), Some(v)) = (n, v)
                     && n.dot(v) <= 0.0
@@ -210,7 +212,11 @@ impl<'a> Reader<'a> {
                 }
                 (|| {
                     let (model, masking, alpha) = (model?, masking?, alpha?);
-                    let surface = Surface { model, masking, alpha, f0: f0?, n: n?, v: v? };
+                    let surface = Surface::new(model, masking, alpha, f0?, [n?, v?]);
+                    let surface = anisotropy?.map_or(surface, |(strength, turn, law)| {
+                        let widths = law.widths(alpha, strength);
+                        surface.stretched(Stretch { widths, tangent: east(surface.n, turn) })
+                    });
                     Some(match self.kind {
                         Kind::Ladder => Query::Ladder { environment, surface, levels: levels? },
                         _ => Query::Shading { environment, surface, coat: coat? },

@@ -1,7 +1,7 @@
 //! Checks the cells of one row of queries.
 
 use super::{ALPHA_MIN, Coat};
-use crate::brdf::{Brdf, MaskingShadowing};
+use crate::brdf::{Brdf, MaskingShadowing, WidthLaw};
 use crate::precompute::PrecomputeSettings;
 use crate::precompute::prefilter::Weight;
 use crate::spelling::Listed;
@@ -70,13 +70,37 @@ impl Row<'_> {
         (alpha >= ALPHA_MIN).then_some(alpha)
     }
 
+    /// Returns the cell of a column that others need; `None` after a fault, `Some(None)` if the table lacks them all.
+    fn leading_cell(&mut self, column: &str, others: &[&str]) -> Option<Option<String>> {
+        if let Some(text) = self.optional_cell(column) {
+            return Some(Some(text.to_owned()));
+        }
+        let stray = others.iter().find(|name| self.optional_cell(name).is_some());
+        stray.inspect(|name| self.fault(name, format!("it needs the column {column}")));
+        stray.is_none().then_some(None)
+    }
+
+    /// Returns the row's strength of anisotropy, turn in radians and law of widths, if the table has any; `None` after a fault.
+    pub(super) fn anisotropy(&mut self) -> Option<Option<(f64, f64, WidthLaw)>> {
+        let others = ["anisotropy_rotation_deg", "anisotropy_widths"];
+        let Some(text) = self.leading_cell("anisotropy", &others)? else { return Some(None) };
+        let strength = self.number("anisotropy", &text)?;
+        if !(0.0..=1.0).contains(&strength) {
+            self.fault("anisotropy", format!("{text} is outside [0, 1]"));
+        }
+        let turn = self.optional_cell(others[0]).unwrap_or("0").to_owned();
+        let (turn, law) = (self.number(others[0], &turn)?, *self.optional::<WidthLaw>(others[1])?);
+        if strength > 0.0
+            && let Some(what) = self.model().zip(self.masking()).and_then(|(m, k)| law.fault(m, k))
+        {
+            self.fault("anisotropy", what);
+        }
+        Some(Some((strength, turn.to_radians(), law)).filter(|(strength, ..)| *strength > 0.0))
+    }
+
     /// Returns the row's coat, if the table has any; `None` after a fault.
     pub(super) fn coat(&mut self) -> Option<Option<Coat>> {
-        let Some(text) = self.optional_cell("coat").map(str::to_owned) else {
-            let stray = ["coat_alpha", "coat_layering"].into_iter().find(|name| self.optional_cell(name).is_some());
-            stray.inspect(|name| self.fault(name, "it needs the column coat"));
-            return stray.is_none().then_some(None);
-        };
+        let Some(text) = self.leading_cell("coat", &["coat_alpha", "coat_layering"])? else { return Some(None) };
         let weight = self.number("coat", &text)?;
         if !(0.0..=1.0).contains(&weight) {
             self.fault("coat", format!("{text} is outside [0, 1]"));

@@ -7,6 +7,7 @@ use crate::pixels::RgbImage;
 use crate::shade::Shading;
 use crate::shade::pass::{BACKGROUND_SHADER, lights_shader};
 use crate::shade::reference_pass::Convergence;
+use crate::spelling::Listed;
 
 /// The expensive parts of a reference frame.
 #[derive(Debug, PartialEq)]
@@ -52,6 +53,8 @@ pub(super) fn key(request: &RenderRequest) -> Option<SharedKey> {
         pixel_points: _,
         lod_bias: _,
         // Layers are kept each by itself.
+        widths,
+        bend: _,
         coat_layering: _,
         coat_renderer: _,
     } = shading;
@@ -74,6 +77,8 @@ pub(super) fn key(request: &RenderRequest) -> Option<SharedKey> {
         diffuse.name,
         brdf.name(),
     );
+    let widths = if scene.has_anisotropy() { format!("widths={}\n", widths.name()) } else { String::new() };
+    let inputs = inputs + &widths;
     let lobes = request.reference_lobes().into_iter().flat_map(|lobe| lobe.shaders(*brdf));
     let shaders = gbuffer::pass::shaders().map(str::to_owned).chain(lobes);
     let shaders = shaders

@@ -58,6 +58,8 @@ pub enum PipelineError {
     PartPair(#[from] PartPair),
     #[error(transparent)]
     Settings(#[from] SettingsError),
+    #[error("anisotropy: {0}")]
+    Widths(String),
     #[error("the driver does not filter cubes across their edges; choose another layout: layout = \"octahedral\"")]
     OpenCubes,
     /// Found before anything was allocated.
@@ -73,6 +75,7 @@ impl PipelineError {
             | Self::TooLarge { .. }
             | Self::NoSamples { .. }
             | Self::PartPair(_)
+            | Self::Widths(_)
             | Self::Settings(_) => true,
             Self::InvalidRadiance { method, .. } => method.text.is_some(),
             Self::Gpu(_) => false,
@@ -357,6 +360,7 @@ fn passes<'a>(request: &'a RenderRequest, prepared: &'a Prepared) -> Passes<'a> 
         light_count: request.lights.len() as u32,
         tables,
         gbuffer: &target.gbuffer,
+        tangents: prepared.tangents.as_ref().map(|target| &target.gbuffer),
         radiance: &target.radiance,
     }
 }

@@ -18,6 +18,7 @@ use crate::precompute::mips::level_count;
 use crate::precompute::points::Points;
 use crate::precompute::prefilter::harmonic;
 use crate::precompute::{HALF_MAX, PrefilterBy, StorageFormat, dfg, filtered, irradiance, mips, prefilter, sh9};
+use crate::shade::Shading;
 use crate::shade::pass::{Tables, light_data};
 use crate::shade::reference_pass::{DistributionBuffers, Sums, pair_count};
 use std::sync::Arc;
@@ -69,6 +70,13 @@ impl Resources {
             request.shading.pixel_points,
         )?;
         let (scene, target) = self.view(gpu, request)?;
+        let tangents = match request.scene.has_anisotropy() {
+            true => {
+                let shown = RenderRequest { scene: Arc::new(request.scene.tangents()), ..request.clone() };
+                Some(self.view(gpu, &shown)?.1)
+            }
+            false => None,
+        };
         // A scene without lights does not bind this pass.
         let lights = (!request.lights.is_empty()).then(|| gpu.buffer_from("lights", &light_data(&request.lights)));
         let lobes = request.reference_lobes();
@@ -77,6 +85,7 @@ impl Resources {
             tables: Tables { environment, filtered, prefiltered, dfg, tap_table, irradiance_map, sh9, points },
             scene,
             target,
+            tangents,
             lights: lights.transpose()?,
             precompute: std::mem::take(&mut maker.total),
             samples_per_pixel,
@@ -317,5 +326,8 @@ fn validate(request: &RenderRequest) -> Result<(), PipelineError> {
     if request.has_reference_term() {
         pair_count(request.reference_samples)?;
     }
+    let Shading { widths, brdf, masking_shadowing, .. } = request.shading;
+    let fault = request.scene.has_anisotropy().then(|| widths.fault(brdf, masking_shadowing)).flatten();
+    fault.map_or(Ok(()), |what| Err(PipelineError::Widths(what)))?;
     Ok(request.shading.tables().validate()?)
 }

@@ -103,6 +103,8 @@ pub(super) struct Prepared {
     pub(super) tables: Tables,
     pub(super) scene: Arc<SceneData>,
     pub(super) target: Arc<Target>,
+    /// The g-buffer of [`crate::scene::Scene::tangents`], if lobes have two widths.
+    pub(super) tangents: Option<Arc<Target>>,
     pub(super) lights: Option<Buffer>,
     /// Times of the precompute passes that ran for this request.
     pub(super) precompute: Report,

@@ -3,6 +3,7 @@
 use crate::color::srgb_decode;
 use crate::pixels::lookup::Wrap;
 use crate::pixels::{Pixels, RgbImage};
+use glam::Vec2;
 use image::{DynamicImage, ImageReader};
 use std::io::Cursor;
 
@@ -43,6 +44,8 @@ pub(super) enum Meaning {
     Linear,
     /// A normal, each coordinate as (x + 1)/2; x and y are then scaled.
     Normal { scale: f32 },
+    /// A direction of red and green, each coordinate as (x + 1)/2; its length is blue.
+    Direction,
 }
 
 /// The decoded textures of a file.
@@ -67,6 +70,13 @@ impl Maps {
             // Linear, so that filtering may follow.
             let signed = |[x, y, z]: [f32; 3]| [scale * (2.0 * x - 1.0), scale * (2.0 * y - 1.0), 2.0 * z - 1.0];
             texture.data.iter_mut().for_each(|texel| *texel = signed(*texel));
+        }
+        if meaning == Meaning::Direction {
+            let direction = |[x, y, length]: [f32; 3]| {
+                let unit = Vec2::new(2.0 * x - 1.0, 2.0 * y - 1.0).normalize_or(Vec2::X);
+                (length * unit).extend(0.0).to_array()
+            };
+            texture.data.iter_mut().for_each(|texel| *texel = direction(*texel));
         }
         self.textures.push(Texture::new(texture, wrap));
         self.cut();

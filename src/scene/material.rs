@@ -30,6 +30,19 @@ impl Default for Coat {
     }
 }
 
+/// Two widths of the lobe (`crate::brdf::anisotropy`).
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Anisotropy {
+    /// From 0, one width, to 1.
+    pub strength: f32,
+    /// Turns the direction of the larger width counter-clockwise about the normal, radians.
+    pub turn: f32,
+    /// Index into `Scene::textures`; directions in tangent space, whose lengths multiply `strength`.
+    pub map: Option<usize>,
+    /// Whether the g-buffer has the tangent and the strength in place of normal and alpha.
+    pub is_shown: bool,
+}
+
 /// A surface. Its F0 is `mix(f0, albedo, metallic)`, its diffuse albedo `(1 - metallic) albedo`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Material {
@@ -49,6 +62,7 @@ pub struct Material {
     pub f0: [f32; 3],
     /// Index into `Scene::textures`; tangent-space normals of any length.
     pub normal_map: Option<usize>,
+    pub anisotropy: Anisotropy,
     pub coat: Coat,
     /// Culls back faces. Otherwise their normals are negated.
     pub is_one_sided: bool,
@@ -57,6 +71,17 @@ pub struct Material {
 impl Material {
     pub fn maps(&self) -> impl Iterator<Item = usize> {
         [self.albedo_map, self.metallic_map, self.roughness_map, self.normal_map].into_iter().flatten()
+    }
+
+    /// A surface whose tangent and strength of anisotropy replace normal and alpha.
+    pub(super) fn as_tangent(&self) -> Self {
+        Self {
+            name: self.name.clone(),
+            normal_map: self.anisotropy.map,
+            anisotropy: Anisotropy { is_shown: true, ..self.anisotropy },
+            is_one_sided: self.is_one_sided,
+            ..Self::default()
+        }
     }
 
     /// The coat as a surface without a diffuse term.
@@ -97,6 +122,7 @@ impl Default for Material {
             roughness_map: None,
             f0: [DEFAULT_F0; 3],
             normal_map: None,
+            anisotropy: Anisotropy::default(),
             coat: Coat::default(),
             is_one_sided: false,
         }
@@ -110,6 +136,9 @@ pub struct MaterialOverride {
     pub metallic: Option<f32>,
     pub alpha: Option<f32>,
     pub f0: Option<[f32; 3]>,
+    pub anisotropy: Option<f32>,
+    /// Radians.
+    pub anisotropy_turn: Option<f32>,
     pub coat: Option<f32>,
     pub coat_alpha: Option<f32>,
 }
@@ -125,6 +154,12 @@ impl MaterialOverride {
             alpha: self.alpha.unwrap_or(material.alpha),
             roughness_map: material.roughness_map.filter(|_| self.alpha.is_none()),
             f0: self.f0.unwrap_or(material.f0),
+            anisotropy: Anisotropy {
+                strength: self.anisotropy.unwrap_or(material.anisotropy.strength),
+                turn: self.anisotropy_turn.unwrap_or(material.anisotropy.turn),
+                map: material.anisotropy.map.filter(|_| self.anisotropy.is_none() && self.anisotropy_turn.is_none()),
+                ..material.anisotropy
+            },
             coat: Coat {
                 weight: self.coat.unwrap_or(material.coat.weight),
                 weight_map: material.coat.weight_map.filter(|_| self.coat.is_none()),

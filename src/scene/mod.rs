@@ -15,7 +15,7 @@ pub use builtin::{SCENES, SceneEntry, is_design};
 pub use camera::{Camera, CameraKind, Orbit, Projection};
 pub use light::{Light, LightKind};
 pub use maps::Texture;
-pub use material::{Coat, Material, MaterialOverride};
+pub use material::{Anisotropy, Coat, Material, MaterialOverride};
 pub use mesh::Mesh;
 pub use source::SceneFiles;
 
@@ -159,6 +159,15 @@ impl Scene {
         self.materials.iter().any(|material| material.coat.weight > 0.0)
     }
 
+    pub fn has_anisotropy(&self) -> bool {
+        self.materials.iter().any(|material| material.anisotropy.strength > 0.0)
+    }
+
+    /// Returns the scene whose g-buffer has tangents and strengths of anisotropy in place of normals and alphas.
+    pub fn tangents(&self) -> Self {
+        self.with_materials(Material::as_tangent)
+    }
+
     /// Returns the scene without coats.
     pub fn uncoated(&self) -> Self {
         self.with_materials(|material| Material { coat: Coat::default(), name: material.name.clone(), ..*material })
@@ -227,6 +236,11 @@ impl Scene {
             let maps = [material.albedo_map, material.metallic_map, material.roughness_map, material.normal_map];
             list(&mut hasher, &maps.map(|map| map.map_or(0, |map| map as u64 + 1)));
             list(&mut hasher, &[u8::from(material.is_one_sided)]);
+            let Anisotropy { strength, turn, map, is_shown } = material.anisotropy;
+            if strength > 0.0 || is_shown {
+                list(&mut hasher, &[strength, turn]);
+                list(&mut hasher, &[map.map_or(0, |map| map as u64 + 1), u64::from(is_shown)]);
+            }
             let Coat { weight, weight_map, alpha, roughness_map, normal_map } = material.coat;
             if weight > 0.0 {
                 list(&mut hasher, &[weight, alpha]);

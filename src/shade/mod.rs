@@ -1,5 +1,6 @@
 //! Image-based lighting: turns a g-buffer and an environment into radiance.
 
+pub mod bend;
 pub mod coat;
 pub mod diffuse;
 pub mod method;

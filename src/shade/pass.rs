@@ -34,6 +34,8 @@ pub struct Passes<'a> {
     pub light_count: u32,
     pub tables: &'a Tables,
     pub gbuffer: &'a GbufferImages,
+    /// The g-buffer of [`crate::scene::Scene::tangents`], if lobes have two widths.
+    pub tangents: Option<&'a GbufferImages>,
     /// A vec4 per pixel.
     pub radiance: &'a Buffer,
 }
@@ -61,12 +63,6 @@ pub fn light_data(lights: &[Light]) -> Vec<u8> {
 /// Sampler of the DFG table.
 pub(super) const TABLE: Sampler = Sampler(Filter::Linear, Wrap::CLAMP);
 
-/// Binds the g-buffer at 0 to 3, then `rest`.
-pub(super) fn with_gbuffer<'a>(gbuffer: &'a GbufferImages, rest: &[Bind<'a>]) -> Vec<Bind<'a>> {
-    let attachments = gbuffer.attachments.iter().map(|image| Bind::Sample(image, Sampler::TEXELS));
-    attachments.chain(rest.iter().cloned()).collect()
-}
-
 pub const BACKGROUND_SHADER: &str = "shade/background.comp";
 
 /// Names the shader of a method's specular pass. Methods that do not use the model have one shader for all models.
@@ -80,7 +76,20 @@ pub fn lights_shader(brdf: &dyn Brdf) -> String {
     format!("shade/lights.comp:{}", brdf.name())
 }
 
-impl Passes<'_> {
+impl<'a> Passes<'a> {
+    /// Binds the g-buffer at 0 to 3 and the tangents at 4, then `rest`.
+    pub(super) fn binds(&self, rest: &[Bind<'a>]) -> Vec<Bind<'a>> {
+        let [_, tangents, ..] = &self.tangents.unwrap_or(self.gbuffer).attachments;
+        let attachments = self.gbuffer.attachments.iter().chain([tangents]);
+        attachments.map(|image| Bind::Sample(image, Sampler::TEXELS)).chain(rest.iter().cloned()).collect()
+    }
+
+    /// Adds the law of the widths to specialization constants.
+    pub(super) fn with_widths(&self, mut constants: [u32; 9]) -> [u32; 9] {
+        constants[7] = self.tangents.map_or(0, |_| self.shading.widths as u32);
+        constants
+    }
+
     /// Returns the push constants for rows from `first_row` on.
     pub(super) fn params(&self, first_row: u32) -> ShadeParams {
         let Self { shading, camera, light_count, tables, gbuffer, .. } = *self;
@@ -116,17 +125,17 @@ impl Passes<'_> {
         &self,
         recorder: &mut Recorder,
         shader: &str,
-        constants: &[u32],
-        rest: &[Bind<'_>],
+        constants: [u32; 9],
+        rest: &[Bind<'a>],
         push: &[u8],
         part: Part,
     ) -> Result<(), GpuError> {
         let rest = [rest, &[Bind::ReadWrite(self.radiance)]].concat();
-        recorder.dispatch(shader, constants, &with_gbuffer(self.gbuffer, &rest), push, part.groups)
+        recorder.dispatch(shader, &self.with_widths(constants), &self.binds(&rest), push, part.groups)
     }
 
     /// Adds the specular image-based radiance of `points` to a part of the image.
-    pub fn specular(&self, recorder: &mut Recorder, points: PointRange<'_>, part: Part) -> Result<(), GpuError> {
+    pub fn specular(&self, recorder: &mut Recorder, points: PointRange<'a>, part: Part) -> Result<(), GpuError> {
         let Shading { method, brdf, precompute, .. } = *self.shading;
         let shader = specular_shader(precompute.layout, method, brdf);
         let Tables { environment, filtered, prefiltered, dfg, tap_table, .. } = self.tables;
@@ -139,7 +148,7 @@ impl Passes<'_> {
             points.bind(),
         ];
         let params = ShadeParams { point_count: points.count, ..self.params(part.first_row) };
-        self.dispatch(recorder, &shader, &self.shading.constants(), &rest, &params.to_bytes(), part)
+        self.dispatch(recorder, &shader, self.shading.constants(), &rest, &params.to_bytes(), part)
     }
 
     /// Adds the diffuse image-based radiance.
@@ -150,15 +159,15 @@ impl Passes<'_> {
         let push = self.params(part.first_row).to_bytes();
         let shader = format!("shade/diffuse.comp:{}:{}", precompute.layout.name, diffuse.name);
         let constants = self.shading.table_constants(MaskingShadowing::default());
-        self.dispatch(recorder, &shader, &constants, &rest, &push, part)
+        self.dispatch(recorder, &shader, constants, &rest, &push, part)
     }
 
     /// Adds the radiance of analytic lights.
-    pub fn lights(&self, recorder: &mut Recorder, lights: &Buffer, part: Part) -> Result<(), GpuError> {
+    pub fn lights(&self, recorder: &mut Recorder, lights: &'a Buffer, part: Part) -> Result<(), GpuError> {
         let rest = [Bind::Sample(&self.tables.dfg, TABLE), Bind::Read(lights)];
         let push = self.params(part.first_row).to_bytes();
         let constants = self.shading.table_constants(self.shading.masking_shadowing);
-        self.dispatch(recorder, &lights_shader(self.shading.brdf), &constants, &rest, &push, part)
+        self.dispatch(recorder, &lights_shader(self.shading.brdf), constants, &rest, &push, part)
     }
 
     /// Shows the environment in pixels where nothing is hit.
@@ -180,6 +189,6 @@ impl Passes<'_> {
             environment_scale: self.shading.environment_scale,
         };
         let rest = [Bind::Sample(&self.tables.environment, Sampler::MAP)];
-        self.dispatch(recorder, BACKGROUND_SHADER, &[], &rest, &params.to_bytes(), part)
+        self.dispatch(recorder, BACKGROUND_SHADER, [0; 9], &rest, &params.to_bytes(), part)
     }
 }

@@ -17,13 +17,13 @@
 //!
 //! let light = EquirectQuadrature::new(32, 16, |_, _| [2.0; 3]);
 //! let (n, v) = (DVec3::Y, DVec3::new(0.6, 0.8, 0.0));
-//! let surface = Surface { model: &Ggx, masking: MaskingShadowing::Separable, alpha: 0.05, f0: DVec3::ONE, n, v };
+//! let surface = Surface::new(&Ggx, MaskingShadowing::Separable, 0.05, DVec3::ONE, [n, v]);
 //! let radiance = integrate(&light, &surface, TOLERANCE).specular;
 //! assert!(radiance.error.max_element() < 1e-4);
 //! assert!((1.98..2.0).contains(&radiance.value.x), "{radiance:?}");
 //! ```
 
-use crate::brdf::{Brdf, MaskingShadowing, g2, reflect, schlick_weight};
+use crate::brdf::{Brdf, MaskingShadowing, Stretch, Widths, reflect, schlick_weight};
 use crate::math::equirect_quadrature::{EquirectQuadrature, Focus};
 use crate::math::frame::Frame;
 use crate::math::quadrature::{Bounded, Estimate, Tolerance};
@@ -35,13 +35,36 @@ use std::f64::consts::PI;
 pub struct Surface {
     pub model: &'static dyn Brdf,
     pub masking: MaskingShadowing,
-    /// Width of the lobe.
+    /// Width of the lobe; of two, [`Widths::mean`].
     pub alpha: f64,
+    /// Its two widths, if it has.
+    pub stretch: Option<Stretch>,
     /// Reflectance at normal incidence, linear RGB.
     pub f0: DVec3,
     pub n: DVec3,
     /// Direction to the viewer.
     pub v: DVec3,
+}
+
+impl Surface {
+    /// Makes a surface of one width from normal and view.
+    pub fn new(model: &'static dyn Brdf, masking: MaskingShadowing, alpha: f64, f0: DVec3, [n, v]: [DVec3; 2]) -> Self {
+        Self { model, masking, alpha, stretch: None, f0, n, v }
+    }
+
+    /// Returns the surface with two widths.
+    pub fn stretched(self, stretch: Stretch) -> Self {
+        Self { alpha: stretch.widths.mean(), stretch: Some(stretch), ..self }
+    }
+
+    pub fn widths(&self) -> Widths {
+        self.stretch.map_or(self.alpha.into(), |stretch| stretch.widths)
+    }
+
+    /// Returns the frame of the lobe.
+    pub fn frame(&self) -> Frame {
+        self.stretch.map_or_else(|| Frame::from_normal(self.n), |stretch| Frame::from_tangent(self.n, stretch.tangent))
+    }
 }
 
 /// The exact answers for one [`Surface`]: outgoing radiance, linear RGB.
@@ -62,8 +85,8 @@ pub const TOLERANCE: Tolerance = Tolerance { relative: 1e-5, max_part_count: 100
 
 /// Integrates one point.
 pub fn integrate(environment: &EquirectQuadrature, surface: &Surface, tolerance: Tolerance) -> Answer {
-    let Surface { model, masking, alpha, f0, n, v } = *surface;
-    let specular = specular(environment, model, masking, alpha, [n, v], tolerance);
+    let Surface { f0, n, v, .. } = *surface;
+    let specular = specular(environment, surface, tolerance);
     let diffuse = diffuse(environment, n, v, tolerance);
     Answer {
         specular_white: specular.combine([DVec3::ONE, DVec3::ZERO]),
@@ -74,26 +97,20 @@ pub fn integrate(environment: &EquirectQuadrature, surface: &Surface, tolerance:
 }
 
 /// Integrates `∫ f L n·l dl` with F = 1 and with `F = Fc = (1 - v·h)⁵`.
-pub fn specular(
-    environment: &EquirectQuadrature,
-    model: &'static dyn Brdf,
-    masking: MaskingShadowing,
-    alpha: f64,
-    [n, v]: [DVec3; 2],
-    tolerance: Tolerance,
-) -> Estimate<2> {
-    let frame = Frame::from_normal(n);
+pub fn specular(environment: &EquirectQuadrature, surface: &Surface, tolerance: Tolerance) -> Estimate<2> {
+    let Surface { model, masking, n, v, .. } = *surface;
+    let (frame, widths) = (surface.frame(), surface.widths());
     let v_local = frame.to_local(v);
     let kernel = |l: DVec3| {
         let l_local = frame.to_local(l);
         if l_local.z <= 0.0 {
             return [0.0; 2];
         }
-        let h = (v_local + l_local).normalize();
-        let f = model.d(h, alpha) * g2(model, v_local.z, l_local.z, alpha, masking) / (4.0 * v_local.z);
-        [f, f * schlick_weight(v_local.dot(h))]
+        let f = widths.lobe(model, v_local, l_local, masking);
+        [f, f * schlick_weight(v_local.dot((v_local + l_local).normalize()))]
     };
     // Across the plane of incidence the lobe about the mirror direction is narrowest: 2 alpha (v·h).
+    let alpha = widths.0.min_element();
     let focus = Focus { direction: reflect(v, n), radius: alpha * v_local.z.max(alpha) };
     environment.integrate(kernel, &[focus], tolerance)
 }

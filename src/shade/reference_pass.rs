@@ -1,7 +1,6 @@
 //! The device passes of the reference: dispatches over parts of nets and image, then one that adds the term.
 
-use super::Shading;
-use super::pass::{Passes, TABLE, with_gbuffer};
+use super::pass::{Passes, TABLE};
 use crate::brdf::{Brdf, MaskingShadowing};
 use crate::environment::distribution::EnvironmentDistribution;
 use crate::glsl::constants::{GROUP_SIDE, SCRAMBLE_COUNT};
@@ -23,8 +22,10 @@ pub enum Lobe {
 }
 
 impl Lobe {
-    /// Specialization constants: masking, f32 filter, bend of levels, weight, unused, compensation, DFG table's axes.
-    fn constants(self, gpu: &Gpu, shading: &Shading) -> [u32; 7] {
+    /// Specialization constants: masking, f32 filter, bend of levels, weight, unused, compensation, DFG table's axes, law of
+    /// the widths, unused.
+    fn constants(self, gpu: &Gpu, passes: &Passes) -> [u32; 9] {
+        let shading = passes.shading;
         let PrecomputeSettings { level_mapping, prefilter_weight, .. } = shading.precompute;
         let mut constants = shading.table_constants(MaskingShadowing::default());
         constants[1] = u32::from(gpu.info().has_exact_filter);
@@ -33,7 +34,7 @@ impl Lobe {
             constants[2] = (level_mapping.bend as f32).to_bits();
             constants[3] = prefilter_weight.code;
         }
-        constants
+        passes.with_widths(constants)
     }
 
     /// Names the shaders that take the samples and that add the term to the image.
@@ -222,7 +223,7 @@ impl ReferenceRun<'_> {
         let Passes { shading, tables, gbuffer, .. } = self.passes;
         let [width, height] = gbuffer.size;
         let [shader, _] = lobe.shaders(shading.brdf);
-        let constants = lobe.constants(gpu, shading);
+        let constants = lobe.constants(gpu, &self.passes);
         let rest = [
             Bind::Sample(&tables.environment, Sampler::TEXELS),
             Bind::Read(&self.distribution.words),
@@ -231,7 +232,7 @@ impl ReferenceRun<'_> {
             Bind::Uniform(&self.distribution.slots, 0..self.distribution.slots.size()),
             Bind::Sample(&tables.dfg, TABLE),
         ];
-        let binds = with_gbuffer(gbuffer, &rest);
+        let binds = self.passes.binds(&rest);
         let mut total = Report::default();
         // Setting up a pixel costs as much as a few samples: a dispatch takes as many pairs as it may.
         let samples_per_band = u64::from(width * GROUP_SIDE * SAMPLES_PER_PAIR);
@@ -264,12 +265,12 @@ impl ReferenceRun<'_> {
             Bind::ReadWrite(radiance),
             Bind::ReadWrite(self.squared_error),
         ];
-        let (binds, [_, shader]) = (with_gbuffer(gbuffer, &rest), lobe.shaders(shading.brdf));
+        let (binds, [_, shader]) = (self.passes.binds(&rest), lobe.shaders(shading.brdf));
         let mut total = Report::default();
         for part in gpu.parts(gbuffer.size, 1, SCRAMBLE_COUNT.into()) {
             let push = ShadeParams { pair_count, ..self.passes.params(part.first_row) }.to_bytes();
             total.add(gpu.submit_pass(lobe.pass_name(), |r| {
-                r.dispatch(&shader, &lobe.constants(gpu, shading), &binds, &push, part.groups)
+                r.dispatch(&shader, &lobe.constants(gpu, &self.passes), &binds, &push, part.groups)
             })?);
         }
         Ok(total)

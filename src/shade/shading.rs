@@ -1,8 +1,9 @@
 //! The parameters of one image: method, model, placement of the light, points and tables.
 
+use super::bend::{BENDS, Bend};
 use super::coat::{COAT_RENDERERS, CoatLayering, CoatRenderer};
 use super::{Diffuse, Method, NONE};
-use crate::brdf::{Brdf, Compensation, Ggx, MaskingShadowing};
+use crate::brdf::{Brdf, Compensation, Ggx, MaskingShadowing, WidthLaw};
 use crate::environment::Placement;
 use crate::math::sequence::{PixelPoints, SEQUENCES, Sequence};
 use crate::precompute::PrecomputeSettings;
@@ -28,6 +29,10 @@ pub struct Shading {
     /// Added to the mip level of a filtered method.
     pub lod_bias: f32,
     pub precompute: PrecomputeSettings,
+    /// Makes the two widths of anisotropic materials.
+    pub widths: WidthLaw,
+    /// How `split-sum-bent` looks up lobes of two widths.
+    pub bend: &'static Bend,
     pub coat_layering: CoatLayering,
     pub coat_renderer: &'static CoatRenderer,
 }
@@ -49,6 +54,8 @@ impl Default for Shading {
             pixel_points: PixelPoints::default(),
             lod_bias: 0.0,
             precompute: PrecomputeSettings::default(),
+            widths: WidthLaw::default(),
+            bend: &BENDS[0],
             coat_layering: CoatLayering::default(),
             coat_renderer: &COAT_RENDERERS[0],
         }
@@ -62,16 +69,17 @@ impl Shading {
     }
 
     /// Returns the specialization constants of the specular pass.
-    pub fn constants(&self) -> [u32; 7] {
+    pub fn constants(&self) -> [u32; 9] {
         let mut constants = self.table_constants(self.masking_shadowing);
         constants[2] = (self.precompute.level_mapping.bend as f32).to_bits();
         constants[4] = self.pixel_points as u32;
+        constants[8] = self.bend.code();
         constants
     }
 
     /// Returns the specialization constants of passes that read no map of the lobe.
-    pub(super) fn table_constants(&self, masking: MaskingShadowing) -> [u32; 7] {
-        // The second and the fourth belong to the reference.
-        [masking as u32, 0, 0, 0, 0, self.compensation as u32, self.precompute.dfg_axes as u32]
+    pub(super) fn table_constants(&self, masking: MaskingShadowing) -> [u32; 9] {
+        // The second and the fourth belong to the reference, the eighth to the scene (`Passes::tangents`).
+        [masking as u32, 0, 0, 0, 0, self.compensation as u32, self.precompute.dfg_axes as u32, 0, 0]
     }
 }

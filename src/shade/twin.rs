@@ -4,6 +4,7 @@
 //! differ, so a wrong level, weight or exponent shows at any sample count. A method that draws random points is
 //! compared with the mean of its estimator, within its standard error.
 
+use super::bend::Bend;
 use super::reference::Surface;
 use crate::brdf::reflect;
 use crate::environment::layout::FilteredMap;
@@ -59,7 +60,7 @@ pub struct Light {
     pub sh9: [DVec3; COUNT],
 }
 
-/// The points of a sampled method, and the bias of its lookups.
+/// The points of a sampled method, the bias of its lookups, and the bend of `split-sum-bent`.
 #[derive(Clone, Copy, Debug)]
 pub struct Samples {
     pub count: u32,
@@ -68,6 +69,7 @@ pub struct Samples {
     /// The pixel that scrambles the set; `None` if pixels share it.
     pub pixel: Option<[u32; 2]>,
     pub lod_bias: f64,
+    pub bend: &'static Bend,
 }
 
 impl Samples {

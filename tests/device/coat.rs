@@ -27,6 +27,7 @@ fn plastic(coat: Option<f32>) -> MaterialOverride {
         f0: Some([0.04, 0.05, 0.06]),
         coat,
         coat_alpha: Some(ALPHA),
+        ..MaterialOverride::default()
     }
 }
 
@@ -147,7 +148,7 @@ fn lights_reach_the_coat_as_a_lobe_alone() {
             let frame = Frame::from_normal(n);
             let [v, l] = [v, DVec3::Y].map(|world| frame.to_local(world));
             let fresnel = f_schlick(DVec3::splat(COAT_F0), v.z).x;
-            let lobe = fresnel * eval(model, v, l, ALPHA.into(), DVec3::ONE, masking) * l.z.max(0.0);
+            let lobe = fresnel * eval(model, v, l, f64::from(ALPHA), DVec3::ONE, masking) * l.z.max(0.0);
             let exact = (1.0 - fresnel) * radiance(&frames[0], sight.pixel) + lobe;
             let own = radiance(&frames[1], sight.pixel);
             assert!((own - exact).abs().max_element() < 1e-5, "{:?}: {own} for {exact}", sight.pixel);

@@ -199,6 +199,7 @@ fn the_reference_reads_no_memory_before_writing_it() {
                     light_count: 0,
                     tables: &tables,
                     gbuffer: &gbuffer,
+                    tangents: None,
                     radiance: &radiance,
                 },
                 stop: Stop { sample_count: 64, relative_error: None },

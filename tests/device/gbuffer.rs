@@ -1,14 +1,15 @@
 //! The g-buffer against its f64 twin.
 
 use crate::compare::{Tolerance, Worst, absolute, relative};
+use crate::gbuffer_twin as reference;
 use crate::gltf_files::{load, png, sheet, textured};
 use crate::harness::{poison_image, with_gpu};
 use serde_json::json;
+use splitsum::gbuffer::Gbuffer;
 use splitsum::gbuffer::pass::{self, GbufferImages, SceneData};
-use splitsum::gbuffer::{Gbuffer, reference};
 use splitsum::gpu::Gpu;
 use splitsum::pixels::Pixels;
-use splitsum::scene::{Camera, CameraKind, Scene};
+use splitsum::scene::{Camera, CameraKind, MaterialOverride, Scene};
 use std::path::Path;
 
 /// The attachments start as NaN, which reveals a texel that is neither cleared nor written.
@@ -41,23 +42,28 @@ fn spheres_are_exact_to_f32() {
             ("spheres", CameraKind::Ortho, [150, 90]),
             ("spheres", CameraKind::Perspective, [64, 120]),
         ] {
-            let scene = Scene::load(name, Path::new(".")).unwrap();
-            let camera = Camera::for_scene(kind, &scene, size);
-            let (actual, twin) = (draw(gpu, &scene, &camera, size), reference::gbuffer(&scene, &camera, size));
-            assert_eq!(actual.mask(), twin.mask(), "{name} {kind:?}");
-            let n_dot_v = twin.n_dot_v(&camera);
-            // The scene of spheres is 5 wide, and positions are absolute.
-            let scale = scene.bounds().1.max_element();
-            for (what, device, exact) in ATTACHMENTS {
-                let mut worst = Worst::new(format!("{name} {kind:?} {what}"), absolute(F32_AT_THE_RIM * scale));
-                for (i, (a, b)) in device(&actual).data.iter().zip(&exact(&twin).data).enumerate() {
-                    // Materials are copied; positions and normals are computed.
-                    let rim = if matches!(what, "position" | "normal") { f64::from(n_dot_v.data[i]) } else { 1.0 };
-                    for c in 0..4 {
-                        worst.add((f64::from(a[c]) - b[c]) * rim, 0.0, || format!("pixel {i} n_dot_v {rim}"));
+            let material = MaterialOverride { anisotropy: Some(0.5), anisotropy_turn: Some(0.7), ..Default::default() };
+            let plain = Scene::load(name, Path::new(".")).unwrap();
+            let tangents = plain.apply(&material).tangents();
+            let scenes = if kind == CameraKind::Ortho { vec![&plain] } else { vec![&plain, &tangents] };
+            for scene in scenes {
+                let camera = Camera::for_scene(kind, scene, size);
+                let (actual, twin) = (draw(gpu, scene, &camera, size), reference::gbuffer(scene, &camera, size));
+                assert_eq!(actual.mask(), twin.mask(), "{name} {kind:?}");
+                let n_dot_v = reference::gbuffer(&plain, &camera, size).n_dot_v(&camera);
+                // The scene of spheres is 5 wide, and positions are absolute.
+                let scale = scene.bounds().1.max_element();
+                for (what, device, exact) in ATTACHMENTS {
+                    let mut worst = Worst::new(format!("{name} {kind:?} {what}"), absolute(F32_AT_THE_RIM * scale));
+                    for (i, (a, b)) in device(&actual).data.iter().zip(&exact(&twin).data).enumerate() {
+                        // Materials are copied; positions and normals are computed.
+                        let rim = if matches!(what, "position" | "normal") { f64::from(n_dot_v.data[i]) } else { 1.0 };
+                        for c in 0..4 {
+                            worst.add((f64::from(a[c]) - b[c]) * rim, 0.0, || format!("pixel {i} n_dot_v {rim}"));
+                        }
                     }
+                    worst.check();
                 }
-                worst.check();
             }
         }
     });
@@ -98,7 +104,10 @@ fn meshes_agree_inside_their_triangles() {
         for (is_double_sided, scale) in [(true, 1.0), (true, -1.0), (false, 1.0)] {
             let scene = mapped_sheet(is_double_sided, scale);
             compare_mesh(gpu, &scene, CameraKind::Perspective, [64, 64], sub_pixel);
+            compare_mesh(gpu, &scene.tangents(), CameraKind::Perspective, [64, 64], sub_pixel);
         }
+        // Without tangents of its own.
+        compare_mesh(gpu, &scene.tangents(), CameraKind::Perspective, [80, 64], sub_pixel);
         compare_mesh(gpu, &far_sheet(), CameraKind::Perspective, [64, 64], sub_pixel);
         let away = mapped_sheet(false, -1.0);
         let camera = Camera::for_scene(CameraKind::Perspective, &away, [64, 64]);
@@ -110,6 +119,9 @@ fn meshes_agree_inside_their_triangles() {
 fn mapped_sheet(is_double_sided: bool, z_scale: f64) -> Scene {
     let material = json!({
         "doubleSided": is_double_sided,
+        "extensions": { "KHR_materials_anisotropy": {
+            "anisotropyStrength": 0.8, "anisotropyRotation": 0.6, "anisotropyTexture": { "index": 3 },
+        } },
         "normalTexture": { "index": 2, "scale": 0.7 },
         "pbrMetallicRoughness": {
             "metallicFactor": 0.8, "roughnessFactor": 0.9,
@@ -118,7 +130,7 @@ fn mapped_sheet(is_double_sided: bool, z_scale: f64) -> Scene {
     });
     let image =
         |a: u32, b: u32| png(2, 2, move |x, y| [(a + 20 * x) as u8, (b + 30 * y) as u8, (200 + 10 * x + y) as u8]);
-    let mut model = textured(sheet(), material, &[image(90, 60), image(10, 100), image(120, 110)]);
+    let mut model = textured(sheet(), material, &[image(90, 60), image(10, 100), image(120, 110), image(200, 60)]);
     model["nodes"][0]["scale"] = json!([1, 1, z_scale]);
     load(&model).expect("a readable file")
 }

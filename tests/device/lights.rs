@@ -48,7 +48,7 @@ fn lights_match_the_f64_brdf() {
                     // A normal known to 1e-7 and a lobe of alpha 0.05, whose D changes by 4 tan / alpha^2 a radian.
                     let mut worst =
                         Worst::new(format!("{} {masking_shadowing:?} {alpha} lights", model.name()), relative(1e-4));
-                    let texels = splitsum::gbuffer::reference::gbuffer(&request.scene, &request.camera, request.size);
+                    let texels = crate::gbuffer_twin::gbuffer(&request.scene, &request.camera, request.size);
                     let mut lit = 0;
                     for sight in sights(&request, 1) {
                         let s = sight.surface;

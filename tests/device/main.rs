@@ -9,6 +9,8 @@ mod compare;
 mod determinism;
 mod furnace;
 mod gbuffer;
+#[path = "../shared/gbuffer.rs"]
+mod gbuffer_twin;
 #[path = "../shared/gltf.rs"]
 mod gltf_files;
 mod golden;

@@ -1,22 +1,24 @@
 //! Every method against f64, on a few pixels of a small frame.
 
 use crate::compare::{Worst, relative};
+use crate::gbuffer_twin::gbuffer;
 use crate::harness::{golden_environment, render_by_seeds, request, scene, usual_tables, with_gpu, with_pipeline};
 use crate::symmetry::smooth_environment;
 use crate::tables::dfg_table;
 use glam::DVec3;
 use rayon::prelude::*;
+use splitsum::brdf::Stretch;
 use splitsum::brdf::{Compensation, MODELS};
 use splitsum::environment::Placement;
 use splitsum::environment::layout::MapLayout;
-use splitsum::gbuffer::{Gbuffer, reference::gbuffer};
+use splitsum::gbuffer::Gbuffer;
 use splitsum::math::sequence::PixelPoints;
 use splitsum::pipeline::{Frame, Pipeline, RenderRequest};
 use splitsum::pixels::Pixels;
 use splitsum::precompute::{PrecomputeSettings, exact_quadrature};
-use splitsum::scene::{CameraKind, MaterialOverride};
+use splitsum::scene::{CameraKind, MaterialOverride, Scene};
 use splitsum::shade::reference::{Answer, Surface, integrate};
-use splitsum::shade::{Diffuse, Method};
+use splitsum::shade::{Diffuse, Method, Shading};
 use splitsum::spelling::Listed;
 
 use splitsum::math::quadrature;
@@ -34,12 +36,16 @@ pub struct Sight {
 
 /// Every `step`-th pixel that hits something.
 pub fn sights(request: &RenderRequest, step: usize) -> Vec<Sight> {
-    let texels = gbuffer(&request.scene, &request.camera, request.size);
-    sights_in(request, &texels).into_iter().step_by(step).collect()
+    let seen = |scene: &Scene| gbuffer(scene, &request.camera, request.size);
+    sights_in(request, &seen(&request.scene), &seen(&request.scene.tangents())).into_iter().step_by(step).collect()
 }
 
-/// Every pixel of a g-buffer that hits something.
-pub fn sights_in<T: Copy + Into<f64>>(request: &RenderRequest, texels: &Gbuffer<T>) -> Vec<Sight> {
+/// Every pixel of a g-buffer, and of the one of tangents, that hits something.
+pub fn sights_in<T: Copy + Into<f64>>(
+    request: &RenderRequest,
+    texels: &Gbuffer<T>,
+    tangents: &Gbuffer<T>,
+) -> Vec<Sight> {
     let turn = request.shading.placement.environment_from_world();
     let [width, height] = request.size;
     let pixels = (0..height).flat_map(|y| (0..width).map(move |x| [x, y]));
@@ -49,14 +55,15 @@ pub fn sights_in<T: Copy + Into<f64>>(request: &RenderRequest, texels: &Gbuffer<
             (DVec3::new(x, y, z), w)
         };
         let ((position, mask), (n, alpha)) = (at(&texels.position_mask), at(&texels.normal_alpha));
-        let surface = Surface {
-            model: request.shading.brdf,
-            masking: request.shading.masking_shadowing,
-            alpha,
-            f0: at(&texels.f0_material).0,
-            n: turn * n.normalize(),
-            v: turn * request.camera.v_at(position),
-        };
+        let (n, f0) = (n.normalize(), at(&texels.f0_material).0);
+        let Shading { brdf, masking_shadowing, widths, .. } = request.shading;
+        let v = request.camera.v_at(position);
+        let mut surface = Surface::new(brdf, masking_shadowing, alpha, f0, [turn * n, turn * v]);
+        if request.scene.has_anisotropy() {
+            let (tangent, strength) = at(&tangents.normal_alpha);
+            let tangent = turn * tangent.reject_from_normalized(n).normalize();
+            surface = surface.stretched(Stretch { widths: widths.widths(alpha, strength), tangent });
+        }
         (mask == 1.0).then(|| Sight { pixel, surface, albedo: at(&texels.albedo_metallic).0 })
     };
     pixels.filter_map(sight).collect()

@@ -10,7 +10,7 @@ use crate::methods::{EXACT, Sight, radiance, sights_in};
 use crate::tables::{coefficients, dfg_table, environment_image};
 use glam::{DVec2, DVec3, DVec4};
 use rayon::prelude::*;
-use splitsum::brdf::{Brdf, MODELS, MaskingShadowing};
+use splitsum::brdf::{Brdf, MODELS, MaskingShadowing, WidthLaw};
 use splitsum::environment::layout::{FilteredMap, LAYOUTS, MapLayout, lod_from_solid_angles};
 use splitsum::environment::{Environment, LoadOptions, Placement};
 use splitsum::glsl::constants::POINTS_PER_DISPATCH;
@@ -24,7 +24,8 @@ use splitsum::precompute::prefilter::pass::Recipe;
 use splitsum::precompute::prefilter::{Kernel, LEVEL_MAPPINGS, WEIGHTS, harmonic, reference::estimate};
 use splitsum::precompute::taps::{Chain, TapCount, TapTable};
 use splitsum::precompute::{PrecomputeSettings, PrefilterBy, exact_quadrature, irradiance, prefilter};
-use splitsum::scene::{CameraKind, MaterialOverride};
+use splitsum::scene::{CameraKind, MaterialOverride, Scene};
+use splitsum::shade::bend::BENDS;
 use splitsum::shade::twin::{Light, Samples, Twin};
 use splitsum::shade::{DIFFUSE, Diffuse, METHODS, Method};
 use splitsum::spelling::Listed;
@@ -98,6 +99,10 @@ struct Case {
     layout: usize,
     /// Among [`LEVEL_MAPPINGS`].
     mapping: usize,
+    anisotropy: f32,
+    widths: WidthLaw,
+    /// Among [`BENDS`].
+    bend: usize,
 }
 
 const PLAIN: Case = Case {
@@ -112,7 +117,18 @@ const PLAIN: Case = Case {
     lod_bias: 0.0,
     layout: 0,
     mapping: 0,
+    anisotropy: 0.0,
+    widths: WidthLaw::Gltf,
+    bend: 0,
 };
+
+/// Lobes of two widths.
+const STRETCHED: [Case; 4] = [
+    Case { anisotropy: 0.7, alpha: 0.2, ..PLAIN },
+    Case { anisotropy: 0.6, widths: WidthLaw::Kulla, masking: MaskingShadowing::Correlated, layout: 1, ..PLAIN },
+    Case { anisotropy: 0.9, widths: WidthLaw::Disney, masking: MaskingShadowing::SmithExact, ..PLAIN },
+    Case { anisotropy: 0.5, widths: WidthLaw::OpenPbr, kind: CameraKind::Perspective, ..PLAIN },
+];
 
 /// Each case differs from the first in a setting that could be confused; the last takes two dispatches of points. The
 /// first has every model, the others one in turn: together, every model has three kinds of masking.
@@ -138,8 +154,13 @@ const CASES: [Case; 10] = [
 
 impl Case {
     fn request(&self, environment: &Arc<Environment>, model: &'static dyn Brdf) -> RenderRequest {
-        let material =
-            MaterialOverride { alpha: Some(self.alpha), f0: Some([0.04, 0.5, 1.0]), ..MaterialOverride::default() };
+        let material = MaterialOverride {
+            alpha: Some(self.alpha),
+            f0: Some([0.04, 0.5, 1.0]),
+            anisotropy: Some(self.anisotropy),
+            anisotropy_turn: Some(0.4),
+            ..MaterialOverride::default()
+        };
         RenderRequest {
             reference_samples: 4096,
             ..request(environment, scene("sphere", material), self.kind, [self.size; 2]).shaded(|s| {
@@ -152,6 +173,8 @@ impl Case {
                 s.point_set = self.point_set;
                 s.pixel_points = self.pixel_points;
                 s.lod_bias = self.lod_bias;
+                s.widths = self.widths;
+                s.bend = &BENDS[self.bend];
                 s.precompute = PrecomputeSettings {
                     level_mapping: &LEVEL_MAPPINGS[self.mapping],
                     ..tables(&LAYOUTS[self.layout])
@@ -172,6 +195,7 @@ impl Case {
             pixel_points: or_plain(method.uses_point_set, PLAIN).pixel_points,
             lod_bias: or_plain(method.uses_lod_bias, PLAIN).lod_bias,
             layout: or_plain(reads_maps, PLAIN).layout,
+            bend: or_plain(method.uses_bend, PLAIN).bend,
             mapping: or_plain(method.uses_prefiltered() || method.uses_levels, PLAIN).mapping,
             ..self
         }
@@ -180,7 +204,7 @@ impl Case {
     fn samples(&self, sight: &Sight) -> Samples {
         let (count, sequence) = (self.samples, &SEQUENCES[self.sequence]);
         let pixel = (self.pixel_points == PixelPoints::Owen).then_some(sight.pixel);
-        Samples { count, sequence, set: self.point_set, pixel, lod_bias: self.lod_bias.into() }
+        Samples { count, sequence, set: self.point_set, pixel, lod_bias: self.lod_bias.into(), bend: &BENDS[self.bend] }
     }
 }
 
@@ -260,7 +284,8 @@ fn taps(
 
 /// The contents of the device's g-buffer.
 fn sights(gpu: &Gpu, request: &RenderRequest) -> Vec<Sight> {
-    sights_in(request, &draw(gpu, &request.scene, &request.camera, request.size))
+    let seen = |scene: &Scene| draw(gpu, scene, &request.camera, request.size);
+    sights_in(request, &seen(&request.scene), &seen(&request.scene.tangents()))
 }
 
 fn n_dot_v(sight: &Sight) -> f64 {
@@ -333,7 +358,10 @@ fn every_method_matches_its_f64_twin() {
             let others = (1..CASES.len()).map(|index| (&studio, &CASES[index], in_turn(index)));
             let lamps = (0..LAYOUTS.len()).map(|index| (&lamp, &CASES[index], in_turn(index)));
             let mut seen = Vec::new();
-            for (environment, case, model) in plain.chain(others).chain(lamps) {
+            let stretched = STRETCHED.iter().enumerate().map(|(index, case)| (&studio, case, MODELS[index % 2]));
+            let bent: Vec<Case> = (0..BENDS.len()).map(|bend| Case { bend, ..STRETCHED[0] }).collect();
+            let bent = bent.iter().map(|case| (&studio, case, MODELS[0]));
+            for (environment, case, model) in plain.chain(others).chain(lamps).chain(stretched).chain(bent) {
                 let base = case.request(environment, model);
                 let (light, frame_sights) = (light(gpu, &base), sights(gpu, &base));
                 let exact = Light { prefiltered: exact_prefiltered(gpu, &base), ..light.clone() };
@@ -342,7 +370,9 @@ fn every_method_matches_its_f64_twin() {
                 smallest = frame_sights.iter().map(n_dot_v).fold(smallest, f64::min);
                 for method in METHODS {
                     let asked = (method.name, model.name(), environment.name.clone(), case.seen_by(method));
-                    if seen.contains(&asked) {
+                    // The ladder takes one width.
+                    let is_step = case.anisotropy > 0.0 && method.name.starts_with("ladder");
+                    if seen.contains(&asked) || is_step {
                         continue;
                     }
                     seen.push(asked);

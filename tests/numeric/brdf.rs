@@ -19,7 +19,7 @@ fn view(n_dot_v: f64) -> DVec3 {
 }
 
 /// `∫ f dω` over the sphere in `(ln tan(θ/2), φ)`, where a lobe of any width about +z has the same size.
-fn integrate_sphere(relative: f64, f: impl Fn(DVec3) -> f64) -> f64 {
+pub fn integrate_sphere(relative: f64, f: impl Fn(DVec3) -> f64) -> f64 {
     let domain = Rectangle { low: DVec2::new(-20.0, 0.0), high: DVec2::new(20.0, 1.0) };
     let tolerance = Tolerance { relative, max_part_count: 100_000 };
     // sin θ = 1/cosh t, cos θ = -tanh t, dω = sin² θ dt dφ.
@@ -61,11 +61,12 @@ fn samplers_follow_their_densities() {
             for (k, n_dot_v) in CHI_SQUARE_VIEWS.into_iter().enumerate() {
                 let v = view(n_dot_v);
                 // pdf_h = pdf_l 4 |v·h|: undoes the Jacobian of the reflection.
-                let pdf_h = |h: DVec3| model.pdf_visible_l(v, h, alpha) * 4.0 * v.dot(h).abs();
-                let p = goodness_of_fit(alpha, seed + 1 + k as u64, pdf_h, |xi| model.sample_visible(xi, v, alpha));
+                let pdf_h = |h: DVec3| model.pdf_visible_l(v, h, alpha.into()) * 4.0 * v.dot(h).abs();
+                let p =
+                    goodness_of_fit(alpha, seed + 1 + k as u64, pdf_h, |xi| model.sample_visible(xi, v, alpha.into()));
                 assert!(p > significance, "{} sample_visible alpha {alpha} n_dot_v {n_dot_v}: p = {p}", model.name());
-                let pdf_h = |h: DVec3| model.pdf_vndf_l(v, h, alpha) * 4.0 * v.dot(h).abs();
-                let p = goodness_of_fit(alpha, seed + 5 + k as u64, pdf_h, |xi| model.sample_vndf(xi, v, alpha));
+                let pdf_h = |h: DVec3| model.pdf_vndf_l(v, h, alpha.into()) * 4.0 * v.dot(h).abs();
+                let p = goodness_of_fit(alpha, seed + 5 + k as u64, pdf_h, |xi| model.sample_vndf(xi, v, alpha.into()));
                 assert!(p > significance, "{} sample_vndf alpha {alpha} n_dot_v {n_dot_v}: p = {p}", model.name());
             }
         }
@@ -85,10 +86,10 @@ fn visible_density_integrates_to_one_over_all_directions() {
                     if h.length() < 1e-6 { 0.0 } else { pdf_l(h.normalize()) }
                 })
             };
-            let one = total(5e-5, &|h| model.pdf_visible_l(v, h, alpha));
+            let one = total(5e-5, &|h| model.pdf_visible_l(v, h, alpha.into()));
             assert!((one - 1.0).abs() < 1e-4, "{} alpha {alpha} n_dot_v {n_dot_v}: {one}", model.name());
             // A bounded cap ends with a step.
-            let one = total(1e-3, &|h| model.pdf_vndf_l(v, h, alpha));
+            let one = total(1e-3, &|h| model.pdf_vndf_l(v, h, alpha.into()));
             assert!((one - 1.0).abs() < 2e-3, "{} vndf alpha {alpha} n_dot_v {n_dot_v}: {one}", model.name());
         }
     }
@@ -103,9 +104,9 @@ fn weights_of_visible_normals_are_bounded() {
         let bound = model.vndf_weight_max() * (1.0 + 1e-9);
         for (alpha, n_dot_v) in ALPHAS.into_iter().flat_map(|alpha| CHI_SQUARE_VIEWS.map(|cosine| (alpha, cosine))) {
             let v = view(n_dot_v);
-            for h in (0..COUNT).map(|i| model.sample_vndf(hammersley(i, COUNT), v, alpha)) {
+            for h in (0..COUNT).map(|i| model.sample_vndf(hammersley(i, COUNT), v, alpha.into())) {
                 let l = brdf::reflect(v, h);
-                let pdf_l = model.pdf_vndf_l(v, h, alpha);
+                let pdf_l = model.pdf_vndf_l(v, h, alpha.into());
                 let f = brdf::eval_without_fresnel(*model, v, l, alpha, MaskingShadowing::SmithExact);
                 let weight = if l.z > 0.0 { f * l.z / pdf_l } else { 0.0 };
                 assert!(weight <= bound, "{} {alpha} {n_dot_v}: {weight} at {h}", model.name());
@@ -116,8 +117,8 @@ fn weights_of_visible_normals_are_bounded() {
         (0..COUNT).filter(|i| brdf::reflect(view(0.3), half_vector(hammersley(*i, COUNT))).z <= 0.0).count()
     };
     let [all, bounded] = [
-        lost(&|xi| brdf::Ggx.sample_visible(xi, view(0.3), 1.0)),
-        lost(&|xi| brdf::Ggx.sample_vndf(xi, view(0.3), 1.0)),
+        lost(&|xi| brdf::Ggx.sample_visible(xi, view(0.3), 1.0.into())),
+        lost(&|xi| brdf::Ggx.sample_vndf(xi, view(0.3), 1.0.into())),
     ];
     assert!(all > 300 && bounded < all / 2, "{all} and {bounded} of {COUNT} below the horizon");
 }

@@ -232,7 +232,7 @@ fn radiance(environment: &Environment, alpha: f64, frames: &[[DVec3; 2]], tables
     let mean = |method: &splitsum::shade::Method, f0: f64| -> Vec<DVec3> {
         let Twin::Mean(twin) = method.twin else { panic!("{} is not an integral", method.name) };
         let of_frame = |[n, v]: &[DVec3; 2]| {
-            let surface = Surface { model, masking, alpha, f0: DVec3::splat(f0), n: *n, v: *v };
+            let surface = Surface::new(model, masking, alpha, DVec3::splat(f0), [*n, *v]);
             twin(&exact, &surface, tables, TOLERANCE).value
         };
         frames.par_iter().map(of_frame).collect()
@@ -284,7 +284,7 @@ fn rungs_match_their_f64_twins() {
             let Twin::Mean(twin) = method.twin else { panic!("{} is not an integral", method.name) };
             for (pixel, own) in found.of(coalition, f0).iter().enumerate() {
                 let [n, v] = frames[pixel];
-                let surface = Surface { model: MODELS[0], masking: MaskingShadowing::Separable, alpha, f0, n, v };
+                let surface = Surface::new(MODELS[0], MaskingShadowing::Separable, alpha, f0, [n, v]);
                 let right = twin(&exact, &surface, &tables, TOLERANCE).value;
                 let error = ((*own - right) / right).abs().max_element();
                 assert!(error < 2e-4, "{} alpha {alpha} pixel {pixel}: {own}, not {right}", method.name);

@@ -124,7 +124,7 @@ fn query(k: u64) -> Query {
 impl Query {
     fn surface(&self) -> Surface {
         let Self { alpha, f0, n, v, .. } = *self;
-        Surface { model: <dyn Brdf>::listed(self.model), masking: MaskingShadowing::Separable, alpha, f0, n, v }
+        Surface::new(<dyn Brdf>::listed(self.model), MaskingShadowing::Separable, alpha, f0, [n, v])
     }
 
     /// The specular integral, the split sum with exact factors, and the specular integral under light of 1.

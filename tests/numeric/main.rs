@@ -1,4 +1,5 @@
 //! numeric tests
+mod anisotropy;
 mod bakes;
 mod brdf;
 mod chi_square;
@@ -9,6 +10,8 @@ mod diffuse;
 mod disk_cache;
 mod environment;
 mod experiment;
+#[path = "../shared/gbuffer.rs"]
+mod gbuffer_twin;
 #[path = "../shared/gltf.rs"]
 mod gltf_files;
 mod harmonics;

@@ -47,7 +47,7 @@ pub fn lookup(image: &RgbImage, d: DVec3) -> DVec3 {
 fn surface(model: &'static dyn Brdf, masking: MaskingShadowing, alpha: f64, n_dot_v: f64) -> Surface {
     let n = DVec3::new(0.48, 0.6, -0.64);
     let v = Frame::from_normal(n).to_world(direction_from_polar((1.0 - n_dot_v * n_dot_v).sqrt(), n_dot_v, 0.3));
-    Surface { model, masking, alpha, f0: DVec3::new(0.04, 0.5, 0.9), n, v }
+    Surface::new(model, masking, alpha, DVec3::new(0.04, 0.5, 0.9), [n, v])
 }
 
 #[test]
@@ -142,7 +142,7 @@ fn a_sun_in_one_texel_is_exact() {
         // The view mirrors the sun, turned away by `offset`.
         let n = Frame::from_normal(l).to_world(direction_from_polar((1.0 - n_dot_v * n_dot_v).sqrt(), n_dot_v, 0.1));
         let v = DQuat::from_axis_angle(n, offset) * (2.0 * n.dot(l) * n - l);
-        let surface = Surface { model, masking: MaskingShadowing::Separable, alpha, f0: DVec3::ONE, n, v };
+        let surface = Surface::new(model, MaskingShadowing::Separable, alpha, DVec3::ONE, [n, v]);
         let frame = Frame::from_normal(n);
         let count = 300;
         let points = (0..count * count).map(|i| DVec2::new(f64::from(i % count), f64::from(i / count)));
@@ -210,7 +210,7 @@ fn narrow_lobes_are_mirrors_in_bounded_work() {
     let model = <dyn Brdf>::listed("beckmann");
     let at = |alpha: f64, n: DVec3| {
         let f0 = DVec3::ONE;
-        let surface = Surface { model, masking: MaskingShadowing::Separable, alpha, f0, n, v: n };
+        let surface = Surface::new(model, MaskingShadowing::Separable, alpha, f0, [n, n]);
         reference::integrate(&environment, &surface, TOLERANCE).specular_white
     };
     // Rows are constant, and the lobe is a thousandth of one.

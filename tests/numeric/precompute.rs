@@ -138,7 +138,7 @@ fn the_masking_weight_is_exact_if_the_view_is_the_normal() {
     let cases: Vec<_> = MODELS.iter().flat_map(|m| MaskingShadowing::all().map(move |k| (*m, *k))).collect();
     cases.into_par_iter().for_each(|(model, masking)| {
         for alpha in [0.1, 0.5, 1.0] {
-            let surface = Surface { model, masking, alpha, f0: DVec3::ONE, n, v: n };
+            let surface = Surface::new(model, masking, alpha, DVec3::ONE, [n, n]);
             let truth = integrate(&environment, &surface, LOOSE).specular;
             let kernel = Kernel::new(model, weight, masking);
             let mean = prefilter(&environment, kernel, alpha, n, LOOSE);

@@ -42,9 +42,9 @@ float rougher_share(Lobe lobe) {
 // Density of l under the samplers of both lobes, no narrower than alpha_min.
 float lobe_density(Lobe lobe, vec3 h_local, float alpha_min) {
     float rougher = rougher_share(lobe);
-    float pdf = rougher * pdf_visible_l_brdf(vec3(0.0, 0.0, 1.0), h_local, max(lobe.alpha.y, alpha_min));
+    float pdf = rougher * pdf_visible_l_brdf(vec3(0.0, 0.0, 1.0), h_local, vec2(max(lobe.alpha.y, alpha_min)));
     if (rougher < 1.0) {
-        pdf += (1.0 - rougher) * pdf_visible_l_brdf(vec3(0.0, 0.0, 1.0), h_local, max(lobe.alpha.x, alpha_min));
+        pdf += (1.0 - rougher) * pdf_visible_l_brdf(vec3(0.0, 0.0, 1.0), h_local, vec2(max(lobe.alpha.x, alpha_min)));
     }
     return pdf;
 }
@@ -67,7 +67,7 @@ vec3 lobe_sample(Lobe lobe, vec2 xi) {
     bool is_rougher = xi.x < rougher;
     float u = is_rougher ? xi.x / rougher : (xi.x - rougher) / (1.0 - rougher);
     vec3 v_local = vec3(0.0, 0.0, 1.0);
-    return reflect(-v_local, sample_visible_brdf(vec2(u, xi.y), v_local, is_rougher ? lobe.alpha.y : lobe.alpha.x));
+    return reflect(-v_local, sample_visible_brdf(vec2(u, xi.y), v_local, vec2(is_rougher ? lobe.alpha.y : lobe.alpha.x)));
 }
 
 float lobe_mirror(Lobe lobe) {

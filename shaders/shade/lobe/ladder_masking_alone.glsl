@@ -5,7 +5,7 @@
 #include "lib/microfacet_lobe.glsl"
 
 Lobe lobe_at(Surface s, ShadeParams params) {
-    return microfacet_lobe(s.n, s.v, s.alpha, s.f0);
+    return microfacet_lobe(frame_of_surface(s), s.v, s.width, s.f0);
 }
 
 LobeValue lobe_eval(Lobe lobe, vec3 l_local) {

@@ -5,7 +5,7 @@
 
 Lobe lobe_at(Surface s, ShadeParams params) {
     vec3 r = normalize(reflect(-s.v, s.n));
-    return microfacet_lobe(r, r, s.alpha, vec3(1.0));
+    return microfacet_lobe(frame_from_normal(r), r, s.width, vec3(1.0));
 }
 
 LobeValue lobe_eval(Lobe lobe, vec3 l_local) {

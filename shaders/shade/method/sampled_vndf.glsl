@@ -11,11 +11,11 @@
 #include "lib/surface.glsl"
 
 vec3 specular_radiance(Surface s) {
-    mat3 frame = frame_from_normal(s.n);
+    mat3 frame = frame_of_surface(s);
     vec3 v_local = s.v * frame;
     v_local.z = s.n_dot_v;
-    VisibleNormals normals = visible_normals_brdf(v_local, s.alpha);
-    float g1_v = g1(s.n_dot_v, s.alpha, MASKING);
+    VisibleNormals normals = visible_normals_brdf(v_local, s.width);
+    float g1_v = g1(v_local, s.width, MASKING);
 
     vec3 sum = vec3(0.0);
     for (uint i = 0u; i < params.point_count; ++i) {
@@ -23,7 +23,7 @@ vec3 specular_radiance(Surface s) {
         float v_dot_h = dot(v_local, visible.h_local);
         vec3 l_local = 2.0 * v_dot_h * visible.h_local - v_local;
         vec3 li = sampled_radiance(frame * l_local, 1.0 / (float(params.sample_count) * visible.pdf_l));
-        float g = g2_from_g1(g1_v, g1(l_local.z, s.alpha, MASKING), MASKING);
+        float g = g2_from_g1(g1_v, g1(l_local, s.width, MASKING), MASKING);
         // A select, not a branch: neighbours would wait for the lookup anyway.
         sum += li * f_schlick(v_dot_h, s.f0) * (l_local.z > 0.0 && v_dot_h > 0.0 ? g * visible.d_over_pdf : 0.0);
     }

@@ -22,7 +22,7 @@ use crate::math::harmonics::SmoothMap;
 use crate::math::quadrature::Tolerance;
 use crate::pixels::lookup::{Wrap, bilinear};
 use crate::precompute::dfg::reference::dfg_within;
-use crate::shade::reference::specular;
+use crate::shade::reference::{Surface, specular};
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 use serde::Serialize;
@@ -88,7 +88,7 @@ pub fn score(truth: &Truth, bake: &Bake, convention: &Convention) -> Result<Vec<
         let of_surface = |[n, v]: &[DVec3; 2]| {
             let r = reflect(*v, *n);
             let n_dot_v = n.dot(*v);
-            let exact = specular(&quadrature, kernel.brdf, masking, alpha, [*n, *v], WITHIN);
+            let exact = specular(&quadrature, &Surface::new(kernel.brdf, masking, alpha, DVec3::ONE, [*n, *v]), WITHIN);
             let white = exact.combine([DVec3::ONE, DVec3::ZERO]).value;
             let grazing = exact.combine([DVec3::ZERO, DVec3::ONE]).value;
             let mut means = vec![prefiltered.value(r)];

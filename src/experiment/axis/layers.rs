@@ -1,14 +1,58 @@
-//! The axes of layers over the base. They came later: a cell without a layer has the id that it had before.
+//! The axes of anisotropy and of layers over the base. They came later: a cell without either has the id that it had before.
 
 use super::plain::{PLAIN, ROUGHNESS, first};
 use super::{Axis, Part, Spelling, Symbol};
+use crate::brdf::WidthLaw;
 use crate::experiment::value::{Kind, Range};
+use crate::shade::bend::Bend;
 use crate::shade::coat::{CoatLayering, CoatRenderer};
 use crate::spelling::Listed;
 
 const LAYER: Axis = Axis { is_layer: true, ..PLAIN };
 
 pub(super) const LAYER_AXES: &[Axis] = &[
+    Axis {
+        name: "anisotropy",
+        about: "strength of the anisotropy of every material, by anisotropy_widths; 0 has one width",
+        plural: "anisotropies",
+        symbol: Symbol::Before("anisotropy"),
+        kind: Kind::Number(Range::closed(0.0, 1.0)),
+        apply: |s, v| s.material.anisotropy = Some(v.number() as f32),
+        ..LAYER
+    },
+    Axis {
+        name: "anisotropy_rotation_deg",
+        label: "Tangent turn (°)",
+        about: "turns the direction of the larger width from the tangent, counter-clockwise about the normal",
+        plural: "turns of the tangent",
+        symbol: Symbol::After("deg", "degrees"),
+        used: |u| u.has_anisotropy,
+        kind: Kind::Number(Range::closed(-360.0, 360.0)),
+        apply: |s, v| s.material.anisotropy_turn = Some(v.number().to_radians() as f32),
+        ..LAYER
+    },
+    Axis {
+        name: "anisotropy_widths",
+        about: "how alpha and strength make two widths, for the image and its reference: gltf keeps the narrow one as alpha, kulla (Filament, Unity) the mean, disney (Godot) the geometric mean, openpbr the mean square",
+        plural: "laws of widths",
+        used: |u| u.has_anisotropy,
+        kind: Kind::one_of::<WidthLaw>(),
+        default: first::<WidthLaw>,
+        apply: |s, v| s.shading.widths = *WidthLaw::listed(v.text()),
+        ..LAYER
+    },
+    Axis {
+        name: "bend",
+        part: Part::Parameter,
+        about: "whose way to look up an anisotropic lobe, for split-sum-bent; `splitsum list bends`",
+        plural: "bends",
+        used: |u| u.method.uses_bend,
+        kind: Kind::one_of::<Bend>(),
+        default: first::<Bend>,
+        reference: |_, _| first::<Bend>(),
+        apply: |s, v| s.shading.bend = Bend::listed(v.text()),
+        ..LAYER
+    },
     Axis {
         name: "coat",
         about: "weight of a clear coat on every material; 0 has none",

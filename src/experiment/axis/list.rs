@@ -325,6 +325,7 @@ indices! {
     ALPHA = "alpha";
     ALBEDO = "albedo";
     COAT = "coat";
+    ANISOTROPY = "anisotropy";
     METALLIC = "metallic";
     EXPOSURE = "exposure";
     CONTRAST = "contrast";

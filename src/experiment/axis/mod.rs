@@ -145,6 +145,8 @@ pub struct Used {
     pub has_dielectric: bool,
     /// Whether a surface may have a coat.
     pub has_coat: bool,
+    /// Whether a lobe may have two widths.
+    pub has_anisotropy: bool,
     /// Whether the filtered tables are sampled.
     pub has_sampled_tables: bool,
     /// Whether the prefiltered map and the DFG table are made by splitsum.
@@ -177,6 +179,11 @@ impl Used {
 }
 
 impl Axis {
+    /// Returns the axis without which this one means nothing: `coat` of `coat_alpha`.
+    pub fn layer(&self) -> Option<&'static str> {
+        ["coat", "anisotropy"].into_iter().find(|layer| self.name.starts_with(&format!("{layer}_")))
+    }
+
     /// Whether another value means another linear image.
     pub fn changes_radiance(&self) -> bool {
         self.part != Part::Display
@@ -264,7 +271,8 @@ impl Point {
         let has_own = [PREFILTERED, DFG_TABLE].map(|axis| AXES[axis].kind.path_in(&self[axis].to_string()).is_none());
         let compensation = self.settings().shading.compensation;
         let is_built_in = SCENES.iter().any(|entry| entry.name == self[SCENE].text());
-        let has_coat = self[COAT] != Value::Number(0.0) && !(self[COAT] == Value::Unset && is_built_in);
+        let may_have = |axis: usize| self[axis] != Value::Number(0.0) && !(self[axis] == Value::Unset && is_built_in);
+        let (has_coat, has_anisotropy) = (may_have(COAT), may_have(ANISOTROPY));
         // Compensation may add a diffuse term to any surface.
         let has_diffuse_surface = has_diffuse_surface || compensation.is_diffuse();
         let used = Used {
@@ -275,6 +283,7 @@ impl Point {
             has_diffuse_surface,
             has_dielectric,
             has_coat,
+            has_anisotropy,
             has_sampled_tables,
             has_own,
         };

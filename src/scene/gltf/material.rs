@@ -8,6 +8,7 @@
 //! | `normalTexture` with `scale` | normal map | none |
 //! | `doubleSided` | whether backs are seen | they are not |
 //! | `KHR_materials_ior` | f0 = ((ior - 1) / (ior + 1))² | 0.04 |
+//! | `KHR_materials_anisotropy` | strength; turn of the tangent; map of directions, texture red, green, blue | 0 |
 //! | `KHR_materials_clearcoat` | coat: factor, texture red; roughness factor², texture green; normals | none |
 //!
 //! Factors are clamped to [0, 1]. The maps of a material share one set of texture coordinates and one
@@ -20,7 +21,7 @@ use crate::brdf;
 use crate::glsl::constants::ALPHA_MIN;
 use crate::pixels::lookup::{Edge, Wrap};
 use crate::scene::maps::{Maps, Meaning};
-use crate::scene::material::{Coat, Material};
+use crate::scene::material::{Anisotropy, Coat, Material};
 use crate::scene::source::SceneFiles;
 use ::gltf::image::Source;
 use ::gltf::json::extensions::texture::TextureTransform;
@@ -31,9 +32,18 @@ use serde::Deserialize;
 use std::collections::{BTreeSet, HashMap};
 use std::path::Path;
 
+const ANISOTROPY: &str = "KHR_materials_anisotropy";
 const CLEARCOAT: &str = "KHR_materials_clearcoat";
 
-/// The extension's members; the crate has none of its own.
+/// An extension's members; the crate has none of its own.
+#[derive(Default, Deserialize)]
+#[serde(default, rename_all = "camelCase")]
+struct Stretched {
+    anisotropy_strength: f32,
+    anisotropy_rotation: f32,
+    anisotropy_texture: Option<Map>,
+}
+
 #[derive(Default, Deserialize)]
 #[serde(default, rename_all = "camelCase")]
 struct Clearcoat {
@@ -44,11 +54,23 @@ struct Clearcoat {
     clearcoat_normal_texture: Option<Map>,
 }
 
-impl Clearcoat {
+struct Extensions {
+    anisotropy: Stretched,
+    coat: Clearcoat,
+}
+
+impl Extensions {
     fn maps(&self) -> impl Iterator<Item = &Map> {
-        let maps = [&self.clearcoat_texture, &self.clearcoat_roughness_texture, &self.clearcoat_normal_texture];
-        maps.into_iter().flatten()
+        let Clearcoat { clearcoat_texture, clearcoat_roughness_texture, clearcoat_normal_texture, .. } = &self.coat;
+        let direction = &self.anisotropy.anisotropy_texture;
+        [clearcoat_texture, clearcoat_roughness_texture, clearcoat_normal_texture, direction].into_iter().flatten()
     }
+}
+
+/// Reads the members of an extension; without it they have their defaults.
+fn extension<T: Default + serde::de::DeserializeOwned>(material: &::gltf::Material, name: &str) -> Result<T, String> {
+    let members = material.extension_value(name).map(T::deserialize).transpose();
+    Ok(members.map_err(|error| format!("{name} of its material: {error}"))?.unwrap_or_default())
 }
 
 #[derive(Deserialize)]
@@ -67,7 +89,7 @@ struct Map {
 #[derive(Default)]
 pub struct Materials<'a> {
     used: Vec<::gltf::Material<'a>>,
-    coats: Vec<Clearcoat>,
+    extensions: Vec<Extensions>,
     slots: HashMap<Option<usize>, usize>,
 }
 
@@ -77,15 +99,17 @@ impl<'a> Materials<'a> {
         if let Some(slot) = self.slots.get(&material.index()) {
             return Ok(*slot);
         }
-        let coat = material.extension_value(CLEARCOAT).map(Clearcoat::deserialize).transpose();
-        self.coats.push(coat.map_err(|error| format!("{CLEARCOAT} of its material: {error}"))?.unwrap_or_default());
+        let (anisotropy, coat) = (extension(material, ANISOTROPY)?, extension(material, CLEARCOAT)?);
+        self.extensions.push(Extensions { anisotropy, coat });
         self.used.push(material.clone());
         self.slots.insert(material.index(), self.used.len() - 1);
         Ok(self.used.len() - 1)
     }
 
-    pub fn has_normal_map(&self, slot: usize) -> bool {
-        self.used[slot].normal_texture().is_some() || self.coats[slot].clearcoat_normal_texture.is_some()
+    pub fn needs_tangents(&self, slot: usize) -> bool {
+        let Extensions { anisotropy, coat } = &self.extensions[slot];
+        let is_stretched = anisotropy.anisotropy_strength > 0.0;
+        self.used[slot].normal_texture().is_some() || coat.clearcoat_normal_texture.is_some() || is_stretched
     }
 
     pub fn has_maps(&self, slot: usize) -> bool {
@@ -93,7 +117,7 @@ impl<'a> Materials<'a> {
         let maps = [factors.base_color_texture(), factors.metallic_roughness_texture()];
         maps.iter().any(Option::is_some)
             || material.normal_texture().is_some()
-            || self.coats[slot].maps().next().is_some()
+            || self.extensions[slot].maps().next().is_some()
     }
 
     /// Returns the texture coordinate set of a material's maps, and its transform.
@@ -123,8 +147,8 @@ impl<'a> Materials<'a> {
                 transform.transpose().map_err(|error| format!("KHR_texture_transform of its normal map: {error}"))?;
             mappings.push(of_json(map.tex_coord(), transform.as_ref()));
         }
-        let of_coat = |map: &Map| of_json(map.tex_coord, map.extensions.texture_transform.as_ref());
-        mappings.extend(self.coats[slot].maps().map(of_coat));
+        let of_map = |map: &Map| of_json(map.tex_coord, map.extensions.texture_transform.as_ref());
+        mappings.extend(self.extensions[slot].maps().map(of_map));
         let first = mappings.first().copied().unwrap_or((0, DAffine2::IDENTITY));
         match mappings.iter().find(|mapping| **mapping != first) {
             None => Ok(first),
@@ -172,7 +196,7 @@ impl<'a> Materials<'a> {
             Ok::<usize, String>(index)
         };
         let mut materials = Vec::new();
-        for (material, coat) in self.used.iter().zip(&self.coats) {
+        for (material, Extensions { anisotropy, coat }) in self.used.iter().zip(&self.extensions) {
             let factors = material.pbr_metallic_roughness();
             let (albedo, surface) = (factors.base_color_texture(), factors.metallic_roughness_texture());
             let albedo_map = albedo.map(|info| map(info.texture(), Meaning::Color, unread)).transpose()?;
@@ -182,19 +206,25 @@ impl<'a> Materials<'a> {
                 map(info.texture(), Meaning::Normal { scale: info.scale() }, unread)
             };
             let normal_map = normal.map(scaled).transpose()?;
-            let mut coat_map = |texture: &Option<Map>, meaning: fn(f32) -> Meaning| {
+            let mut map_of = |extension: &str, texture: &Option<Map>, meaning: fn(f32) -> Meaning| {
                 let Some(Map { index, scale, .. }) = texture else { return Ok(None) };
                 let texture = document.textures().nth(*index);
-                let texture = texture.ok_or_else(|| format!("{CLEARCOAT}: there is no texture {index}"))?;
+                let texture = texture.ok_or_else(|| format!("{extension}: there is no texture {index}"))?;
                 map(texture, meaning(scale.unwrap_or(1.0)), unread).map(Some)
+            };
+            let anisotropy = Anisotropy {
+                strength: anisotropy.anisotropy_strength.clamp(0.0, 1.0),
+                turn: anisotropy.anisotropy_rotation,
+                map: map_of(ANISOTROPY, &anisotropy.anisotropy_texture, |_| Meaning::Direction)?,
+                is_shown: false,
             };
             let coat_alpha = f64::from(coat.clearcoat_roughness_factor.clamp(0.0, 1.0));
             let coat = Coat {
                 weight: coat.clearcoat_factor.clamp(0.0, 1.0),
-                weight_map: coat_map(&coat.clearcoat_texture, |_| Meaning::Linear)?,
+                weight_map: map_of(CLEARCOAT, &coat.clearcoat_texture, |_| Meaning::Linear)?,
                 alpha: (brdf::alpha_from_perceptual_roughness(coat_alpha) as f32).max(ALPHA_MIN),
-                roughness_map: coat_map(&coat.clearcoat_roughness_texture, |_| Meaning::Linear)?,
-                normal_map: coat_map(&coat.clearcoat_normal_texture, |scale| Meaning::Normal { scale })?,
+                roughness_map: map_of(CLEARCOAT, &coat.clearcoat_roughness_texture, |_| Meaning::Linear)?,
+                normal_map: map_of(CLEARCOAT, &coat.clearcoat_normal_texture, |scale| Meaning::Normal { scale })?,
             };
             let is_left_out = [
                 ("emission", material.emissive_factor() != [0.0; 3]),
@@ -215,6 +245,7 @@ impl<'a> Materials<'a> {
                 roughness_map: surface_map,
                 f0: material.ior().map_or(default.f0, |ior| [brdf::f0_from_ior(f64::from(ior.max(0.0))) as f32; 3]),
                 normal_map,
+                anisotropy,
                 coat,
                 is_one_sided: !material.double_sided(),
             });

@@ -2,7 +2,7 @@
 //!
 //! Read: lists, strips and fans of triangles; positions, normals, tangents and one set of texture coordinates, also
 //! quantized (`KHR_mesh_quantization`), sparse and interleaved; buffers and images in the file, beside it or as
-//! `data:`. Missing normals are the triangles' own, missing tangents under a normal map are MikkTSpace's (section
+//! `data:`. Missing normals are the triangles' own, missing tangents under a normal map or an anisotropy are MikkTSpace's (section
 //! 3.7.2.1). Winding determines the front; a mirroring transform flips it.
 //!
 //! Refused: morph targets, skins, required extensions other than [`EXTENSIONS`]. Other features (emission, occlusion,
@@ -26,8 +26,13 @@ use serde::Deserialize;
 use std::collections::BTreeSet;
 use std::path::Path;
 
-const EXTENSIONS: [&str; 4] =
-    ["KHR_materials_clearcoat", "KHR_materials_ior", "KHR_mesh_quantization", "KHR_texture_transform"];
+const EXTENSIONS: [&str; 5] = [
+    "KHR_materials_anisotropy",
+    "KHR_materials_clearcoat",
+    "KHR_materials_ior",
+    "KHR_mesh_quantization",
+    "KHR_texture_transform",
+];
 /// Most vertices after placement, and most corners / 3: below 1.5 GiB.
 const MAX_VERTICES: usize = 1 << 23;
 /// Largest coordinate: its square is finite in f32.
@@ -295,7 +300,7 @@ impl<'a> Reader<'a> {
         }
         let has_normal = |index: &u32| placed.normals.get(*index as usize).is_some_and(|normal| *normal != [0.0; 3]);
         let is_flat = !placed.indices.iter().all(has_normal);
-        let needs_tangents = self.materials.has_normal_map(slot) && (is_flat || !has_tangents);
+        let needs_tangents = self.materials.needs_tangents(slot) && (is_flat || !has_tangents);
         if is_flat || needs_tangents {
             placed = tangents::corners(&placed, is_flat);
         }

@@ -6,8 +6,10 @@ mod sampled;
 mod sampled_unfiltered;
 mod sampled_vndf;
 pub mod split_sum;
+mod split_sum_bent;
 mod split_sum_cap;
 mod split_sum_engines;
+mod split_sum_strips;
 mod split_sum_taps;
 
 use super::diffuse::Diffuse;
@@ -36,6 +38,8 @@ pub struct Method {
     /// Reads the points of a sequence and set (`math::sequence`).
     pub uses_point_set: bool,
     pub uses_lod_bias: bool,
+    /// Reads the axis `bend`.
+    pub uses_bend: bool,
     /// Lookups of the prefiltered map per pixel.
     pub lookups: u32,
     /// Reads the DFG table for the specular term itself; see [`Method::needs_dfg`].
@@ -75,6 +79,9 @@ pub static METHODS: &[Method] = &[
     split_sum_taps::ONE,
     split_sum_taps::TWO,
     split_sum_taps::FOUR,
+    split_sum_bent::METHOD,
+    split_sum_strips::TWO,
+    split_sum_strips::FOUR,
     Method::plain(NONE, "No specular term", "no specular term", Twin::Estimator(|_, _, _| DVec3::ZERO)),
     INTEGRATED,
     ladder::FRESNEL,
@@ -113,6 +120,7 @@ impl Method {
             uses_samples: false,
             uses_point_set: false,
             uses_lod_bias: false,
+            uses_bend: false,
             lookups: 0,
             uses_dfg: false,
             tap_table: None,

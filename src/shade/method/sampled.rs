@@ -5,9 +5,8 @@
 //! of the sample and `omega_p` of a texel of level 0. Directions below the horizon add 0 but count in N.
 
 use super::Method;
-use crate::brdf::{Brdf, eval, pdf_d_l, reflect};
+use crate::brdf::{Brdf, Widths, eval, pdf_d_l, reflect};
 use crate::environment::layout::lod_from_solid_angles;
-use crate::math::frame::Frame;
 use crate::shade::reference::Surface;
 use crate::shade::twin::{Light, Samples, Twin};
 use glam::{DVec2, DVec3};
@@ -25,28 +24,28 @@ pub const METHOD: Method = Method {
 };
 
 /// Draws a half vector; returns it and the density of the direction that mirrors the view.
-type Sampler = fn(&dyn Brdf, DVec2, DVec3, f64) -> (DVec3, f64);
+type Sampler = fn(&dyn Brdf, DVec2, DVec3, Widths) -> (DVec3, f64);
 
 /// Half vectors of density `D n_dot_m`.
-pub(super) const BY_D: Sampler = |model, xi, v_local, alpha| {
-    let h = model.sample_d(xi, alpha);
-    (h, pdf_d_l(model, v_local, h, alpha))
+pub(super) const BY_D: Sampler = |model, xi, v_local, widths| {
+    let h = widths.sample_d(model, xi);
+    (h, pdf_d_l(model, v_local, h, widths))
 };
 
 /// Visible normals.
-pub(super) const BY_VNDF: Sampler = |model, xi, v_local, alpha| {
-    let h = model.sample_vndf(xi, v_local, alpha);
-    (h, model.pdf_vndf_l(v_local, h, alpha))
+pub(super) const BY_VNDF: Sampler = |model, xi, v_local, widths| {
+    let h = model.sample_vndf(xi, v_local, widths);
+    (h, model.pdf_vndf_l(v_local, h, widths))
 };
 
 /// Computes the sum in the module's documentation; reads the unfiltered environment unless `filtered`.
 pub(super) fn estimate(surface: &Surface, light: &Light, samples: &Samples, filtered: bool, draw: Sampler) -> DVec3 {
-    let Surface { model, masking, alpha, f0, n, v } = *surface;
-    let frame = Frame::from_normal(n);
+    let Surface { model, masking, f0, v, .. } = *surface;
+    let (frame, widths) = (surface.frame(), surface.widths());
     let v_local = frame.to_local(v);
     let count = f64::from(samples.count);
     let term = |xi| {
-        let (h, pdf_l) = draw(model, xi, v_local, alpha);
+        let (h, pdf_l) = draw(model, xi, v_local, widths);
         let l_local = reflect(v_local, h);
         if l_local.z <= 0.0 || v_local.dot(h) <= 0.0 {
             return DVec3::ZERO;
@@ -60,7 +59,7 @@ pub(super) fn estimate(surface: &Surface, light: &Light, samples: &Samples, filt
             }
             false => light.radiance(l, 0.0),
         };
-        radiance * eval(model, v_local, l_local, alpha, f0, masking) * (l_local.z / pdf_l)
+        radiance * eval(model, v_local, l_local, widths, f0, masking) * (l_local.z / pdf_l)
     };
     samples.points().map(term).sum::<DVec3>() / count
 }

@@ -197,9 +197,9 @@ fn the_reference_inherits_the_axes_of_cases_alone() {
         };
         // Sample counts matter if the tables are sampled.
         let by = if axis.name == "prefilter" { "" } else { "prefilter = [\"sampled\"]\n" };
-        let coat = if axis.is_layer && axis.name != "coat" { "coat = [1]\n" } else { "" };
+        let layer = axis.layer().map_or(String::new(), |layer| format!("{layer} = [1]\n"));
         let plan = plan(&format!(
-            "name = \"x\"\n[axes]\n{by}{coat}{} = [{values}]\nmethod = [\"sampled\", \"split-sum\"]\nsamples = [4]\n\
+            "name = \"x\"\n[axes]\n{by}{layer}{} = [{values}]\nmethod = [\"sampled\", \"split-sum\", \"split-sum-bent\"]\nsamples = [4]\n\
                  diffuse = [\"irradiance-map\"]\n",
             axis.name
         ));

@@ -1,7 +1,7 @@
 //! The f64 g-buffer.
 
+use crate::gbuffer_twin::gbuffer;
 use glam::DVec3;
-use splitsum::gbuffer::reference::gbuffer;
 use splitsum::pixels::{GrayImage, exr};
 use splitsum::scene::{Camera, CameraKind, MaterialOverride, Scene};
 use splitsum::spelling::Listed;

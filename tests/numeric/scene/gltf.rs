@@ -1,5 +1,6 @@
 //! glTF files, made by the tests in memory.
 
+use crate::gbuffer_twin::gbuffer;
 use crate::gltf_files::{load, mesh, png, sheet, textured};
 use crate::snapshot::assert_snapshot;
 use glam::{DQuat, DVec3};
@@ -7,10 +8,10 @@ use serde_json::{Value, json};
 use splitsum::brdf::alpha_from_perceptual_roughness;
 use splitsum::color::srgb_decode;
 use splitsum::gbuffer::Gbuffer;
-use splitsum::gbuffer::reference::gbuffer;
 use splitsum::pixels::RgbImage;
 use splitsum::pixels::lookup::Wrap;
 use splitsum::scene::{Camera, CameraKind, MaterialOverride, Mesh, Projection, Scene, Texture};
+use std::f64::consts::FRAC_PI_6;
 
 /// Rounding of f32 numbers of order 1.
 const F32: f64 = 1e-6;
@@ -311,6 +312,24 @@ fn axes_replace_factors() {
     let near = |[a, b]: [f64; 2], [c, d]: [f64; 2]| (a - c).abs() < F32 && (b - d).abs() < F32;
     assert!(near(texel(&mapped), [0.04, 0.4]), "{:?}", texel(&mapped));
     assert!(near(texel(&set), [0.5, 0.4]), "{:?}", texel(&set));
+}
+
+/// The anisotropy of a file: map and rotation turn the tangent, and blue scales the strength.
+#[test]
+fn an_anisotropy_has_its_direction_and_strength() {
+    let plain = json!({ "anisotropyStrength": 0.5, "anisotropyRotation": FRAC_PI_6 });
+    let mut mapped = plain.clone();
+    mapped["anisotropyTexture"] = json!({ "index": 0 });
+    for (anisotropy, degrees, strength) in [(plain, 30.0f64, 0.5), (mapped, 75.0, 0.4)] {
+        let material = json!({ "extensions": { "KHR_materials_anisotropy": anisotropy } });
+        // Halfway between the tangent and the bitangent, 0.8 long.
+        let scene = loaded(&textured(quad(), material, &[png(1, 1, |_, _| [218, 218, 204])]));
+        assert!(scene.has_anisotropy(), "{degrees}");
+        let [x, y, z, found] = seen(&scene.tangents(), [1, 1], DVec3::Z).normal_alpha.data[0];
+        let (sin, cos) = degrees.to_radians().sin_cos();
+        assert!((x - cos).abs() < 1e-5 && (y - sin).abs() < 1e-5 && z.abs() < 1e-6, "{degrees}: {x} {y} {z}");
+        assert!((found - strength).abs() < F32, "{degrees}: {found}");
+    }
 }
 
 /// The coat of a file as the g-buffers of its surface and of its weight: factors, channels, normal map.

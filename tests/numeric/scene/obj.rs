@@ -1,9 +1,9 @@
 //! OBJ files, written by the tests into a temporary folder.
 
 use crate::cpu_time;
+use crate::gbuffer_twin::gbuffer;
 use crate::snapshot::assert_snapshot;
 use glam::DVec3;
-use splitsum::gbuffer::reference::gbuffer;
 use splitsum::scene::{Camera, CameraKind, Mesh, Scene};
 use std::fmt::Write;
 

@@ -1,12 +1,13 @@
-//! The f64 twin: a ray through each pixel's centre against exact spheres and all triangles (for small test meshes).
+//! The f64 twin of the g-buffer: a ray through each pixel's centre against exact spheres and all triangles (for small test meshes).
 
-use super::Gbuffer;
-use crate::glsl::constants::ALPHA_MIN;
-use crate::pixels::Pixels;
-use crate::pixels::lookup::trilinear;
-use crate::scene::{Camera, Material, Mesh, Scene, Sphere, Texture};
 use glam::{DVec2, DVec3, DVec4, Vec2, Vec3, Vec4, Vec4Swizzles as _};
 use rayon::prelude::*;
+use splitsum::gbuffer::Gbuffer;
+use splitsum::glsl::constants::ALPHA_MIN;
+use splitsum::math::frame::east;
+use splitsum::pixels::Pixels;
+use splitsum::pixels::lookup::trilinear;
+use splitsum::scene::{Anisotropy, Camera, Material, Mesh, Scene, Sphere, Texture};
 
 /// The first hit of a ray.
 struct Hit<'a> {
@@ -64,12 +65,22 @@ fn texels(scene: &Scene, hit: &Hit, quad: [(DVec3, DVec3); 2]) -> [[f64; 4]; 4] 
     let metallic = f64::from(material.metallic) * map(material.metallic_map, DVec3::ONE).z;
     let roughness = map(material.roughness_map, DVec3::ONE).y;
     let alpha = (f64::from(material.alpha) * roughness.powi(2)).max(f64::from(ALPHA_MIN));
-    let n = hit.mapped.as_ref().map_or(hit.n, |at| {
-        let (m, tangent) = (map(material.normal_map, DVec3::Z), at.tangent);
-        // Vectors between vertices are not unit vectors, and maps are baked for those [Mikkelsen08].
-        let bitangent = tangent.w.signum() * hit.n.cross(tangent.xyz());
-        (m.x * tangent.xyz() + m.y * bitangent + m.z * hit.n).normalize() * at.side
-    });
+    let Anisotropy { strength, turn, is_shown, .. } = material.anisotropy;
+    // Without a tangent of its own a surface has the one of spheres.
+    let own = hit.mapped.as_ref().map(|at| at.tangent).filter(|tangent| !is_shown || tangent.xyz() != DVec3::ZERO);
+    let tangent = own.unwrap_or_else(|| east(hit.n.normalize(), 0.0).extend(1.0));
+    let side = hit.mapped.as_ref().map_or(1.0, |at| at.side);
+    // Vectors between vertices are not unit vectors, and maps are baked for those [Mikkelsen08].
+    let bitangent = tangent.w.signum() * hit.n.cross(tangent.xyz());
+    let turned = |m: DVec3| side * (m.x * tangent.xyz() + m.y * bitangent + m.z * hit.n).normalize();
+    let (n, alpha) = if is_shown {
+        let direction = map(material.normal_map, DVec3::X);
+        let unit = direction.truncate().normalize_or(DVec2::X);
+        let m = DVec2::from_angle(turn.into()).rotate(unit).extend(0.0);
+        (turned(m), f64::from(strength) * direction.length())
+    } else {
+        (turned(map(material.normal_map, DVec3::Z)), alpha)
+    };
     let f0 = rgb(material.f0).lerp(albedo, metallic);
     let with = |xyz: DVec3, w: f64| xyz.extend(w).to_array();
     [with(hit.position, 1.0), with(n, alpha), with(albedo, metallic), with(f0, hit.material as f64)]

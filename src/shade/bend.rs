@@ -1,0 +1,126 @@
+//! How engines look up an anisotropic lobe in tables made for one width: data for the method `split-sum-bent`.
+//!
+//! An engine knows alpha and a strength by its own law of widths; both follow from the two widths. With `pr = √alpha` and `g`
+//! the view less its part along the bitangent, the lookup `P(d, level) (f0 A + B)` has a bent normal `n' = mix(n, g, share)`,
+//! a direction d between `r' = reflect(-v, n')` and n or n', and one alpha for level and albedo. The formulas are in
+//! `shaders/shade/method/split_sum_bent.glsl` and its twin; sources at the versions that `docs/anisotropy.md` names.
+
+use crate::glsl::constants as code;
+use crate::spelling::listed;
+
+/// The law by which an engine names two widths; its alpha is also the one for the tables.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u32)]
+pub enum Names {
+    /// The narrow width; `s² = (x - y)/(1 - y)`.
+    Narrow = code::BEND_NAMES_NARROW,
+    /// The mean; `a = (x - y)/(x + y)`.
+    Mean = code::BEND_NAMES_MEAN,
+    /// The geometric mean; `a = (1 - y/x)/0.9`.
+    Geometric = code::BEND_NAMES_GEOMETRIC,
+    /// The root of the mean square, without a strength.
+    Square = code::BEND_NAMES_SQUARE,
+}
+
+/// The bent normal.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u32)]
+pub enum Normal {
+    /// n.
+    Plain = code::BEND_NORMAL_PLAIN,
+    /// The share of g is `a sat(5 pr)`.
+    Linear = code::BEND_NORMAL_LINEAR,
+    /// `1 - (1 - s (1 - pr))⁴`.
+    Quartic = code::BEND_NORMAL_QUARTIC,
+    /// The same with g a unit vector.
+    QuarticUnit = code::BEND_NORMAL_QUARTIC_UNIT,
+    /// The same with alpha for pr.
+    QuarticAlpha = code::BEND_NORMAL_QUARTIC_ALPHA,
+    /// `a sat(1.5 √pr)`.
+    Root = code::BEND_NORMAL_ROOT,
+    /// The mean visible normal (`split-sum-cap`, [Dupuy23]).
+    Cap = code::BEND_NORMAL_CAP,
+}
+
+/// The direction of the lookup.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u32)]
+pub enum Toward {
+    /// r'.
+    Mirror = code::BEND_TOWARD_MIRROR,
+    /// `mix(r', n, alpha²)`.
+    Normal = code::BEND_TOWARD_NORMAL,
+    /// `mix(r', n', alpha)`.
+    Bent = code::BEND_TOWARD_BENT,
+    /// `mix(r', n', alpha²)`.
+    BentLess = code::BEND_TOWARD_BENT_LESS,
+    /// Frostbite's share between n' and the direction before.
+    Twice = code::BEND_TOWARD_TWICE,
+    /// Unity's share between n and r'; the level's pr times `sat(1.2 - a)`.
+    Unity = code::BEND_TOWARD_UNITY,
+    /// From alpha 0.4 to 0.8, over to Frostbite's direction.
+    Cap = code::BEND_TOWARD_CAP,
+}
+
+/// One renderer's way.
+#[derive(Debug)]
+pub struct Bend {
+    pub name: &'static str,
+    /// Where it is from, for `splitsum list bends`.
+    pub about: &'static str,
+    pub names: Names,
+    pub normal: Normal,
+    pub toward: Toward,
+}
+
+const fn bend(name: &'static str, about: &'static str, names: Names, normal: Normal, toward: Toward) -> Bend {
+    Bend { name, about, names, normal, toward }
+}
+
+/// Every way; the first bends nothing.
+pub static BENDS: &[Bend] = &[
+    bend("none", "along r at the root mean square width", Names::Square, Normal::Plain, Toward::Mirror),
+    bend("cap", "the mirror direction about the mean visible normal, ours", Names::Square, Normal::Cap, Toward::Cap),
+    bend("filament", "getReflectedVector of Filament", Names::Mean, Normal::Linear, Toward::Normal),
+    bend(
+        "gltf",
+        "KHR_materials_anisotropy, section on image-based lighting",
+        Names::Narrow,
+        Normal::QuarticUnit,
+        Toward::Bent,
+    ),
+    bend(
+        "khronos",
+        "getIBLRadianceAnisotropy of the glTF Sample Renderer",
+        Names::Narrow,
+        Normal::Quartic,
+        Toward::Mirror,
+    ),
+    bend(
+        "three",
+        "getIBLAnisotropyRadiance of three.js since 2025",
+        Names::Narrow,
+        Normal::QuarticUnit,
+        Toward::BentLess,
+    ),
+    bend("bevy", "bend_normal_for_anisotropy of Bevy", Names::Narrow, Normal::QuarticAlpha, Toward::Twice),
+    bend("godot", "the sky's lookup of Godot's forward renderer", Names::Geometric, Normal::Linear, Toward::Bent),
+    bend("playcanvas", "reflDirAniso of PlayCanvas", Names::Narrow, Normal::QuarticUnit, Toward::Mirror),
+    bend("unity", "GetGGXAnisotropicModifiedNormalAndRoughness of HDRP", Names::Mean, Normal::Root, Toward::Unity),
+    bend(
+        "materialx",
+        "mx_environment_prefilter of MaterialX: no bend",
+        Names::Geometric,
+        Normal::Plain,
+        Toward::Mirror,
+    ),
+];
+
+listed!(Bend, "bend", BENDS);
+
+impl Bend {
+    /// Returns the specialization constant.
+    pub fn code(&self) -> u32 {
+        self.names as u32 | (self.normal as u32) << 4 | (self.toward as u32) << 8
+    }
+}
