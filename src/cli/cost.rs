@@ -18,8 +18,8 @@ use std::path::PathBuf;
 
 const ALL: &str = "all";
 /// The axes that change code.
-const AXES_OF_CODE: [&str; 8] =
-    ["method", "brdf", "layout", "masking", "compensation", "pixel_points", "level_mapping", "dfg"];
+const AXES_OF_CODE: [&str; 9] =
+    ["method", "brdf", "layout", "masking", "compensation", "pixel_points", "level_mapping", "dfg", "bend"];
 /// A sampled method, and the split sums with the fewest and the most lookups.
 const LEADING: [&str; 3] = ["sampled", "split-sum", "split-sum-four"];
 

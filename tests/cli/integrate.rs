@@ -184,6 +184,9 @@ fn wrong_tables_are_refused() {
         ("columns.csv", format!("{HEADER},n_dot_v,masking,masking,colour\n{row},1,a,b,red\n")),
         // An extra column does not hide the faults of rows.
         ("colour.csv", format!("{HEADER},colour\n{row},red\n")),
+        // Lobes of one width, and a turn of nothing.
+        ("phong.csv", format!("{HEADER},anisotropy\n{},0.5\n", row.replace("ggx", "phong"))),
+        ("turn.csv", format!("{HEADER},anisotropy_rotation_deg\n{row},30\n")),
         ("empty.csv", String::new()),
         ("header.csv", format!("{HEADER}\n\n")),
         ("dfg.csv", "brdf,alpha,n_dot_v,masking\nggx,0.5,0,smith\n".to_owned()),
@@ -205,6 +208,8 @@ fn wrong_tables_are_refused() {
             "integrate slip.csv --out a.csv",
             "integrate columns.csv --out a.csv",
             "integrate colour.csv --out a.csv",
+            "integrate phong.csv --out a.csv",
+            "integrate turn.csv --out a.csv",
             "integrate empty.csv --out a.csv",
             "integrate header.csv --out a.csv",
             "integrate dfg.csv --kind dfg --out a.csv",

@@ -120,6 +120,44 @@ fn the_coat_of_a_table_is_its_integral() {
     }
 }
 
+/// A row with anisotropy against a product rule with both widths of GGX typed here; the tangent at the pole is +x, turned towards -z.
+#[test]
+fn the_anisotropy_of_a_table_is_its_integral() {
+    const STEPS: u32 = 700;
+    let dir = tempfile::tempdir().unwrap();
+    let map = std::env::current_dir().unwrap().join("tests/golden/env_analytic.exr");
+    let text = format!(
+        "environment,brdf,alpha,f0,nx,ny,nz,vx,vy,vz,anisotropy,anisotropy_rotation_deg\n{},ggx,0.2,1,0,1,0,0.6,0.8,0,0.7,30\n",
+        map.display()
+    );
+    std::fs::write(dir.path().join("q.csv"), text).unwrap();
+    let queries = Queries::read(&dir.path().join("q.csv"), Kind::Shading, &LoadOptions::default()).unwrap();
+    let answers = queries.answer(TOLERANCE, || ());
+    let column = |name: &str| match answers.rows[0][answers.columns.iter().position(|c| c == name).unwrap()] {
+        Cell::Number(number) => number,
+        ref other => panic!("{other:?}"),
+    };
+    let (x, y) = (0.2 + 0.8 * 0.49, 0.2);
+    let (tangent, bitangent) = (DVec3::new(0.75f64.sqrt(), 0.0, -0.5), DVec3::new(-0.5, 0.0, -(0.75f64.sqrt())));
+    let squares = |w: DVec3| [w.dot(tangent), w.dot(bitangent)].map(|part| part * part);
+    let g1 = |w: DVec3| {
+        let [t, b] = squares(w);
+        2.0 / (1.0 + (1.0 + (x * x * t + y * y * b) / (w.y * w.y)).sqrt())
+    };
+    let (v, image, mut sum) = (DVec3::new(0.6, 0.8, 0.0), golden_environment(), DVec3::ZERO);
+    for (i, j) in (0..STEPS).flat_map(|i| (0..2 * STEPS).map(move |j| (i, j))) {
+        let mu = (f64::from(i) + 0.5) / f64::from(STEPS);
+        let (sin, cos) = (TAU * (f64::from(j) + 0.5) / f64::from(2 * STEPS)).sin_cos();
+        let l = DVec3::new((1.0 - mu * mu).sqrt() * cos, mu, (1.0 - mu * mu).sqrt() * sin);
+        let h = (v + l).normalize();
+        let [t, b] = squares(h);
+        let d = 1.0 / (PI * x * y * (t / (x * x) + b / (y * y) + h.y * h.y).powi(2));
+        sum += d * g1(v) * g1(l) / (4.0 * v.y) * TAU / f64::from(2 * STEPS * STEPS) * lookup(&image, l);
+    }
+    let own = DVec3::new(column("specular_r"), column("specular_g"), column("specular_b"));
+    assert_close("anisotropic", own, sum, 1e-4);
+}
+
 #[test]
 fn a_sun_in_one_texel_is_exact() {
     // Specular light of one hat of radiance 7e4 on a dim sky: sky times albedo plus the hat by the midpoint rule.

@@ -44,6 +44,8 @@ pub(super) const LAYER_AXES: &[Axis] = &[
     Axis {
         name: "bend",
         part: Part::Parameter,
+        frames_cost: true,
+        is_compared: true,
         about: "whose way to look up an anisotropic lobe, for split-sum-bent; `splitsum list bends`",
         plural: "bends",
         used: |u| u.method.uses_bend,

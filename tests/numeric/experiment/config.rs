@@ -112,6 +112,9 @@ fn every_fault_is_reported_with_its_place() {
         ("square faces", format!("name = \"x\"\n{DEEP}").replace("[16, 16]", "[16, 8]"), &[]),
         ("levels by --set", axes("method = [\"split-sum\"]"), &["prefilter_level_count=7"]),
         ("ladder of compensation", ladder("", "compensation = [\"turquin\"]"), &[]),
+        ("ladder of anisotropy", ladder("", "anisotropy = [0.5]"), &[]),
+        ("anisotropy of one width", axes("brdf = [\"phong\"]\nanisotropy = [0, 0.5]"), &[]),
+        ("anisotropy by a fit", axes("masking = [\"schlick\"]\nanisotropy = [0.5]"), &[]),
         ("ladder of narrow lobes", ladder("", "diffuse = [\"none\"]\nalpha = [0.001]"), &[]),
         ("ladder of few views", ladder("size = [1, 1]\n", ""), &[]),
         (
@@ -277,5 +280,6 @@ fn probable_slips_are_warnings() {
     let idle = |lines: &str| warnings(&format!("name = \"x\"\n[axes]\n{lines}\n")).join("\n");
     assert!(idle("metallic = [1]\nf0 = [0.04, 1]").contains("f0: its 2 values give the same image: every surface"));
     assert!(idle("coat_alpha = [0.1, 0.2]").contains("coat_alpha: its 2 values give one cell: no surface has a coat"));
+    assert!(idle("anisotropy_widths = [\"gltf\", \"kulla\"]").contains("no surface is anisotropic"));
     assert!(idle("metallic = [0]\nf0 = [0.04, 1]\ncoat = [1]\ncoat_alpha = [0.1, 0.2]").is_empty());
 }
