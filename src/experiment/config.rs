@@ -56,17 +56,10 @@ pub struct Exclusion {
     pub place: Place,
 }
 
-/// Executions before the first timed one.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Warmup {
-    Frames(u32),
-    /// Until the times have settled, at most a few seconds.
-    Stable,
-}
-
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Timing {
-    pub warmup: Warmup,
+    /// Executions before the first timed one.
+    pub warmup: u32,
     /// Timed executions.
     pub rounds: u32,
 }

@@ -1,7 +1,7 @@
 //! Sections beside the axes: questions, exclusions, timing, ladder, tables.
 
 use super::axis::{AXES, Named, SAMPLES, is_precompute};
-use super::config::{AXIS, Ask, Config, Exclusion, Placed, Timing, Warmup, axis_names};
+use super::config::{AXIS, Ask, Config, Exclusion, Placed, Timing, axis_names};
 use super::fault::Faults;
 use super::toml_tree::{at, checked, checked_as, list, raw, section, table, text, unknown_key};
 use super::value::{Kind, Raw};
@@ -105,14 +105,12 @@ impl Config {
     }
 
     pub(super) fn read_timing(&mut self, value: &Spanned<DeValue>, faults: &mut Faults) {
-        let mut timing = Timing { warmup: Warmup::Stable, rounds: 15 };
+        let mut timing = Timing { warmup: 3, rounds: 15 };
         for (key, value, _) in section(value, "timing", &["rounds", "warmup"], faults) {
-            let mut count = |max| checked(Kind::Count { min: 1, max }, &format!("timing.{key}"), value, faults);
-            match (key, raw(value)) {
-                ("warmup", Raw::String(text)) if text == "stable" => timing.warmup = Warmup::Stable,
-                ("warmup", _) => timing.warmup = count(10_000).map_or(timing.warmup, |v| Warmup::Frames(v.count())),
-                _ => timing.rounds = count(100_000).map_or(timing.rounds, |v| v.count()),
-            }
+            let (number, max) =
+                if key == "warmup" { (&mut timing.warmup, 10_000) } else { (&mut timing.rounds, 100_000) };
+            let count = checked(Kind::Count { min: 1, max }, &format!("timing.{key}"), value, faults);
+            *number = count.map_or(*number, |v| v.count());
         }
         self.timing = Some(timing);
     }

@@ -72,25 +72,13 @@ pub const TIMINGS: &[Column] = &[
     column("pass", "Name of the device pass."),
     column("n", "Rounds."),
     column("median_ms", "Median time over the rounds, ms."),
-    column("mad_ms", "Median absolute deviation from the median, ms."),
-    column("p05_ms", "5th percentile, ms."),
-    column("p95_ms", "95th percentile, ms."),
-    column("min_ms", "Least time, ms."),
+    column("median_lo_ms", "Lower end of the 95 % interval of the median, ms; empty below six rounds."),
+    column("median_hi_ms", "Upper end of the 95 % interval of the median, ms."),
     column("wall_median_ms", "Median time of the same submissions on the host's clock, ms."),
     column("passes_over_wall", "Median sum of the passes over the median of the host's time."),
     column("wall_check", "`ok`, `passes-exceed-wall`, `mostly-outside-passes` or `no-samples`."),
     column("device", "Name of the device."),
     column("device_type", "`cpu` for a software driver: its times say nothing about a GPU."),
-    column("median_lo_ms", "Lower end of the 95 % interval of the median, ms; empty below six rounds."),
-    column("median_hi_ms", "Upper end of the 95 % interval of the median, ms."),
-    column(
-        "drift_percent_per_min",
-        "Trend over the rounds, percent of the median per minute; empty for short measurements.",
-    ),
-    column("flags", "Warnings: `few-samples`, `drift`, `outliers`."),
-    column("clock_before_mhz", "Mean clock of the processors before the rounds, MHz, or `unknown`."),
-    column("clock_after_mhz", "The same after the rounds, MHz."),
-    column("load_before", "Load average of the host before the rounds."),
 ];
 
 /// `environments.csv`, besides the two axes of the light.

@@ -5,7 +5,6 @@ pub mod environments;
 pub mod estimate;
 pub mod execute;
 pub mod frozen;
-pub mod host;
 pub mod images;
 pub mod live;
 pub mod live_model;

@@ -1,6 +1,5 @@
 //! `provenance.json`: everything that is needed to repeat a run.
 
-use super::host::UNKNOWN;
 use crate::experiment::plan::{Plan, SCHEMA_VERSION};
 use crate::files::{read_regular, relative};
 use crate::pipeline::DeviceInfo;
@@ -142,7 +141,7 @@ pub fn session(device: &DeviceInfo, command_line: &[String]) -> Value {
             "cpu_count": std::thread::available_parallelism().map_or(0, usize::from),
         },
         // Replaced at the end of the run.
-        "wall_s": UNKNOWN,
+        "wall_s": "unknown",
     })
 }
 
@@ -166,6 +165,11 @@ fn host_cpu() -> Option<String> {
     let text = std::fs::read_to_string("/proc/cpuinfo").ok()?;
     let line = text.lines().find(|line| line.starts_with("model name"))?;
     Some(line.split_once(':')?.1.trim().to_owned())
+}
+
+/// A device with its driver, for people.
+pub fn device_words(name: &str, driver: &str) -> String {
+    format!("{name} ({driver})")
 }
 
 /// Name of the machine; `host` if it has none.

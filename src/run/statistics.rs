@@ -1,52 +1,12 @@
-//! Statistics of samples: random numbers, order statistics, drift.
+//! Order statistics of samples.
 
-/// The random numbers of splitmix64 \[Steele14\], a hashed Weyl sequence.
-#[derive(Clone, Debug)]
-pub struct Random(u64);
-
-impl Random {
-    pub fn new(seed: u64) -> Self {
-        Self(seed)
-    }
-
-    fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut x = self.0;
-        x = (x ^ (x >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        x = (x ^ (x >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        x ^ (x >> 31)
-    }
-
-    /// A number in `0..count`; the bias of taking a product's upper half is below count / 2^64.
-    pub fn below(&mut self, count: usize) -> usize {
-        ((u128::from(self.next()) * count as u128) >> 64) as usize
-    }
-
-    /// `0..count` in random order (Fisher-Yates).
-    pub fn order(&mut self, count: usize) -> Vec<usize> {
-        let mut order: Vec<usize> = (0..count).collect();
-        for last in (1..count).rev() {
-            order.swap(last, self.below(last + 1));
-        }
-        order
-    }
-}
-
-/// Quantile of ascending samples by linear interpolation (\[HyndmanFan96\] type 7); NaN for no samples.
-pub fn quantile(sorted: &[f64], p: f64) -> f64 {
-    let Some(last) = sorted.len().checked_sub(1) else { return f64::NAN };
-    let place = p * last as f64;
-    let below = place.floor() as usize;
-    let (share, a, b) = (place - below as f64, sorted[below], sorted[(below + 1).min(last)]);
-    // An infinity counts unless its weight is 0.
-    if share == 0.0 || a == b || a.is_infinite() && b.is_finite() { a } else { a + share * (b - a) }
-}
-
-/// Median of samples in any order; NaN for no samples.
+/// Median of samples in any order, by linear interpolation; NaN for no samples.
 pub fn median(samples: &[f64]) -> f64 {
     let mut sorted = samples.to_vec();
     sorted.sort_by(f64::total_cmp);
-    quantile(&sorted, 0.5)
+    let Some(last) = sorted.len().checked_sub(1) else { return f64::NAN };
+    let (a, b) = (sorted[last / 2], sorted[last.div_ceil(2)]);
+    if a == b || a.is_infinite() && b.is_finite() { a } else { a + 0.5 * (b - a) }
 }
 
 /// Fewer samples have no 95 % interval of their median: even the interval from the smallest to the largest misses it with probability
@@ -73,11 +33,4 @@ pub fn median_interval(samples: &[f64]) -> [f64; 2] {
     let mut sorted = samples.to_vec();
     sorted.sort_by(f64::total_cmp);
     [sorted[outer], sorted[samples.len() - 1 - outer]]
-}
-
-/// Median of the slopes of all pairs of points \[Sen68\]; NaN if no two x differ.
-pub fn drift(points: &[(f64, f64)]) -> f64 {
-    let pairs = points.iter().enumerate().flat_map(|(i, a)| points[i + 1..].iter().map(move |b| (a, b)));
-    let slopes: Vec<f64> = pairs.filter(|(a, b)| a.0 != b.0).map(|(a, b)| (b.1 - a.1) / (b.0 - a.0)).collect();
-    median(&slopes)
 }

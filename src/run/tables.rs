@@ -3,10 +3,9 @@
 pub use crate::metrics::{DISPLAY_HEADLINE, HEADLINE};
 
 use super::columns::{BINS, CELL, Column, ERRORS, FAILED, STEP_NUMBERS, STEPS, TIMINGS};
-use super::host::UNKNOWN;
-use super::statistics::median;
+use super::statistics::{median, median_interval};
 use super::store::{BinRecord, CellRecord, FailureRecord, KeptCell, Scores, StepRecord, Store, StoreError};
-use super::timing::{TimingRecord, summarize};
+use super::timing::TimingRecord;
 use crate::experiment::axis::named::{columns, fields};
 use crate::experiment::axis::{AXES, SIZE};
 use crate::experiment::plan::{Cell, Plan};
@@ -159,30 +158,18 @@ pub fn timings(records: &[TimingRecord]) -> Rows {
     for record in records {
         let wall_ms = median(&record.wall_ms);
         for pass in &record.passes {
-            let s = summarize(&pass.ms);
             let mut row: Vec<Field> = vec![record.cell.as_str().into(), record.phase.as_str().into()];
             let sizes = [record.environment_size, record.size];
             row.extend(sizes.map(|[w, h]| Field::Text(format!("{w}x{h}"))));
             row.extend(axes.iter().map(|name| text_field(&record.axes[*name])));
-            row.extend([Field::from(pass.pass.as_str()), Field::Integer(s.n as u64)]);
-            let numbers = [s.median, s.mad, s.p05, s.p95, s.min, wall_ms, record.passes_over_wall()];
-            row.extend(numbers.map(Field::Number));
+            row.extend([Field::from(pass.pass.as_str()), pass.ms.len().into(), median(&pass.ms).into()]);
+            row.extend(median_interval(&pass.ms).map(|end| Some(end).filter(|end| end.is_finite()).into()));
+            row.extend([wall_ms, record.passes_over_wall()].map(Field::Number));
             row.extend([record.wall_check(), &record.device, &record.device_type].map(Field::from));
-            row.extend(s.interval.map(finite));
-            row.extend([finite(record.drift_percent_per_min(pass)), text_field(&record.flags(pass))]);
-            let known = |number: Option<f64>| number.map_or_else(|| UNKNOWN.into(), Field::Number);
-            row.extend(record.host.each_ref().map(|host| known(host.cpu_mhz)));
-            let load = record.host[0].load_average.as_ref().and_then(|load| load.first().copied());
-            row.push(known(load));
             rows.push(row);
         }
     }
     (columns, rows)
-}
-
-/// A number; missing if it is not finite.
-fn finite(number: f64) -> Field {
-    Some(number).filter(|number| number.is_finite()).into()
 }
 
 fn text_field(text: &str) -> Field {

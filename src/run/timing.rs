@@ -3,8 +3,7 @@
 //! Passes of a frame are timed once for each configuration that can change their cost, apart from passes that run once per environment or
 //! model.
 
-use super::host::HostState;
-use super::statistics::{drift, median, median_interval, quantile};
+use super::statistics::median;
 use crate::experiment::axis::{AXES, Axis, ENVIRONMENT, METHOD, SAMPLES, SCENE, SIZE};
 use crate::experiment::plan::{Cell, Plan};
 use crate::shade::Method;
@@ -12,7 +11,6 @@ use crate::spelling::Listed;
 use indexmap::IndexSet;
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
-use std::time::Duration;
 
 /// Raw samples of one configuration.
 #[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
@@ -38,9 +36,6 @@ pub struct TimingRecord {
     pub device: String,
     pub device_type: String,
     pub driver: String,
-    /// Before the first round of the block and after its last.
-    #[serde(default)]
-    pub host: [HostState; 2],
 }
 
 #[derive(Clone, Copy, Debug, Deserialize, PartialEq, Serialize)]
@@ -76,9 +71,6 @@ pub struct TimingJob<'p> {
 pub const PRECOMPUTE: &str = "precompute";
 /// Phase of passes that run for every frame.
 pub const FRAME: &str = "frame";
-
-/// Longest warm-up; a configuration that is still unstable is timed all the same.
-pub const WARMUP_TIME_MAX: Duration = Duration::from_secs(3);
 
 /// Configurations to time, block by block in plan order. The scene `design` is timed only if there is no other.
 pub fn jobs(plan: &Plan) -> Vec<TimingJob<'_>> {
@@ -149,55 +141,10 @@ pub fn is_alike(a: &Key, b: &Key) -> bool {
     a.iter().filter(|(name, _)| !is_of_method(name)).all(|(name, value)| is_same(value, b.get(name)))
 }
 
-/// Order statistics of samples, ms.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Summary {
-    pub n: usize,
-    pub median: f64,
-    /// Median absolute deviation from the median, unscaled.
-    pub mad: f64,
-    pub p05: f64,
-    pub p95: f64,
-    pub min: f64,
-    /// 95 % interval of the median; NaN below [`INTERVAL_SAMPLES_MIN`](super::statistics::INTERVAL_SAMPLES_MIN).
-    pub interval: [f64; 2],
-}
-
-/// All NaN for no samples.
-pub fn summarize(samples: &[f64]) -> Summary {
-    let mut sorted = samples.to_vec();
-    sorted.sort_by(f64::total_cmp);
-    let (median, mad) = centre(samples);
-    Summary {
-        n: sorted.len(),
-        median,
-        mad,
-        p05: quantile(&sorted, 0.05),
-        p95: quantile(&sorted, 0.95),
-        min: quantile(&sorted, 0.0),
-        interval: median_interval(samples),
-    }
-}
-
-/// Median and median absolute deviation.
-fn centre(samples: &[f64]) -> (f64, f64) {
-    let middle = median(samples);
-    let deviations: Vec<f64> = samples.iter().map(|x| (x - middle).abs()).collect();
-    (middle, median(&deviations))
-}
-
 /// Passes may sum to slightly more than the host's time: the clocks differ.
 const WALL_RATIO_MAX: f64 = 1.05;
 /// Below this, most of the host's time is outside the timed passes.
 const WALL_RATIO_MIN: f64 = 0.5;
-
-const FEW_SAMPLES: usize = 10;
-/// Shorter measurements have no trend per minute: it would be enlarged noise.
-const DRIFT_SECONDS_MIN: f64 = 10.0;
-/// A drift is flagged if it moves a time by this share within the measurement.
-const DRIFT_NAMED: f64 = 0.05;
-/// Samples this many scaled deviations from the median are outliers (\[Iglewicz93\] as hyperfine uses it).
-const OUTLIER_Z: f64 = 14.826;
 
 impl TimingRecord {
     /// Axes and image size.
@@ -215,35 +162,6 @@ impl TimingRecord {
     /// The specular method; `None` if unknown.
     pub fn method(&self) -> Option<&'static Method> {
         Method::by_name(self.value(METHOD))
-    }
-
-    /// Minutes from the first round to the last.
-    fn minutes(&self) -> f64 {
-        self.rounds.last().map_or(0.0, |place| place.start_s / 60.0)
-    }
-
-    /// Trend of a pass in percent of its median per minute; NaN for measurements below `DRIFT_SECONDS_MIN`.
-    pub fn drift_percent_per_min(&self, pass: &PassSamples) -> f64 {
-        if 60.0 * self.minutes() < DRIFT_SECONDS_MIN { f64::NAN } else { self.trend(pass) }
-    }
-
-    fn trend(&self, pass: &PassSamples) -> f64 {
-        let points: Vec<(f64, f64)> =
-            self.rounds.iter().zip(&pass.ms).map(|(place, ms)| (place.start_s / 60.0, *ms)).collect();
-        100.0 * drift(&points) / median(&pass.ms)
-    }
-
-    /// Warnings, separated by spaces: `few-samples`, `drift`, `outliers`.
-    pub fn flags(&self, pass: &PassSamples) -> String {
-        let (n, (middle, mad)) = (pass.ms.len(), centre(&pass.ms));
-        let moved = self.trend(pass) / 100.0 * self.minutes();
-        let is_outlier = |ms: &f64| mad > 0.0 && (ms - middle).abs() / mad > OUTLIER_Z;
-        let flags = [
-            ("few-samples", n < FEW_SAMPLES),
-            ("drift", n >= FEW_SAMPLES && moved.abs() > DRIFT_NAMED),
-            ("outliers", pass.ms.iter().any(is_outlier)),
-        ];
-        flags.iter().filter(|(_, is_set)| *is_set).map(|(name, _)| *name).collect::<Vec<_>>().join(" ")
     }
 
     /// Sum of the passes in each round, ms.

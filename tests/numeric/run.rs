@@ -5,7 +5,6 @@ pub mod fake;
 mod forecast;
 mod frozen;
 mod grow;
-mod host;
 mod resume;
 pub mod runs;
 mod shards;

@@ -4,7 +4,7 @@ use super::work::TIMED;
 use crate::files::{RECORD_BYTES_MAX, read_regular};
 use crate::pipeline::DeviceInfo;
 use crate::pixels::write_atomically;
-use crate::run::host::device_words;
+use crate::run::provenance::device_words;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::Path;

@@ -2,11 +2,10 @@
 //! to 1.25 times as long.
 
 use crate::experiment::axis::{AXES, DFG, IRRADIANCE, MIPS, PREFILTER, Point, SH9};
-use crate::experiment::config::Warmup;
 use crate::experiment::plan::{Cell, Plan};
 use crate::experiment::value::Value;
 use crate::precompute::PrefilterBy;
-use crate::run::timing::{FRAME, TimingJob, WARMUP_TIME_MAX};
+use crate::run::timing::{FRAME, TimingJob};
 use std::collections::{BTreeMap, BTreeSet, HashSet};
 
 /// First word of the kinds of timed frames and tables, before the kind of the same work untimed.
@@ -39,9 +38,6 @@ const STATED_NS: [(&str, f64, f64); 15] = [
 
 /// Time of a map by harmonics over its part on the device, which alone is timed.
 const HARMONIC_HOST: f64 = 90.0;
-
-/// Assumed frames of a warm-up that lasts until the times settle.
-const STABLE_WARMUP_FRAMES: u32 = 64;
 
 /// Pixels and samples (of all pixels together) of one item of work.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -141,11 +137,7 @@ impl<'p> Steps<'p> {
         let counted = f64::from(timing.rounds * if self.compared.contains(&job.block) { 2 } else { 1 });
         let mut work = Work::default();
         for (kind, seconds) in timed(self.plan, job) {
-            let warmup = match timing.warmup {
-                Warmup::Frames(frames) => f64::from(frames) * seconds,
-                Warmup::Stable => (f64::from(STABLE_WARMUP_FRAMES) * seconds).min(WARMUP_TIME_MAX.as_secs_f64()),
-            };
-            work.add(&kind, counted, counted * seconds + warmup);
+            work.add(&kind, counted, (counted + f64::from(timing.warmup)) * seconds);
         }
         work
     }

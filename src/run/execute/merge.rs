@@ -2,9 +2,9 @@
 
 use super::{Outcome, Run, RunError, RunOptions};
 use crate::experiment::plan::{Cell, Plan};
-use crate::run::host::device_words;
 use crate::run::images;
 use crate::run::provenance;
+use crate::run::provenance::device_words;
 use crate::run::shard::Shard;
 use crate::run::split::split;
 use crate::run::store::{REFERENCES_FOLDER, SHARDS_FOLDER, Store, StoreError, TIMINGS_FOLDER};

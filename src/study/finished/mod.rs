@@ -12,7 +12,7 @@ use crate::experiment::axis::{AXES, ENVIRONMENT, ENVIRONMENT_CLIP, ENVIRONMENT_S
 use crate::experiment::config::Config;
 use crate::experiment::value::Value;
 use crate::metrics::{Epsilon, METRICS, Weight};
-use crate::run::host::device_words;
+use crate::run::provenance::device_words;
 use crate::run::store::{FailureRecord, ReferenceStop};
 use crate::run::timing::TimingRecord;
 use crate::scene::is_design;

@@ -9,7 +9,8 @@
 //! Times hold for the timed device only. Times of a CPU driver say nothing about a GPU.
 
 use super::prelude::*;
-use crate::run::timing::{FRAME, Key, PRECOMPUTE, TimingRecord, summarize, swept_axes};
+use crate::run::statistics::median_interval;
+use crate::run::timing::{FRAME, Key, PRECOMPUTE, TimingRecord, swept_axes};
 use crate::run::timing_ratios::{Ratio, ratios};
 use crate::study::table::shown;
 
@@ -52,7 +53,7 @@ impl Timed<'_> {
     }
 
     fn median(&self) -> f64 {
-        summarize(&self.sums).median
+        median(&self.sums)
     }
 
     /// The method; without specular term the diffuse method.
@@ -93,10 +94,10 @@ fn answer(frame: &Frame) -> Option<Finding> {
     let axes = distinct_in_order([METHOD, SAMPLES, BRDF, DIFFUSE_METHOD].into_iter().chain(swept));
     let mut table = Table::new(&axes, QUESTION.columns);
     let mut row = |one: &Timed, pass: &str, ms: &[f64], ratio: Option<&Ratio>| {
-        let ([width, height], summary) = (one.record.environment_size, summarize(ms));
+        let [width, height] = one.record.environment_size;
         let mut row: Vec<Cell> = axes.iter().map(|axis| one.text(*axis).into()).collect();
-        row.extend(cells![one.record.phase.as_str(), format!("{width}x{height}"), pass, summary.n, summary.median]);
-        row.extend(ends(summary.interval));
+        row.extend(cells![one.record.phase.as_str(), format!("{width}x{height}"), pass, ms.len(), median(ms)]);
+        row.extend(ends(median_interval(ms)));
         row.extend(cells![ratio.map(|ratio| way(&ratio.fixed.key())), ratio.map(|ratio| ratio.ratio)]);
         row.extend(ends(ratio.map_or([f64::NAN; 2], |ratio| ratio.interval)));
         row.extend([one.record.wall_check(), &one.record.device, &one.record.device_type].map(Cell::from));

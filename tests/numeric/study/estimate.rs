@@ -1,7 +1,8 @@
 //! Intervals over environments, compared with simulated studies whose truth is known.
 
+use crate::chi_square::Random;
 use splitsum::experiment::value::Value;
-use splitsum::run::statistics::{Random, order_coverage};
+use splitsum::run::statistics::order_coverage;
 use splitsum::study::frame::estimate::{Middle, estimate};
 use std::f64::consts::TAU;
 
@@ -12,9 +13,8 @@ const ENVIRONMENTS: [usize; 3] = [6, 10, 20];
 
 /// A normal deviate (Box-Muller).
 pub fn normal(random: &mut Random) -> f64 {
-    let mut uniform = || (random.below(1 << 53) as f64 + 0.5) / (1u64 << 53) as f64;
-    let radius = (-2.0 * uniform().ln()).sqrt();
-    radius * (TAU * uniform()).cos()
+    let radius = (-2.0 * random.next().max(f64::MIN_POSITIVE).ln()).sqrt();
+    radius * (TAU * random.next()).cos()
 }
 
 /// Standard deviations of the logarithm of a number.
@@ -51,7 +51,7 @@ fn study(random: &mut Random, environments: usize, spread: Spread) -> Vec<(Value
 
 /// How often the interval of studies, transformed by `seen`, contains the truth of 1.
 fn coverage(environments: usize, middle: Middle, seen: impl Fn(Vec<(Value, f64)>) -> Vec<(Value, f64)>) -> f64 {
-    let mut random = Random::new(environments as u64);
+    let mut random = Random(environments as u64);
     let covers = |_: &usize| {
         let rows = seen(study(&mut random, environments, MEASURED));
         let [lo, hi] = estimate(&rows, middle).unwrap().interval.unwrap();
@@ -77,7 +77,7 @@ fn intervals_over_environments_have_their_stated_coverage() {
 fn prediction_intervals_hold_one_new_environment() {
     for environments in ENVIRONMENTS {
         for middle in [Middle::GeometricMean, Middle::Median] {
-            let mut random = Random::new(environments as u64);
+            let mut random = Random(environments as u64);
             let holds = |_: &usize| {
                 let [lo, hi] =
                     estimate(&study(&mut random, environments, MEASURED), middle).unwrap().prediction.unwrap();
@@ -112,7 +112,7 @@ fn the_interval_of_a_median_lies_between_two_pairs_of_order_statistics() {
 
 #[test]
 fn more_rows_of_one_environment_are_not_more_evidence() {
-    let mut random = Random::new(5);
+    let mut random = Random(5);
     let few: Vec<_> = study(&mut random, 8, MEASURED).into_iter().step_by(15).collect();
     let many: Vec<(Value, f64)> = few.iter().flat_map(|row| vec![row.clone(); 20]).collect();
     for middle in [Middle::GeometricMean, Middle::Median] {
