@@ -15,7 +15,7 @@ pub struct Subject {
     /// Keep the run in DIR [default: runs/NAME].
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
-    /// Replace an axis's values (axis=v1,v2), or keep these rows of zipped axes.
+    /// Replace an axis's values (axis=v1,v2).
     #[arg(long = "set", value_name = "AXIS=VALUES")]
     pub overrides: Vec<String>,
     #[command(flatten)]

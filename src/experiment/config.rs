@@ -91,7 +91,7 @@ pub struct Config {
     pub base_places: Vec<Place>,
     /// In the order of the file, then of the command line.
     pub axes: Vec<Sweep>,
-    /// Axes of the file that `--set` replaced or narrowed.
+    /// Axes of the file that `--set` replaced.
     pub set_aside: Vec<Sweep>,
     pub zips: Vec<Zip>,
     pub exclusions: Vec<Exclusion>,

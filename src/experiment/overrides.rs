@@ -6,16 +6,12 @@ use super::fault::{Faults, Place};
 use super::toml_tree::unknown_key;
 use super::value::{Kind, Value};
 use crate::environment::BUILTIN_PREFIX;
-use indexmap::IndexSet;
-use std::collections::HashSet;
 use std::path::Path;
 
 impl Config {
-    /// Replaces or adds axes by `--set` texts. If only some axes of a `[[zip]]` are set, keeps the rows with those
-    /// values.
+    /// Replaces or adds axes by `--set` texts.
     pub(super) fn apply_overrides(&mut self, faults: &mut Faults) {
         let mut seen: Vec<Named> = Vec::new();
-        let mut given: Vec<(Sweep, Place)> = Vec::new();
         for text in self.overrides.clone() {
             let Some((name, list)) = text.split_once('=') else {
                 faults.add(&Place::Set(text.clone()), "is not axis=value or axis=value,value");
@@ -53,17 +49,9 @@ impl Config {
                     Err(fault) => faults.add(&place, format!("axes.{name}: {fault}")),
                 }
             }
-            given.push((Sweep { axis, named, values, written }, place));
-        }
-        let names: Vec<usize> = given.iter().map(|(sweep, _)| sweep.axis).collect();
-        for (sweep, place) in given {
-            let zip = self.zipped_with(sweep.axis);
-            let old = self.axes.iter_mut().find(|old| old.axis == sweep.axis);
-            self.set_aside.extend(old.as_deref().cloned());
-            match old {
-                // Some of the zipped axes: keep matching rows. All of them: new rows.
-                Some(_) if zip.iter().any(|axis| !names.contains(axis)) => self.narrow(&zip, &sweep, &place, faults),
-                Some(old) => *old = sweep,
+            let sweep = Sweep { axis, named, values, written };
+            match self.axes.iter_mut().find(|old| old.axis == axis) {
+                Some(old) => self.set_aside.push(std::mem::replace(old, sweep)),
                 None => self.axes.push(sweep),
             }
         }
@@ -100,47 +88,6 @@ impl Config {
             let texts = self.values(axis).filter(|(value, _)| matches!(value, Value::Text(_)));
             texts.filter_map(|(value, place)| Some((entry.kind.path_in(value.text())?, place)))
         })
-    }
-
-    /// Returns the axes of this axis's zip; empty if it has none or the zip is faulty.
-    fn zipped_with(&self, axis: usize) -> Vec<usize> {
-        let Some(zip) = self.zips.iter().find(|zip| zip.axes.contains(&axis)) else { return Vec::new() };
-        let sweeps: Option<Vec<&Sweep>> = zip.axes.iter().map(|&axis| self.sweep(axis)).collect();
-        let is_whole =
-            |sweeps: Vec<&Sweep>| sweeps.iter().all(|s| [s.values.len(), s.written] == [sweeps[0].written; 2]);
-        if sweeps.is_some_and(is_whole) { zip.axes.clone() } else { Vec::new() }
-    }
-
-    /// Keeps the zipped rows in which the axis of `wanted` has one of its values.
-    fn narrow(&mut self, zip: &[usize], wanted: &Sweep, place: &Place, faults: &mut Faults) {
-        let own = self.sweep(wanted.axis);
-        // Values that could not be read have their own faults.
-        let Some(own) = own.filter(|_| wanted.values.len() == wanted.written) else { return };
-        let set = |values: &[Placed]| values.iter().map(|placed| placed.value.clone()).collect::<HashSet<Value>>();
-        let (there, asked) = (set(&own.values), set(&wanted.values));
-        let strangers: Vec<String> = wanted
-            .values
-            .iter()
-            .filter(|placed| !there.contains(&placed.value))
-            .map(|placed| placed.value.to_string())
-            .collect();
-        if !strangers.is_empty() {
-            let (name, strangers) = (AXES[wanted.axis].name, strangers.join(", "));
-            let rows: IndexSet<String> = own.values.iter().map(|placed| placed.value.to_string()).collect();
-            let rows = rows.into_iter().collect::<Vec<_>>().join(", ");
-            let all = zip.iter().map(|axis| AXES[*axis].name).collect::<Vec<_>>().join(", ");
-            let fault = format!(
-                "axes.{name}: {strangers} is in no row of the file's [[zip]], whose axes vary together; choose from {rows}, or set all of {all}"
-            );
-            faults.add(place, fault);
-            return;
-        }
-        let kept: Vec<bool> = own.values.iter().map(|placed| asked.contains(&placed.value)).collect();
-        for sweep in self.axes.iter_mut().filter(|sweep| zip.contains(&sweep.axis)) {
-            let mut kept = kept.iter();
-            sweep.values.retain(|_| kept.next().is_some_and(|kept| *kept));
-            sweep.written = sweep.values.len();
-        }
     }
 }
 
