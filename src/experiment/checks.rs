@@ -1,19 +1,18 @@
 //! Checks of values together: combinations, sizes, lights in their scenes, exclusions.
 
 use super::axis::{
-    ALBEDO, ALPHA, ANISOTROPY, AXES, COAT, COMPENSATION, DFG_TABLE, METALLIC, METHOD, Named, PREFILTER_BY,
-    PREFILTER_SIZE, PREFILTERED, Point, SAMPLES, SCENE, SIZE, index_of,
+    ALBEDO, ALPHA, ANISOTROPY, AXES, Axis, COAT, COMPENSATION, DFG_TABLE, METALLIC, METHOD, Named, PREFILTER_SIZE,
+    PREFILTERED, Point, SAMPLES, SCENE, SIZE, index_of,
 };
 use super::config::{Config, Placed, Sweep};
 use super::fault::{Faults, Place};
 use super::inputs::Inputs;
 use super::value::Value;
 use crate::pipeline::{BUFFER_BYTES_MAX, image_buffer_bytes};
-use crate::precompute::PrefilterBy;
 use crate::precompute::prefilter::harmonic;
 use crate::scene::is_design;
 use crate::shade::reference_pass::pair_count;
-use crate::spelling::{Listed, expected, suggestion};
+use crate::spelling::{expected, suggestion};
 
 /// Reports values that are valid alone but not together.
 pub fn check_combinations(config: &Config, faults: &mut Faults) {
@@ -120,19 +119,18 @@ pub fn check_lights(config: &Config, inputs: &Inputs, faults: &mut Faults) {
     }
 }
 
-/// Reports exclusion conditions that match no value of their axis. If others of a condition match, the value may be
-/// left over from an earlier sweep ([`idle_values`]).
+/// Reports excluded values that their axis does not have.
 pub fn check_exclusions(config: &Config, faults: &mut Faults) {
     // Values that could not be read have their own faults.
     let is_read =
         |axis: usize| config.axes.iter().all(|s| s.axis != axis || s.values.len() == s.written && s.written > 0);
-    let slips = idle(config).filter(|(axis, .., is_slip)| *is_slip && is_read(*axis));
-    slips.for_each(|(_, place, text, _)| faults.add(&place, text));
-}
-
-/// Lists values of exclusions that their axis does not have, each with its place and a sentence.
-pub fn idle_values(config: &Config) -> impl Iterator<Item = (Place, String)> + '_ {
-    idle(config).map(|(_, place, text, _)| (place, text))
+    let conditions = config.exclusions.iter().flat_map(|exclusion| &exclusion.conditions);
+    for (axis, values) in conditions.filter(|(axis, _)| is_read(*axis)) {
+        let known = values_of(config, *axis);
+        for Placed { value, place } in values.iter().filter(|placed| !known.contains(&&placed.value)) {
+            faults.add(place, off_axis(config.named(*axis), value, &known));
+        }
+    }
 }
 
 /// Lists swept axes that no cell uses, or that reach no pixel.
@@ -140,32 +138,17 @@ pub fn idle_sweeps<'p>(config: &Config, points: impl Iterator<Item = &'p Point> 
     let has_lights = !config.lights.is_empty();
     let is_unused = |axis: usize| points.clone().all(|point| point[axis] == Value::Unset);
     let is_idle = |axis: usize| points.clone().all(|point| point.of_pixels(has_lights)[axis] == Value::Unset);
-    let would_be_used = |axis: usize| {
-        let sampled = |point: &Point| {
-            let mut point = point.clone();
-            point[PREFILTER_BY] = Value::from(PrefilterBy::Sampled.name());
-            point[axis] = config.values(axis).next().map_or(Value::Unset, |(value, _)| value.clone());
-            point.collapsed(has_lights)[axis] != Value::Unset
-        };
-        points.clone().any(sampled)
-    };
     let describe = |sweep: &Sweep| {
-        let (name, count) = (AXES[sweep.axis].name, sweep.values.len());
+        let (Axis { name, about, .. }, count) = (&AXES[sweep.axis], sweep.values.len());
         let text = if !is_unused(sweep.axis) {
             format!("{name}: its {count} values give the same image: every surface is a metal or black")
-        } else if would_be_used(sweep.axis) {
-            let [of, harmonic, sampled] =
-                [AXES[PREFILTER_BY].name, PrefilterBy::Harmonic.name(), PrefilterBy::Sampled.name()];
-            format!(
-                "{name}: its {count} values give one cell: {of} = \"{harmonic}\" uses no samples; expected {of} = \"{sampled}\""
-            )
         } else {
             let user = match AXES[sweep.axis].layer() {
                 Some("coat") => "surface has a coat",
                 Some(_) => "surface is anisotropic",
                 None => "method of the experiment uses it",
             };
-            format!("{name}: its {count} values give one cell: no {user}")
+            format!("{name}: its {count} values give one cell: no {user} ({about})")
         };
         (sweep.values[0].place.clone(), text)
     };
@@ -195,21 +178,6 @@ pub fn black_metals<'p>(
             all.push(fault);
         }
         all
-    })
-}
-
-/// Lists each excluded value that its axis lacks: axis, place, sentence, and whether its whole condition matches
-/// nothing.
-fn idle(config: &Config) -> impl Iterator<Item = (usize, Place, String, bool)> + '_ {
-    let conditions = config.exclusions.iter().flat_map(|exclusion| &exclusion.conditions);
-    conditions.flat_map(|(axis, values)| {
-        let known = values_of(config, *axis);
-        let idle: Vec<&Placed> = values.iter().filter(|placed| !known.contains(&&placed.value)).collect();
-        let is_slip = idle.len() == values.len();
-        let describe = idle
-            .into_iter()
-            .map(|placed| (*axis, placed.place.clone(), off_axis(config.named(*axis), &placed.value, &known), is_slip));
-        describe.collect::<Vec<_>>()
     })
 }
 

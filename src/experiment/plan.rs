@@ -2,7 +2,7 @@
 
 use super::axis::{AXES, DFG_TABLE, ENVIRONMENT, METHOD, PREFILTERED, Point, SCENE, SIZE, View};
 use super::checks;
-use super::config::{Config, Exclusion};
+use super::config::Config;
 use super::fault::{ConfigError, Faults, Place};
 use super::inputs::Inputs;
 use super::sweeps::COMBINATIONS_MAX;
@@ -11,7 +11,7 @@ use crate::environment::LoadOptions;
 use crate::pipeline::{BUFFER_BYTES_EVERYWHERE, RenderRequest, image_buffer_bytes};
 use crate::spelling::Listed;
 use crate::spelling::short_number;
-use std::collections::{BTreeMap, BTreeSet, HashSet};
+use std::collections::{BTreeMap, HashSet};
 use std::path::{Path, PathBuf};
 
 /// Counts up if the meaning of a cell changes, so that old records are not reused.
@@ -218,11 +218,13 @@ impl Plan {
     /// images.
     pub fn warnings(&self) -> Vec<String> {
         let mut warnings = Faults::new(&self.config.path, &self.config.text);
-        for exclusion in self.idle_exclusions() {
+        // `--set` may have removed the values that an exclusion matches.
+        let is_idle = |count: &usize| *count == 0 && self.config.overrides.is_empty();
+        for (exclusion, _) in self.config.exclusions.iter().zip(&self.excluded).filter(|(_, count)| is_idle(count)) {
             warnings.add(&exclusion.place, format!("the exclusion {:?} matches no combination", exclusion.why));
         }
         let points = || self.cells.iter().map(|cell| &cell.point);
-        let idle = checks::idle_sweeps(&self.config, points()).into_iter().chain(checks::idle_values(&self.config));
+        let idle = checks::idle_sweeps(&self.config, points()).into_iter();
         for (place, text) in idle.chain(checks::black_metals(&self.config, &self.inputs, points())) {
             warnings.add(&place, text);
         }
@@ -244,21 +246,6 @@ impl Plan {
             }
         }
         warnings.into_result().err().map_or_else(Vec::new, |error| error.lines())
-    }
-
-    /// Lists exclusions that match nothing in the file as written; `--set` may have removed the values that they match.
-    fn idle_exclusions(&self) -> Vec<&Exclusion> {
-        let config = &self.config;
-        let mut idle: BTreeSet<usize> = (0..self.excluded.len()).filter(|&index| self.excluded[index] == 0).collect();
-        if !idle.is_empty() && !config.overrides.is_empty() {
-            let whole = Config::parse(&config.path, &config.text, &[], &mut Faults::new(&config.path, &config.text));
-            if whole.combination_count() <= COMBINATIONS_MAX {
-                let used: BTreeSet<usize> =
-                    whole.combinations().filter_map(|point| whole.exclusion_of(&point)).collect();
-                idle.retain(|index| !used.contains(index));
-            }
-        }
-        idle.into_iter().map(|index| &config.exclusions[index]).collect()
     }
 
     fn expanded(config: Config, inputs: Inputs) -> Self {
