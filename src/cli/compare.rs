@@ -7,6 +7,7 @@ use splitsum::experiment::axis::{AXES, CONTRAST, EXPOSURE};
 use splitsum::experiment::value::{Kind, Range};
 use splitsum::metrics::{Comparison, Epsilon, METRICS};
 use splitsum::pixels::{Decoded, GrayImage, exr};
+use splitsum::spelling::Listed;
 use splitsum::table::markdown::{Align, MarkdownTable, significant};
 use splitsum::tonemap::ToneCurve;
 use std::path::{Path, PathBuf};

@@ -10,6 +10,7 @@ use splitsum::precompute::prefilter::level_bias::LEVEL_BIASES;
 use splitsum::precompute::prefilter::{LEVEL_MAPPINGS, WEIGHTS};
 use splitsum::shade::bend::BENDS;
 use splitsum::shade::coat::COAT_RENDERERS;
+use splitsum::spelling::Listed;
 use splitsum::study::columns;
 use splitsum::study::questions::QUESTIONS;
 use splitsum::table::markdown::{Align, MarkdownTable};

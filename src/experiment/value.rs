@@ -219,13 +219,6 @@ impl Kind {
         Self::Name { what: T::WHAT, names: T::names }
     }
 
-    /// Finds the name of a number.
-    pub fn name_of(self, number: &str) -> Option<&'static str> {
-        let Self::NumberOrName { named, .. } = self else { return None };
-        let number: f64 = number.parse().ok()?;
-        named().into_iter().find(|(_, value)| *value == number).map(|(name, _)| name)
-    }
-
     /// Parses a value; the error contains it and the expected values.
     pub fn parse(&self, raw: &Raw) -> Result<Value, String> {
         let expected = |what: &str| Err(format!("{raw} is not {what}"));

@@ -21,7 +21,7 @@ mod ssim;
 mod tone_mapped;
 mod weight;
 
-use crate::spelling::Listed;
+use crate::spelling::{Listed, listed};
 pub use bins::{ALL_VIEWS, BinRow, N_DOT_V_BIN_EDGES, VIEWS};
 pub use comparison::{Comparison, Displayed, MetricsError};
 pub use epsilon::Epsilon;
@@ -36,15 +36,7 @@ pub enum Space {
     Display,
 }
 
-impl Space {
-    /// Name in tables.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Linear => "linear",
-            Self::Display => "display",
-        }
-    }
-}
+listed!(Space, "space", { "linear": Linear, "display": Display });
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Better {
@@ -54,16 +46,7 @@ pub enum Better {
     NearerZero,
 }
 
-impl Better {
-    /// Name in tables.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Lower => "lower",
-            Self::Higher => "higher",
-            Self::NearerZero => "nearer-zero",
-        }
-    }
-}
+listed!(Better, "order", { "lower": Lower, "higher": Higher, "nearer-zero": NearerZero });
 
 /// A score of a test image against a reference.
 pub struct Metric {

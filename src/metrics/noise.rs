@@ -12,6 +12,7 @@ use super::comparison::{check_size, check_values, masked_pixels};
 use super::{Epsilon, METRICS, Metric, MetricsError};
 use crate::glsl::constants::SCRAMBLE_COUNT;
 use crate::pixels::{GrayImage, RgbImage};
+use crate::spelling::listed;
 
 const _: () = assert!(SCRAMBLE_COUNT == 4, "the error has three degrees of freedom");
 
@@ -80,16 +81,11 @@ pub enum Verdict {
     Resolved,
 }
 
-impl Verdict {
-    /// Name in tables.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::EqualWithinNoise => "equal-within-noise",
-            Self::ReferenceLimited => "reference-limited",
-            Self::Resolved => "resolved",
-        }
-    }
-}
+listed!(Verdict, "verdict", {
+    "equal-within-noise": EqualWithinNoise,
+    "reference-limited": ReferenceLimited,
+    "resolved": Resolved,
+});
 
 const EQUAL_BELOW: f64 = 2.0;
 const RESOLVED_FROM: f64 = 10.0;

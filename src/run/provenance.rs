@@ -3,6 +3,7 @@
 use crate::experiment::plan::{Plan, SCHEMA_VERSION};
 use crate::files::{read_regular, relative};
 use crate::pipeline::DeviceInfo;
+use crate::spelling::Listed;
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 use std::process::Command;

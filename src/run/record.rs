@@ -6,6 +6,7 @@ use crate::metrics::{METRICS, Metric, linear_metrics};
 use crate::pipeline::{FrameTimings, PassTime};
 use crate::precompute::table_of;
 use crate::shade::reference_pass::Convergence;
+use crate::spelling::listed;
 use crate::table::csv::rounded;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -51,14 +52,7 @@ pub enum StopReason {
     RelativeError,
 }
 
-impl StopReason {
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Samples => "samples",
-            Self::RelativeError => "relative-error",
-        }
-    }
-}
+listed!(StopReason, "reason to stop", { "samples": Samples, "relative-error": RelativeError });
 
 impl ReferenceStop {
     /// Combines the terms of one image; `None` if none is a reference. `wanted` is the requested relative error.

@@ -10,6 +10,7 @@ use crate::experiment::axis::named::{columns, fields};
 use crate::experiment::axis::{AXES, SIZE};
 use crate::experiment::plan::{Cell, Plan};
 use crate::metrics::{METRICS, Pooling, linear_metrics};
+use crate::spelling::Listed;
 use crate::table::csv::Cell as Field;
 use std::collections::BTreeMap;
 

@@ -4,7 +4,7 @@ use super::questions::{QUESTIONS, WEIGHT};
 use crate::experiment::axis::Named;
 use crate::metrics::METRICS;
 use crate::run::columns::{CELL, Column, TABLES};
-use crate::spelling::capitalised;
+use crate::spelling::{Listed, capitalised};
 use crate::table::markdown::{Align, MarkdownTable};
 use std::fmt::Write;
 

@@ -199,11 +199,6 @@ pub fn index_of(name: &str) -> Option<usize> {
     AXES.iter().position(|axis| axis.name == name)
 }
 
-/// Finds an axis by a name from the code. Panics on other names.
-pub fn by_name(name: &str) -> &'static Axis {
-    &AXES[index_of(name).unwrap_or_else(|| panic!("{name} is not an axis"))]
-}
-
 /// One value for every axis, in the order of [`AXES`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct Point(pub Vec<Value>);

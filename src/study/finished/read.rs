@@ -14,7 +14,7 @@ use crate::run::store::{
     CELLS_FOLDER, Exact, FAILED_FOLDER, ReferenceStop, StopReason, Store, StoreError, TIMINGS_FOLDER,
 };
 use crate::run::tables::HEADLINE;
-use crate::spelling::printable;
+use crate::spelling::{Listed, printable};
 use crate::table::csv::{Row, TableError, TableRows};
 use serde_json::Value as Json;
 use std::collections::{BTreeSet, HashMap, HashSet};
@@ -185,12 +185,10 @@ fn step(row: &Row) -> Option<StepRow> {
 }
 
 fn stop(row: &Row) -> Option<ReferenceStop> {
-    let reasons = [StopReason::Samples, StopReason::RelativeError];
-    let by = row.text("reference_stopped_by")?;
     Some(ReferenceStop {
         samples: row.number("reference_samples")? as u64,
         relative_error: Exact(row.number("reference_relative_error")?),
-        stopped_by: reasons.into_iter().find(|reason| reason.name() == by)?,
+        stopped_by: *StopReason::by_name(row.text("reference_stopped_by")?)?,
     })
 }
 

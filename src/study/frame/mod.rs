@@ -15,7 +15,7 @@ use super::finished::{Bin, Finished, FinishedCell};
 use super::names::Names;
 use super::table::axis_cells;
 use crate::experiment::axis::{
-    ALPHA, AXES, BRDF, DIFFUSE_METHOD, ENVIRONMENT, ENVIRONMENT_CLIP, F0, METHOD, Part, Point, SAMPLES, SCENE, index_of,
+    ALPHA, AXES, BRDF, DIFFUSE_METHOD, ENVIRONMENT, ENVIRONMENT_CLIP, F0, METHOD, Part, Point, SAMPLES, SCENE,
 };
 use crate::experiment::value::Value;
 use crate::metrics::{HEADLINE, Metric, Space, VIEWS, Verdict, verdict};
@@ -49,11 +49,6 @@ pub struct Frame<'f> {
     pub by: Option<usize>,
     /// Whether no other frame of the run comes before it, under another weight of views.
     pub leads: bool,
-}
-
-/// The axis of a known name, as an index of [`AXES`].
-pub fn axis(name: &str) -> usize {
-    index_of(name).unwrap_or_else(|| panic!("{name} is not an axis"))
 }
 
 impl<'f> Frame<'f> {

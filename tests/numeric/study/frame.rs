@@ -1,12 +1,16 @@
 //! Groups, pairs and distinct images of a frame, and lines, on synthetic runs.
 
 use super::paper::{F64, Made, finished};
-use splitsum::experiment::axis::Point;
+use splitsum::experiment::axis::{Point, index_of};
 use splitsum::experiment::value::Value;
 use splitsum::study::finished::{Finished, Light};
 use splitsum::study::frame::curve::curves;
 use splitsum::study::frame::line::{Line, t_95};
-use splitsum::study::frame::{Frame, Row, axis, by, pair};
+use splitsum::study::frame::{Frame, Row, by, pair};
+
+fn axis(name: &str) -> usize {
+    index_of(name).unwrap()
+}
 
 fn flat(axes: &str) -> Finished {
     finished(axes, |_| Some(Made::error(1.0)))
