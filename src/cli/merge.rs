@@ -37,8 +37,8 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         let why = "contains no run; expected the --out of `splitsum run --shard`".to_owned();
         return Err(Failure::input(StoreError::Refused { dir: dir.clone(), why }));
     }
-    let (plan, _) =
-        frozen::load(&dir.join(EXPERIMENT_FILE), &[], &arguments.inputs.options()).map_err(Failure::input)?;
+    let (plan, _) = frozen::load(&dir.join(EXPERIMENT_FILE), &[], &arguments.inputs.options(), |_, _| {})
+        .map_err(Failure::input)?;
     let options = RunOptions { command_line: command_line(), ..RunOptions::new(dir, &STOP) };
     let merged = merge(&plan, &options)?;
     merged.notes.iter().for_each(|note| log(&format!("warning: {note}")));

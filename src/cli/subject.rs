@@ -3,7 +3,7 @@
 use super::shared::InputFlags;
 use super::{Failure, log};
 use clap::Args;
-use splitsum::experiment::{ConfigError, Plan};
+use splitsum::experiment::Plan;
 use splitsum::run::frozen;
 use splitsum::study::questions::check;
 use std::path::PathBuf;
@@ -24,20 +24,10 @@ pub struct Subject {
 
 impl Subject {
     pub fn plan(&self) -> Result<Plan, Failure> {
-        let loaded = frozen::load(&self.experiment, &self.overrides, &self.inputs.options());
-        let (plan, note) = loaded.map_err(|error| Failure::input(self.with_asks(error)))?;
-        check(&plan.config).map_err(Failure::input)?;
+        let loaded = frozen::load(&self.experiment, &self.overrides, &self.inputs.options(), check);
+        let (plan, note) = loaded.map_err(Failure::input)?;
         note.iter().for_each(|note| log(note));
         Ok(plan)
-    }
-
-    /// Adds faults of the questions, so that one check does not hide the other.
-    fn with_asks(&self, error: ConfigError) -> ConfigError {
-        let Some(config) = frozen::config(&self.experiment, &self.overrides) else { return error };
-        match check(&config) {
-            Err(asks) if error.faults.iter().all(|fault| !asks.faults.contains(fault)) => error.and(asks),
-            _ => error,
-        }
     }
 
     pub fn dir(&self, plan: &Plan) -> PathBuf {

@@ -196,11 +196,6 @@ impl Config {
         config
     }
 
-    /// Starts a collection of faults in this experiment.
-    pub fn faults(&self) -> Faults<'_> {
-        Faults::new(&self.path, &self.text)
-    }
-
     /// Reports parameters that are set and swept.
     fn check_double_settings(&self, root: &DeTable, faults: &mut Faults) {
         let precompute = root.get("precompute").and_then(|value| value.get_ref().as_table());

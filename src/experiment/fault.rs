@@ -36,13 +36,6 @@ pub struct ConfigError {
 }
 
 impl ConfigError {
-    /// Merges the faults of two checks, in the order of the file.
-    pub fn and(mut self, other: Self) -> Self {
-        self.faults.extend(other.faults);
-        self.faults.sort();
-        Self { more: self.more + other.more, ..self }
-    }
-
     /// Returns a line for each fault, and one that counts the rest.
     pub fn lines(&self) -> Vec<String> {
         let more = (self.more > 0).then(|| format!("and {} more", self.more));

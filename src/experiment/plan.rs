@@ -73,22 +73,36 @@ pub struct Source<'a> {
     pub file_dir: Option<&'a Path>,
     /// Folder of paths in `overrides`; the current one if empty.
     pub set_dir: &'a Path,
+    /// Checks the questions, if every value can be read.
+    pub check: Check,
+}
+
+pub type Check = fn(&Config, &mut Faults);
+
+impl<'a> Source<'a> {
+    /// A text whose paths start at the file's folder and at the current one, with unchecked questions.
+    pub fn new(path: &'a Path, text: &'a str, overrides: &'a [String]) -> Self {
+        Self { path, text, overrides, file_dir: None, set_dir: Path::new(""), check: |_, _| {} }
+    }
 }
 
 impl Plan {
     /// Checks and expands the experiment at `path` with `--set` texts.
     pub fn from_text(path: &Path, text: &str, overrides: &[String]) -> Result<Self, ConfigError> {
-        let source = Source { path, text, overrides, file_dir: None, set_dir: Path::new("") };
-        Self::from_source(&source, &LoadOptions::default())
+        Self::from_source(&Source::new(path, text, overrides), &LoadOptions::default())
     }
 
     /// Checks and expands an experiment.
     pub fn from_source(source: &Source, options: &LoadOptions) -> Result<Self, ConfigError> {
-        let Source { path, text, overrides, file_dir, set_dir } = *source;
+        let Source { path, text, overrides, file_dir, set_dir, check } = *source;
         let mut faults = Faults::new(path, text);
         let mut config = Config::parse(path, text, overrides, &mut faults);
         (config.file_dir, config.set_dir) = (file_dir.map(PathBuf::from), set_dir.to_owned());
+        let is_read = faults.is_empty();
         let inputs = Inputs::load(&config, options, &mut faults);
+        if is_read {
+            check(&config, &mut faults);
+        }
         let combinations = config.combination_count();
         let excluding: usize =
             config.exclusions.iter().flat_map(|e| &e.conditions).map(|(_, values)| values.len()).sum();

@@ -3,9 +3,8 @@
 
 use super::provenance::{self, experiment_hash};
 use crate::environment::LoadOptions;
-use crate::experiment::config::Config;
 use crate::experiment::fault::{ConfigError, Faults, Place};
-use crate::experiment::plan::{Plan, Source};
+use crate::experiment::plan::{Check, Plan, Source};
 use crate::files::read_given;
 use serde_json::Value;
 use std::path::{Path, PathBuf};
@@ -49,29 +48,19 @@ fn texts(list: &Value) -> Vec<String> {
     list.as_array().into_iter().flatten().filter_map(|text| Some(text.as_str()?.to_owned())).collect()
 }
 
-impl Plan {
-    /// Reads, checks and expands the experiment at `path`; `overrides` are the texts of `--set`.
-    pub fn load(path: &Path, overrides: &[String]) -> Result<Self, ConfigError> {
-        Ok(load(path, overrides, &LoadOptions::default())?.0)
-    }
-}
-
 fn read_text(path: &Path) -> std::io::Result<String> {
     let bytes = read_given(path, FILE_BYTES_MAX)?;
     String::from_utf8(bytes).map_err(|error| std::io::Error::new(std::io::ErrorKind::InvalidData, error))
 }
 
-/// Parses the experiment at `path`; `None` if it has a fault.
-pub fn config(path: &Path, overrides: &[String]) -> Option<Config> {
-    let text = read_text(path).ok()?;
-    let mut faults = Faults::new(path, &text);
-    let config = Config::parse(path, &text, overrides, &mut faults);
-    faults.is_empty().then_some(config)
-}
-
 /// Reads, checks and expands the experiment at `path`; `overrides` are the texts of `--set`. The copy of a run uses the files of that run and
 /// its `--set` texts; then there is a note for the user.
-pub fn load(path: &Path, overrides: &[String], options: &LoadOptions) -> Result<(Plan, Option<String>), ConfigError> {
+pub fn load(
+    path: &Path,
+    overrides: &[String],
+    options: &LoadOptions,
+    check: Check,
+) -> Result<(Plan, Option<String>), ConfigError> {
     let fault = |text: &str, what: String| {
         let mut faults = Faults::new(path, text);
         faults.add(&Place::Default, what);
@@ -80,7 +69,7 @@ pub fn load(path: &Path, overrides: &[String], options: &LoadOptions) -> Result<
     let text = read_text(path)
         .map_err(|error| fault("", format!("cannot be read: {error}; expected an experiment file (TOML)")))?;
     let Some(frozen) = Frozen::beside(path, &text) else {
-        let source = Source { path, text: &text, overrides, file_dir: None, set_dir: Path::new("") };
+        let source = Source { check, ..Source::new(path, &text, overrides) };
         return Ok((Plan::from_source(&source, options)?, None));
     };
     if !frozen.is_unchanged {
@@ -95,7 +84,8 @@ pub fn load(path: &Path, overrides: &[String], options: &LoadOptions) -> Result<
     }
     let all = if frozen.overrides.is_empty() { overrides } else { &frozen.overrides };
     let (file_dir, set_dir) = (frozen.file_dir.as_deref(), frozen.set_dir.as_deref());
-    let source = Source { path, text: &text, overrides: all, file_dir, set_dir: set_dir.unwrap_or(Path::new("")) };
+    let own = Source::new(path, &text, all);
+    let source = Source { file_dir, set_dir: set_dir.unwrap_or(own.set_dir), check, ..own };
     let plan = Plan::from_source(&source, options)?;
     let mut words: Vec<String> =
         file_dir.iter().map(|dir| format!("the files it names are in {}", dir.display())).collect();

@@ -13,7 +13,7 @@ use super::frame::{Frame, Shape};
 use super::table::{Column, Table, column};
 use crate::experiment::axis::{AXES, ENVIRONMENT, METHOD, Part, SCENE};
 use crate::experiment::config::{Ask, Config};
-use crate::experiment::fault::ConfigError;
+use crate::experiment::fault::Faults;
 use crate::figure::Figure;
 use crate::spelling::not_one_of;
 
@@ -141,10 +141,9 @@ pub fn answers(run: &Finished, metric: Option<&str>) -> Vec<Answer> {
 }
 
 /// Reports asked names that are not questions, questions that the axes cannot answer, and each `by` that makes no rows.
-pub fn check(config: &Config) -> Result<(), ConfigError> {
+pub fn check(config: &Config, faults: &mut Faults) {
     let shape = Shape::of_config(config);
     let names: Vec<&str> = QUESTIONS.iter().map(|question| question.name).collect();
-    let mut faults = config.faults();
     for (weight, place) in &config.weights {
         if let Err(fault) = check_weight(weight, &shape.values[SCENE]) {
             faults.add(place, format!("weights: {fault}"));
@@ -172,7 +171,6 @@ pub fn check(config: &Config) -> Result<(), ConfigError> {
             faults.add(place, format!("asks.by: {name} {fault}; {expected}"));
         }
     }
-    faults.into_result()
 }
 
 /// Whether an axis can be the rows of an answer: it distinguishes cases, and is not the environment, which makes columns.

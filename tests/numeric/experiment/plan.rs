@@ -128,8 +128,7 @@ fn ids_depend_on_everything_that_determines_pixels() {
         let axes = "[axes]\nalpha = [0.1]\ndiffuse = [\"reference\"]";
         let (head, table) = if head.starts_with('[') { ("", head) } else { (head, "") };
         let (text, path) = (format!("name = \"x\"\n{head}\n{axes}\n{table}\n"), Path::new("e.toml"));
-        let source = Source { path, text: &text, overrides: &[], file_dir: None, set_dir: Path::new("") };
-        let plan = Plan::from_source(&source, options).unwrap_or_else(|error| panic!("{error}"));
+        let plan = Plan::from_source(&Source::new(path, &text, &[]), options).unwrap_or_else(|error| panic!("{error}"));
         assert_eq!(plan.cells.len(), 1);
         [plan.cells[0].id.clone(), plan.cells[0].radiance.clone()]
     };

@@ -21,7 +21,7 @@ fn map(path: &Path, radiance: f32) {
 
 fn load(path: &Path, set: &[&str]) -> Result<(Plan, Option<String>), String> {
     let set: Vec<String> = set.iter().map(|text| text.to_string()).collect();
-    frozen::load(path, &set, &LoadOptions::default()).map_err(|error| error.to_string())
+    frozen::load(path, &set, &LoadOptions::default(), |_, _| {}).map_err(|error| error.to_string())
 }
 
 /// A folder with an experiment that names files, and its run in another folder, with a map from a third folder.
@@ -32,7 +32,7 @@ fn made() -> (tempfile::TempDir, Plan) {
     map(&root.path().join("others/b.exr"), 2.0);
     std::fs::write(sweeps.join("ball.obj"), BALL).unwrap();
     std::fs::write(sweeps.join("files.toml"), EXPERIMENT).unwrap();
-    let plan = Plan::load(&sweeps.join("files.toml"), &[]).unwrap_or_else(|error| panic!("{error}"));
+    let (plan, _) = load(&sweeps.join("files.toml"), &[]).unwrap();
     (root, plan)
 }
 
@@ -67,7 +67,7 @@ fn a_frozen_experiment_keeps_the_settings_of_the_command_line() {
     let (file, maps) = (root.path().join("sweeps/files.toml"), root.path().join("others"));
     let text = String::from_utf8(read(&file)).unwrap();
     let set = ["environment=b.exr".to_owned(), "alpha=0.25".to_owned()];
-    let source = Source { path: &file, text: &text, overrides: &set, file_dir: None, set_dir: &maps };
+    let source = Source { set_dir: &maps, ..Source::new(&file, &text, &set) };
     let plan = Plan::from_source(&source, &LoadOptions::default()).unwrap_or_else(|error| panic!("{error}"));
     let run = finished(&plan, &root.path().join("run"));
     let frozen = run.join("experiment.toml");
