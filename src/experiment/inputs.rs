@@ -30,30 +30,22 @@ type Clipped = (String, f64, Arc<Environment>);
 /// Clipped environments in memory; a sweep uses them one after the other.
 const CLIPPED_COUNT: usize = 4;
 
-/// Gives each file a unique short name: its stem, else its file name, else with folders. Formulas keep their names.
+/// Gives each file a short name: its stem, or its path if another input has this stem. Formulas keep their names.
 pub fn short_names<'n>(names: impl IntoIterator<Item = &'n str>) -> BTreeMap<String, String> {
-    let mut forms: BTreeMap<&str, Vec<String>> = BTreeMap::new();
-    for name in names {
-        forms
-            .entry(name)
-            .or_insert_with(|| if name.starts_with(BUILTIN_PREFIX) { Vec::new() } else { shortenings(name) });
-    }
-    let shortest = |name: &str, own: &[String]| {
-        let others = || forms.iter().filter(|(other, _)| **other != name);
-        let is_own = |form: &&String| others().all(|(other, forms)| *other != form.as_str() && !forms.contains(form));
-        own.iter().find(is_own).map_or(name.to_owned(), String::clone)
+    let stems: BTreeMap<&str, String> = names.into_iter().map(|name| (name, stem(name))).collect();
+    let is_own = |stem: &String| stems.iter().filter(|(name, other)| *other == stem || *name == stem).count() == 1;
+    let short = |(name, stem): (&&str, &String)| {
+        let short = if is_own(stem) { stem.clone() } else { name.to_string() };
+        (name.to_string(), short)
     };
-    forms.iter().map(|(name, own)| (name.to_string(), shortest(name, own))).collect()
+    stems.iter().map(short).collect()
 }
 
-/// Lists the stem of a path, its file name, then with one folder, two and so on, each with the layer.
-fn shortenings(name: &str) -> Vec<String> {
-    let (file, layer) =
-        name.rsplit_once('#').map_or((name, String::new()), |(file, layer)| (file, format!("#{layer}")));
-    let parts: Vec<&str> = file.split(['/', '\\']).filter(|part| !part.is_empty()).collect();
-    let stem = Path::new(file).file_stem().map(|stem| stem.to_string_lossy().into_owned());
-    let with_folders = (0..parts.len()).rev().map(|first| parts[first..].join("/"));
-    stem.into_iter().chain(with_folders).map(|form| form + &layer).collect()
+/// The stem of a file with its layer; other names as they are.
+fn stem(name: &str) -> String {
+    let (file, layer) = name.split_at(name.rfind('#').unwrap_or(name.len()));
+    let stem = Path::new(file).file_stem().filter(|_| !name.starts_with(BUILTIN_PREFIX));
+    stem.map_or_else(|| name.to_owned(), |stem| stem.to_string_lossy().into_owned() + layer)
 }
 
 /// Loads each value of an axis.

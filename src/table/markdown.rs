@@ -1,7 +1,7 @@
 //! Markdown tables, aligned in the source text for terminals; safe Markdown text; numbers.
 
 use crate::spelling::printable;
-use std::fmt::{self, Write};
+use std::fmt;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Align {
@@ -75,17 +75,15 @@ pub fn paragraph(text: &str) -> String {
 
 /// A link to a file with any name.
 pub fn link(label: &str, target: &str) -> String {
-    let mut path = String::new();
-    for byte in target.bytes() {
-        match byte {
-            b'/' | b'-' | b'_' | b'.' | b'~' => path.push(byte.into()),
-            byte if byte.is_ascii_alphanumeric() => path.push(byte.into()),
-            byte => {
-                let _ = write!(path, "%{byte:02X}");
-            }
-        }
-    }
-    format!("[{}]({path})", link_label(label))
+    format!("[{}]({})", link_label(label), percent_escaped(target))
+}
+
+/// Escapes a path for links.
+pub fn percent_escaped(path: &str) -> String {
+    let is_plain = |byte: u8| byte.is_ascii_alphanumeric() || b"/-_.~".contains(&byte);
+    path.bytes()
+        .map(|byte| if is_plain(byte) { char::from(byte).to_string() } else { format!("%{byte:02X}") })
+        .collect()
 }
 
 /// The label of a [`link`].

@@ -7,6 +7,7 @@ use crate::metrics::Metric;
 use crate::run::sheets::sheet_files;
 use crate::study::finished::{Finished, FinishedCell};
 use crate::study::questions::Answer;
+use crate::table::markdown::percent_escaped;
 use serde_json::{Value as Json, json};
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -132,16 +133,9 @@ pub fn score(cell: &FinishedCell, metric: &Metric) -> Option<f64> {
     cell.scores.as_ref()?.get(metric.name)
 }
 
-/// `to` as a link from the folder `from`, with percent-escapes.
+/// `to` as a link from the folder `from`.
 pub fn link(from: &Path, to: &Path) -> String {
-    let parts = files::relative(from, to);
-    parts.split('/').map(escape).collect::<Vec<_>>().join("/")
-}
-
-/// Percent-escapes special characters.
-fn escape(text: &str) -> String {
-    let plain = |byte: u8| byte.is_ascii_alphanumeric() || b"-_.~".contains(&byte);
-    text.bytes().map(|byte| if plain(byte) { char::from(byte).to_string() } else { format!("%{byte:02X}") }).collect()
+    percent_escaped(&files::relative(from, to))
 }
 
 /// Title, name and JSON pointer of the facts of a run; `~` is the last session.
