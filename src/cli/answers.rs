@@ -14,7 +14,7 @@ use std::path::{Path, PathBuf};
 /// Answer the questions of finished runs again, from their tables.
 #[derive(Args, Debug)]
 #[command(
-    after_help = "Needs neither a device nor the run's inputs. Answers, summary and report in the folder of a finished run are replaced. A run in progress is answered from its finished cells; nothing is written.\n\n\
+    after_help = "Needs neither a device nor the run's inputs. Answers, summary and report in the folder of a finished run are replaced.\n\n\
     Examples:\n  splitsum answers runs/break-even\n  splitsum answers runs/break-even --metric flip\n  \
     splitsum answers runs/* --publish results"
 )]
@@ -60,13 +60,6 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         progress::doing(format!("answering the questions of {}", dir.display()));
         let (run, answers) = answered(dir, arguments.metric.as_deref(), &arguments.weights)?;
         let written = Written::new(&run, &answers).map_err(Failure::failed)?;
-        if let Some(note) = run.under_way_note() {
-            if arguments.publish.is_some() {
-                return Err(Failure::input(format!("{note}; expected a finished run to publish")));
-            }
-            print(&format!("{}\n{note}; nothing is written until the run ends\n", written.summary))?;
-            continue;
-        }
         let is_new = written.write().map_err(Failure::failed)?;
         print(&format!("{}: {}\n", dir.display(), written.record.headline()))?;
         // All files of a run use one metric.

@@ -13,10 +13,8 @@ use std::path::{Path, PathBuf};
 
 /// Write the report of one or more finished runs.
 #[derive(Args, Debug)]
-#[command(
-    after_help = "For a run in progress, shows the finished cells. Several runs (two devices, two commits) share one report.\n\n\
-    Examples:\n  splitsum report runs/quick\n  splitsum report runs/laptop runs/desktop --out comparison.html"
-)]
+#[command(after_help = "Several runs (two devices, two commits) share one report.\n\n\
+    Examples:\n  splitsum report runs/quick\n  splitsum report runs/laptop runs/desktop --out comparison.html")]
 pub struct Arguments {
     /// Report these runs.
     #[arg(required = true, value_name = "DIR")]

@@ -120,9 +120,8 @@ fn a_plan_names_the_source_of_its_estimate() {
     assert!(output.status.success() && stdout(&output).contains(", assuming a software driver"), "{output:?}");
 }
 
-/// A run in progress writes its own answers at its end. `answers` prints them meanwhile and writes no file.
 #[test]
-fn answers_of_a_run_in_progress_are_printed_but_not_written() {
+fn a_finished_run_is_answered_and_published_when_nobody_uses_its_folder() {
     let Some(dir) = folder() else { return };
     ok(dir.path(), &["run", "tiny.toml", "--set", "brdf=ggx"]);
     let run = dir.path().join("runs/tiny");
@@ -130,15 +129,9 @@ fn answers_of_a_run_in_progress_are_printed_but_not_written() {
     // As if a run held the lock.
     let lock = std::fs::File::options().write(true).open(run.join(".lock")).unwrap();
     lock.lock().unwrap();
-    let output = splitsum(dir.path(), &["answers", "runs/tiny"]);
-    let note = "runs/tiny: in progress: 12 of 12 cells";
-    assert!(output.status.success() && stdout(&output).contains(note), "{}{}", stdout(&output), stderr(&output));
+    let publish = ["answers", "runs/tiny", "--publish", "results"];
+    assert_ends(&splitsum(dir.path(), &publish), 2, &["runs/tiny: a run is using the folder"]);
     assert!(!run.join("answers").exists());
-    assert_ends(
-        &splitsum(dir.path(), &["answers", "runs/tiny", "--publish", "results"]),
-        2,
-        &[&format!("{note}; expected a finished run to publish")],
-    );
     assert!(!dir.path().join("results").exists());
     lock.unlock().unwrap();
     // Publishing the same run again works; another plan needs `--replace`.

@@ -12,7 +12,6 @@ mod sections;
 pub use page_run::PageRun;
 
 use crate::pixels::{PixelsError, write_atomically};
-use crate::study::finished::Finished;
 use crate::study::frame::Frame;
 use images::Choice;
 use serde_json::{Value as Json, json};
@@ -138,8 +137,7 @@ pub fn write(options: &PageOptions, runs: &[PageRun]) -> Result<Written, PageErr
     };
     write_atomically(&options.out, |writer| render::render(writer, &fixed, &model, payloads, &light))?;
     let bytes = std::fs::metadata(&options.out).map_or(0, |written| written.len() as usize);
-    let notes = runs.iter().filter_map(|run| Finished::under_way_note(run.finished)).chain(images.notes).collect();
-    Ok(Written { path: options.out.clone(), bytes, notes })
+    Ok(Written { path: options.out.clone(), bytes, notes: images.notes })
 }
 
 fn for_scripts(run: &Json) -> Json {

@@ -79,8 +79,7 @@ impl<'a> PageRun<'a> {
         }
         let (done, planned) = (run.cells.len() as u64, run.provenance["cell_count"].as_u64().unwrap_or(0));
         if done < planned {
-            let state = if run.is_under_way { "is in progress" } else { "was stopped" };
-            warnings.push(format!("{done} of {planned} cells are done: the run {state}."));
+            warnings.push(format!("{done} of {planned} cells are done: the run was stopped."));
         }
         warnings
     }

@@ -122,7 +122,6 @@ impl<'p> Run<'p> {
                     Err(reason) => self.fail(&[cell], &reason, progress)?,
                 }
                 self.collect(desk, false, progress)?;
-                self.write_tables_sometimes()?;
             }
         }
         Ok(())

@@ -26,14 +26,10 @@ use crate::run::timing::{self, TimingJob, TimingRecord};
 use crate::table::csv;
 use std::collections::BTreeMap;
 use std::sync::atomic::Ordering;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 /// Makes the renderer when it is needed: a finished run needs no device.
 pub type MakeRenderer<'a> = dyn FnMut() -> Result<Box<dyn Renderer>, RenderFault> + 'a;
-
-/// Shortest time between two rewrites of the tables while cells finish, and the largest share of the time (1/20) that they may take.
-const TABLE_INTERVAL: Duration = Duration::from_secs(2);
-const TABLE_SHARE: u32 = 20;
 
 /// Runs the open part of `plan` in the folder of `options`, then writes tables and contact sheets. A shard leaves these to [`merge`].
 pub fn run(
@@ -94,8 +90,6 @@ struct Run<'p> {
     results: Results,
     jobs: Vec<TimingJob<'p>>,
     timings: Vec<TimingRecord>,
-    tables_written: Instant,
-    tables_took: Duration,
     /// Whether a failure ended the run.
     is_halted: bool,
     /// References that an earlier invocation had rendered.
@@ -146,8 +140,6 @@ impl<'p> Run<'p> {
             results,
             jobs,
             timings: Vec::new(),
-            tables_written: Instant::now(),
-            tables_took: Duration::ZERO,
             is_halted: false,
             references_read: 0,
             recorded,
@@ -286,22 +278,9 @@ impl<'p> Run<'p> {
         self.plan.cells.iter().filter_map(failure).collect()
     }
 
-    fn write_tables_sometimes(&mut self) -> Result<(), RunError> {
-        let interval = TABLE_INTERVAL.max(self.tables_took * TABLE_SHARE);
-        let is_time = self.share.is_none() && self.tables_written.elapsed() >= interval;
-        if is_time { self.write_errors() } else { Ok(()) }
-    }
-
-    fn write_errors(&mut self) -> Result<(), RunError> {
-        let started = Instant::now();
+    fn write_tables(&self) -> Result<(), RunError> {
         let (columns, rows) = tables::errors(self.plan, &self.results);
         self.store.write_table("errors.csv", &columns, rows)?;
-        (self.tables_written, self.tables_took) = (Instant::now(), started.elapsed());
-        Ok(())
-    }
-
-    fn write_tables(&mut self) -> Result<(), RunError> {
-        self.write_errors()?;
         let (columns, rows) = tables::errors_by_n_dot_v(self.plan, &self.results, &self.store);
         self.store.write_table("errors_by_n_dot_v.csv", &columns, rows)?;
         if self.plan.config.ladder.is_some() {

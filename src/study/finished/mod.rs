@@ -113,8 +113,6 @@ pub struct Finished {
     pub lights: Vec<Light>,
     pub timings: Vec<TimingRecord>,
     pub failures: Vec<FailureRecord>,
-    /// Whether the run is in progress: only finished cells are here.
-    pub is_under_way: bool,
     /// Weights of views to answer by, the leading one first.
     pub weights: Vec<Weight>,
     /// The weight of the scores of designs.
@@ -162,12 +160,6 @@ impl Finished {
     /// Cells without scores.
     pub fn failed_count(&self) -> usize {
         self.cells.iter().filter(|cell| cell.scores.is_none()).count()
-    }
-
-    /// The progress of a run in progress, one sentence.
-    pub fn under_way_note(&self) -> Option<String> {
-        let planned = self.provenance["cell_count"].as_u64().filter(|_| self.is_under_way)?;
-        Some(format!("{}: in progress: {} of {planned} cells", self.dir.display(), self.cells.len()))
     }
 
     /// Whether some image is a picture rather than a design.

@@ -29,8 +29,8 @@ pub enum FinishedError {
     NotARun { dir: PathBuf, file: &'static str },
     #[error("{}: the run was stopped before its first table; to continue, run: {command}", dir.display())]
     Unfinished { dir: PathBuf, command: String },
-    #[error("{}: the run in progress has not written a table yet; try again a few seconds after its first cell", dir.display())]
-    NoTableYet { dir: PathBuf },
+    #[error("{}: a run is using the folder; wait until it ends, or stop it: it can be resumed", dir.display())]
+    UnderWay { dir: PathBuf },
     #[error(transparent)]
     Provenance(#[from] ProvenanceError),
     #[error("{}: {error}", path.display())]
@@ -46,24 +46,22 @@ pub enum FinishedError {
 impl Finished {
     /// Reads everything but the images. Empty or truncated tables are refused: their answers would be wrong.
     pub fn read(dir: &Path) -> Result<Self, FinishedError> {
-        // Checked first, in case the run ends meanwhile.
-        let is_under_way = Store::at(dir).is_under_way();
         let provenance = provenance(dir)?;
+        if Store::at(dir).is_under_way() {
+            return Err(FinishedError::UnderWay { dir: dir.to_owned() });
+        }
         let table = |name: &str| {
             let path = dir.join(name);
             path.exists().then(|| TableRows::open(&path)).transpose()
         };
-        let mut errors = table("errors.csv")?.ok_or_else(|| match is_under_way {
-            true => FinishedError::NoTableYet { dir: dir.to_owned() },
-            false => unfinished(dir, &provenance),
-        })?;
+        let mut errors = table("errors.csv")?.ok_or_else(|| unfinished(dir, &provenance))?;
         let mut images = table("images.csv")?.map_or_else(|| Ok(HashMap::new()), images)?;
         let mut cells = cells(&mut errors, &mut images)?;
-        check_errors(dir, &provenance, &errors, &cells, is_under_way)?;
+        check_errors(dir, &provenance, &errors, &cells)?;
         let places: HashMap<String, usize> =
             cells.iter().enumerate().map(|(place, cell)| (cell.id.clone(), place)).collect();
         if let Some(table) = table("errors_by_n_dot_v.csv")? {
-            bins(table, &mut cells, &places, is_under_way)?;
+            bins(table, &mut cells, &places)?;
         }
         if let Some(mut table) = table("steps.csv")? {
             table.each(|row| {
@@ -86,7 +84,6 @@ impl Finished {
             failures: of_store(dir, FAILED_FOLDER, Store::failure)?,
             provenance,
             experiment,
-            is_under_way,
             dir: dir.to_owned(),
         })
     }
@@ -128,22 +125,17 @@ fn cells(errors: &mut TableRows, images: &mut HashMap<String, CellImages>) -> Re
     Ok(cells)
 }
 
-/// Adds the rows of `errors_by_n_dot_v.csv` to their cells. Every cell with a score has some, unless the run is in progress.
+/// Adds the rows of `errors_by_n_dot_v.csv` to their cells. Every cell with a score has some.
 fn bins(
     mut table: TableRows,
     cells: &mut [FinishedCell],
     places: &HashMap<String, usize>,
-    is_under_way: bool,
 ) -> Result<(), FinishedError> {
     check_head(&table)?;
-    if !is_under_way {
-        ["cell", HEADLINE].iter().try_for_each(|name| table.needs(name))?;
-    }
+    ["cell", HEADLINE].iter().try_for_each(|name| table.needs(name))?;
     let mut is_binned = vec![false; cells.len()];
     table.each(|row| {
-        if !is_under_way {
-            row.checked_number(HEADLINE)?;
-        }
+        row.checked_number(HEADLINE)?;
         let Some(&place) = row.text("cell").and_then(|cell| places.get(cell)) else { return Ok(()) };
         is_binned[place] = true;
         if let [Some(lo), Some(hi), Some(count)] =
@@ -163,7 +155,7 @@ fn bins(
     let is_scored =
         |cell: &FinishedCell| cell.scores.as_ref().and_then(|scores| scores.get(HEADLINE)).is_some_and(f64::is_finite);
     let mut bare = cells.iter().zip(&is_binned).filter(|(cell, is_binned)| !**is_binned && is_scored(cell));
-    match bare.next().filter(|_| !is_under_way) {
+    match bare.next() {
         Some((cell, _)) => Err(damaged(&table, format!("no row of cell {}, which errors.csv beside it has", cell.id))),
         None => Ok(()),
     }
@@ -275,21 +267,17 @@ fn images(mut table: TableRows) -> Result<HashMap<String, CellImages>, FinishedE
     }
 }
 
-/// Checks that `errors.csv` has each cell once and, unless the run is in progress, every cell with a record.
+/// Checks that `errors.csv` has each cell once, and every cell with a record.
 fn check_errors(
     dir: &Path,
     provenance: &Json,
     errors: &TableRows,
     cells: &[FinishedCell],
-    is_under_way: bool,
 ) -> Result<(), FinishedError> {
     let damaged = |what: String| Err(damaged(errors, what));
     let ids: HashSet<&str> = cells.iter().map(|cell| cell.id.as_str()).collect();
     if ids.len() < cells.len() {
         return damaged(format!("{} rows of {} cells", cells.len(), ids.len()));
-    }
-    if is_under_way {
-        return Ok(());
     }
     // Unreadable records do not count, but are read only if there seem to be too many.
     let store = Store::at(dir);

@@ -26,7 +26,6 @@ fn empty(name: &str) -> Finished {
         lights: Vec::new(),
         timings: Vec::new(),
         failures: Vec::new(),
-        is_under_way: false,
         weights: vec![Weight::Picture, Weight::Uniform],
         weight: Weight::Uniform,
     }
