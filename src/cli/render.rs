@@ -28,9 +28,6 @@ pub struct Arguments {
     /// Write the image to FILE, .exr or .png.
     #[arg(long, value_name = "FILE")]
     out: PathBuf,
-    /// Compute the specular term by your GLSL (docs/own-method.md).
-    #[arg(long, value_name = "FILE", conflicts_with = AXES[METHOD].name)]
-    method_shader: Option<PathBuf>,
     /// Stop the reference early, at this relative standard error.
     #[arg(long, value_name = "E", value_parser = |text: &str| Kind::Number(Range::above(0.0, 1.0)).parse_text(text))]
     relative_error: Option<Value>,
@@ -98,19 +95,15 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
 
 /// Returns the files that the command reads.
 fn inputs(arguments: &Arguments) -> impl Iterator<Item = PathBuf> {
-    let given = arguments.axes.iter().filter_map(|given| {
+    arguments.axes.iter().filter_map(|given| {
         let text = given.value.to_string();
         AXES[given.axis].kind.path_in(&text).map(PathBuf::from)
-    });
-    given.chain(arguments.method_shader.clone())
+    })
 }
 
 /// Builds the point and compiles a method in a file. The reference has its own default sample count.
 fn point(arguments: &Arguments) -> Result<Point, Failure> {
     let mut point = arguments.axes.point();
-    if let Some(file) = &arguments.method_shader {
-        point[METHOD] = Value::from(format!("{FILE_PREFIX}{}", file.display()).as_str());
-    }
     if point[METHOD].text().starts_with(FILE_PREFIX) {
         own_method(point[METHOD].text())?;
     }
