@@ -75,7 +75,6 @@ pub struct Config {
     pub asks: Vec<Ask>,
     /// Metric of the answers; one of [`crate::metrics::METRICS`].
     pub metric: &'static str,
-    pub metric_place: Place,
     /// Weights of views, the leading one first, each with its place; unchecked. Empty for the default.
     pub weights: Vec<(Weight, Place)>,
     pub seed: u32,
@@ -98,7 +97,6 @@ pub struct Config {
     pub timing: Option<Timing>,
     /// Samples per pixel for the steps of `[ladder]`.
     pub ladder: Option<u32>,
-    pub ladder_place: Place,
     pub lights: Vec<Light>,
     pub light_places: Vec<Place>,
     pub has_sheets: bool,
@@ -122,7 +120,7 @@ pub(super) const KEYS: &[(&str, Reader)] = &[
     ("asks", Config::read_asks),
     (METRIC_KEY, |config, value, faults| {
         if let Some(found) = checked(Kind::one_of::<Metric>(), METRIC_KEY, value, faults) {
-            (config.metric, config.metric_place) = (Metric::listed(found.text()).name, at(value));
+            config.metric = Metric::listed(found.text()).name;
         }
     }),
     ("weights", Config::read_weights),

@@ -123,7 +123,6 @@ impl Config {
             faults.add(&at(value), format!("ladder.samples: {error}"));
         }
         self.ladder = Some(samples);
-        self.ladder_place = at(value);
     }
 
     pub(super) fn read_precompute(&mut self, value: &Spanned<DeValue>, faults: &mut Faults) {

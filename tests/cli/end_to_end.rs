@@ -142,7 +142,12 @@ fn a_finished_run_is_answered_and_published_when_nobody_uses_its_folder() {
     let publish = ["answers", "runs/other", "--publish", "results"];
     let output = splitsum(dir.path(), &publish);
     assert_eq!(output.status.code(), Some(2), "{}", stderr(&output));
-    assert!(stderr(&output).starts_with("results/tiny: contains the published run of plan "), "{}", stderr(&output));
+    assert!(
+        stderr(&output)
+            .starts_with("results/tiny: contains a published run of another plan than runs/other; give --replace"),
+        "{}",
+        stderr(&output)
+    );
     ok(dir.path(), &[publish.as_slice(), &["--replace"]].concat());
 }
 

@@ -145,10 +145,8 @@ impl Maker<'_> {
             for row in &displays {
                 let line = |&axis: &usize| {
                     let point = rows::teller(row.iter().map(|cell| &cell.point), axis);
-                    {
-                        let named = self.plan.config.named(axis);
-                        format!("{} {}", named.name(), short_text(named, point))
-                    }
+                    let named = self.plan.config.named(axis);
+                    format!("{} {}", named.name(), short_text(named, point))
                 };
                 let label = row_axes.iter().map(line).collect::<Vec<_>>().join("\n");
                 rows.push(self.row(label, true, row, Kind::Display));
