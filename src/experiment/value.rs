@@ -241,7 +241,7 @@ impl Kind {
             },
             Self::Color(range) => match raw {
                 Raw::Array(items) if items.len() == 3 => {
-                    let channels = parse_all(&Self::Number(*range), items)?;
+                    let channels = parse_all(Self::Number(*range), items)?;
                     Ok(Value::Color(std::array::from_fn(|channel| channels[channel].number() as f32)))
                 }
                 Raw::Integer(_) | Raw::Float(_) => {
@@ -251,7 +251,7 @@ impl Kind {
             },
             Self::Pair { min, max } => match raw {
                 Raw::Array(items) if matches!(items[..], [Raw::Integer(_), Raw::Integer(_)]) => {
-                    let sides = parse_all(&Self::Count { min: *min, max: *max }, items)?;
+                    let sides = parse_all(Self::Count { min: *min, max: *max }, items)?;
                     Ok(Value::Pair(std::array::from_fn(|side| sides[side].count())))
                 }
                 Raw::Integer(n) => count(*n, *min, *max).map(|side| Value::Pair([side; 2])),
@@ -369,11 +369,8 @@ impl Kind {
     }
 }
 
-/// Parses all items, or lists everything wrong with any.
-fn parse_all(kind: &Kind, items: &[Raw]) -> Result<Vec<Value>, String> {
-    let (values, faults): (Vec<_>, Vec<_>) = items.iter().map(|item| kind.parse(item)).partition(Result::is_ok);
-    let faults: Vec<String> = faults.into_iter().filter_map(Result::err).collect();
-    if faults.is_empty() { Ok(values.into_iter().flatten().collect()) } else { Err(faults.join("; ")) }
+fn parse_all(kind: Kind, items: &[Raw]) -> Result<Vec<Value>, String> {
+    items.iter().map(|item| kind.parse(item)).collect()
 }
 
 fn count(n: i64, min: u32, max: u32) -> Result<u32, String> {

@@ -187,28 +187,9 @@ impl Table {
         Ok(Self { path: table.path, columns: table.columns, rows })
     }
 
-    pub fn path(&self) -> &Path {
-        &self.path
-    }
-
     pub fn column(&self, name: &str) -> Result<usize, TableError> {
         let place = self.columns.iter().position(|column| column == name);
         place.ok_or_else(|| TableError::no_column(&self.path, name, &self.columns))
-    }
-
-    /// The numbers of a column; an empty cell is `None`.
-    pub fn numbers(&self, name: &str) -> Result<Vec<Option<f64>>, TableError> {
-        let column = self.column(name)?;
-        let number = |(row, cells): (usize, &Vec<String>)| match cells[column].as_str() {
-            "" => Ok(None),
-            value => value.parse().map(Some).map_err(|_| TableError::Number {
-                path: self.path.clone(),
-                row: row + 1,
-                column: name.to_owned(),
-                value: value.to_owned(),
-            }),
-        };
-        self.rows.iter().enumerate().map(number).collect()
     }
 }
 

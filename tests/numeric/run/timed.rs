@@ -15,8 +15,9 @@ fn timings_are_taken_once_a_configuration_and_kept() {
     let table = Table::read(&dir.path().join("timings.csv")).unwrap();
     assert_eq!(table.rows.len(), 4 + 8 * 2);
     let (pass, phase) = (table.column("pass").unwrap(), table.column("phase").unwrap());
-    let numbers = |name: &str| table.numbers(name).unwrap().into_iter().map(Option::unwrap).collect::<Vec<f64>>();
-    let samples = table.numbers("samples").unwrap();
+    let numbers =
+        |name: &str| crate::table::numbers(&table, name).into_iter().map(Option::unwrap).collect::<Vec<f64>>();
+    let samples = crate::table::numbers(&table, "samples");
     for (i, row) in table.rows.iter().enumerate() {
         if row[pass] == "shade-specular" {
             // Samples n, n + 1, ... n + 4, each twice; split-sum draws none, which the fake counts as 1.

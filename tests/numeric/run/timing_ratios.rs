@@ -97,7 +97,7 @@ fn records_of_other_sizes_and_devices_change_no_ratio() {
 fn the_published_ratios_follow_from_their_records() {
     let dir = Path::new(env!("CARGO_MANIFEST_DIR")).join("results/timing");
     let table = Table::read(&dir.join("answers/times.csv")).unwrap();
-    let mut published: Vec<f64> = table.numbers("ratio").unwrap().into_iter().flatten().collect();
+    let mut published: Vec<f64> = crate::table::numbers(&table, "ratio").into_iter().flatten().collect();
     let mut found: Vec<f64> = ratios(&Finished::read(&dir).unwrap().timings).iter().map(|pair| pair.ratio).collect();
     published.sort_by(f64::total_cmp);
     found.sort_by(f64::total_cmp);

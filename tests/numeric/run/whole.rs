@@ -40,9 +40,9 @@ fn a_run_renders_each_radiance_once_and_leaves_everything() {
         assert_eq!(row[0], cell.id);
     }
     let method = table.column("method").unwrap();
-    let samples = table.numbers("samples").unwrap();
+    let samples = crate::table::numbers(&table, "samples");
     let verdict = table.column("verdict").unwrap();
-    let bias = table.numbers("bias_rel").unwrap();
+    let bias = crate::table::numbers(&table, "bias_rel");
     for (i, row) in table.rows.iter().enumerate() {
         let expected = match samples[i] {
             None => SPLIT_SUM_ERROR,
@@ -54,12 +54,12 @@ fn a_run_renders_each_radiance_once_and_leaves_everything() {
         assert_eq!(row[verdict], "resolved");
     }
     for metric in splitsum::metrics::linear_metrics() {
-        let floors = table.numbers(&format!("{}_noise_floor", metric.name)).unwrap();
+        let floors = crate::table::numbers(&table, &format!("{}_noise_floor", metric.name));
         assert!(floors.iter().all(|floor| floor.is_some_and(|f| f > 0.0)), "{}", metric.name);
     }
 
     let bins = Table::read(&dir.path().join("errors_by_n_dot_v.csv")).unwrap();
-    let counts = bins.numbers("pixel_count").unwrap();
+    let counts = crate::table::numbers(&bins, "pixel_count");
     let cells: Vec<&str> = bins.rows.iter().map(|row| row[0].as_str()).collect();
     let of_first: f64 =
         counts.iter().zip(&cells).filter(|(_, id)| **id == plan.cells[0].id).map(|(n, _)| n.unwrap()).sum();
@@ -130,8 +130,8 @@ fn each_row_has_the_count_at_which_its_reference_stopped() {
         invoke(&plan, dir.path(), &log(), usize::MAX).unwrap();
         let table = Table::read(&dir.path().join("errors.csv")).unwrap();
         assert_eq!(table.rows.len(), 32);
-        assert!(table.numbers("reference_samples").unwrap().iter().all(|n| *n == Some(samples)), "{asked}");
-        assert!(table.numbers("reference_relative_error").unwrap().iter().all(|x| *x == Some(1e-3)), "{asked}");
+        assert!(crate::table::numbers(&table, "reference_samples").iter().all(|n| *n == Some(samples)), "{asked}");
+        assert!(crate::table::numbers(&table, "reference_relative_error").iter().all(|x| *x == Some(1e-3)), "{asked}");
         let column = table.column("reference_stopped_by").unwrap();
         assert!(table.rows.iter().all(|row| row[column] == stopped_by), "{asked}");
         let says = match asked {
