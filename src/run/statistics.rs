@@ -9,9 +9,6 @@ pub fn median(samples: &[f64]) -> f64 {
     if a == b || a.is_infinite() && b.is_finite() { a } else { a + 0.5 * (b - a) }
 }
 
-/// Fewer samples have no 95 % interval of their median: even the interval from the smallest to the largest misses it with probability
-/// 2 0.5^n > 0.05, if all samples fall on one side.
-pub const INTERVAL_SAMPLES_MIN: usize = 6;
 /// Probability with which an interval holds the truth.
 pub const COVERAGE: f64 = 0.95;
 
@@ -22,12 +19,13 @@ pub fn order_coverage(n: usize, k: usize) -> f64 {
     1.0 - 2.0 * (0..=k).map(coins).sum::<f64>()
 }
 
-/// The k of the narrowest such pair with at least 95 %; `None` if even the outermost pair has less.
+/// The k of the narrowest such pair with at least 95 %; `None` below six samples: all are on one side of the median with probability
+/// 2 0.5^n > 0.05.
 pub fn median_order(n: usize) -> Option<usize> {
     (0..n.div_ceil(2)).take_while(|k| order_coverage(n, *k) >= COVERAGE).last()
 }
 
-/// 95 % interval of the median: the order statistics of [`median_order`]. NaN below [`INTERVAL_SAMPLES_MIN`].
+/// 95 % interval of the median: the order statistics of [`median_order`]. NaN below six samples.
 pub fn median_interval(samples: &[f64]) -> [f64; 2] {
     let Some(outer) = median_order(samples.len()) else { return [f64::NAN; 2] };
     let mut sorted = samples.to_vec();

@@ -15,7 +15,6 @@ pub struct Ratio<'r> {
     pub ratio: f64,
     /// 95 % interval of the median. NaN below six rounds.
     pub interval: [f64; 2],
-    pub rounds: usize,
 }
 
 /// Every pair of methods that was timed in one block.
@@ -37,8 +36,8 @@ pub fn ratios(records: &[TimingRecord]) -> Vec<Ratio<'_>> {
         for sampled in frames.iter().filter(is_pair) {
             let pairs = sampled.sums_ms().into_iter().zip(fixed.sums_ms());
             let quotients: Vec<f64> = pairs.map(|(a, b)| a / b).collect();
-            let (ratio, interval, rounds) = (median(&quotients), median_interval(&quotients), quotients.len());
-            found.push(Ratio { sampled, fixed, ratio, interval, rounds });
+            let (ratio, interval) = (median(&quotients), median_interval(&quotients));
+            found.push(Ratio { sampled, fixed, ratio, interval });
         }
     }
     found

@@ -1,7 +1,7 @@
 //! Order statistics against values worked out by hand.
 
 use crate::chi_square::Random;
-use splitsum::run::statistics::{INTERVAL_SAMPLES_MIN, median, median_interval, median_order};
+use splitsum::run::statistics::{median, median_interval, median_order};
 use std::f64::consts::LN_2;
 
 #[test]
@@ -46,8 +46,8 @@ fn an_interval_needs_samples_whose_range_covers_the_median() {
         samples.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[lo, hi], x| [lo.min(*x), hi.max(*x)])
     };
     let fewest = (2..12).find(|&n| coverage(n, 40_000, range) >= 0.95);
-    assert_eq!(fewest, Some(INTERVAL_SAMPLES_MIN));
-    for n in 0..INTERVAL_SAMPLES_MIN {
+    assert_eq!(fewest, Some(6));
+    for n in 0..6 {
         assert_eq!(median_order(n), None, "{n}");
         assert!(median_interval(&vec![1.0; n])[0].is_nan(), "{n} samples have no interval");
     }
