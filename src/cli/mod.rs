@@ -180,7 +180,7 @@ pub fn main() -> ExitCode {
     }
 }
 
-/// Describes wrong arguments as other bad input: `--alpha: 3 is outside (0, 1]`.
+/// Describes wrong arguments as other bad input: `--alpha: 3 is outside [0.001, 1]`.
 fn usage_fault(error: &clap::Error) -> String {
     let text = |kind| match error.get(kind) {
         Some(ContextValue::Strings(words)) => words.join(", "),

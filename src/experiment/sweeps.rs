@@ -187,7 +187,7 @@ impl Config {
 /// Expands a range; rounds for axes of whole numbers.
 fn range_values(kind: Kind, range: &DeTable) -> Result<Vec<Raw>, String> {
     let expected = || format!("expected a list of values, {RANGE_FORMS}");
-    let is_number = matches!(kind, Kind::Number(_) | Kind::NumberOrName { .. } | Kind::Alpha | Kind::Count { .. });
+    let is_number = matches!(kind, Kind::Number(_) | Kind::NumberOrName { .. } | Kind::Count { .. });
     if !is_number && !matches!(kind, Kind::Color(_)) {
         return Err("a range needs an axis of numbers; expected a list of values".to_owned());
     }

@@ -166,8 +166,6 @@ pub(super) fn number(raw: &Raw) -> Option<f64> {
 #[derive(Clone, Copy, Debug)]
 pub enum Kind {
     Number(Range),
-    /// A number in (0, 1], at least [`ALPHA_MIN`].
-    Alpha,
     /// A whole number in `[min, max]`.
     Count {
         min: u32,
@@ -227,13 +225,6 @@ impl Kind {
                 Some(x) if range.holds(x) => Ok(Value::Number(x)),
                 Some(_) => Err(format!("{raw} is outside {range}")),
                 None => expected(&format!("a number in {range}")),
-            },
-            Self::Alpha => match Self::Number(Range::above(0.0, 1.0)).parse(raw)? {
-                Value::Number(alpha) if alpha < ALPHA_MIN => Err(format!(
-                    "{raw} is below {ALPHA_MIN}, the narrowest lobe that the device shades; `splitsum integrate` takes {} and more",
-                    crate::oracle::ALPHA_MIN
-                )),
-                alpha => Ok(alpha),
             },
             Self::Count { min, max } => match raw {
                 Raw::Integer(n) => count(*n, *min, *max).map(Value::Count),
@@ -323,7 +314,6 @@ impl Kind {
     pub fn describe(&self) -> String {
         match self {
             Self::Number(range) => format!("number in {range}"),
-            Self::Alpha => format!("number in (0, 1], at least {ALPHA_MIN}"),
             Self::Count { min, max } => format!("whole number in [{min}, {max}]"),
             Self::Color(range) => format!("one number or three (red, green, blue) in {range}"),
             Self::Pair { min, max } => format!("two whole numbers in [{min}, {max}]"),
@@ -357,7 +347,7 @@ impl Kind {
     /// Returns the placeholder of a flag's value.
     pub fn value_name(&self) -> &'static str {
         match self {
-            Self::Number(_) | Self::Alpha => "X",
+            Self::Number(_) => "X",
             Self::Count { .. } => "N",
             Self::Color(_) => "R,G,B",
             Self::Pair { .. } => "WxH",

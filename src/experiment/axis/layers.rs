@@ -1,6 +1,6 @@
 //! The axes of anisotropy and of layers over the base. They came later: a cell without either has the id that it had before.
 
-use super::plain::{PLAIN, ROUGHNESS, first};
+use super::plain::{ALPHA_KIND, PLAIN, ROUGHNESS, first};
 use super::{Axis, Part, Spelling, Symbol};
 use crate::brdf::WidthLaw;
 use crate::experiment::value::{Kind, Range};
@@ -70,7 +70,7 @@ pub(super) const LAYER_AXES: &[Axis] = &[
         plural: "coat alphas",
         symbol: Symbol::Before("coat alpha"),
         used: |u| u.has_coat,
-        kind: Kind::Alpha,
+        kind: ALPHA_KIND,
         spelling: Some(Spelling {
             name: "coat_perceptual_roughness",
             label: "Coat roughness",

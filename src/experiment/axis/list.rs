@@ -1,7 +1,7 @@
 //! The list of all axes except the axes of layers ([`super::layers`]) and of tables ([`super::tables`]).
 
 use super::layers::LAYER_AXES;
-use super::plain::{LEVELS, PLAIN, ROUGHNESS, first};
+use super::plain::{ALPHA_KIND, LEVELS, PLAIN, ROUGHNESS, first};
 use super::tables::{DFG, IRRADIANCE, MIPS, PREFILTER, SH9, TABLE_AXES};
 use super::{Axis, Part, Sheet, Symbol};
 use crate::brdf::{self, Compensation, MaskingShadowing};
@@ -166,7 +166,7 @@ const IMAGE_AXES: &[Axis] = &[
         about: "microfacet width of every material",
         plural: "alphas",
         symbol: Symbol::Before("alpha"),
-        kind: Kind::Alpha,
+        kind: ALPHA_KIND,
         spelling: Some(ROUGHNESS),
         apply: |s, v| s.material.alpha = Some(v.number() as f32),
         ..PLAIN

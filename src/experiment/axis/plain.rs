@@ -2,10 +2,11 @@
 
 use super::{Axis, Part, Sheet, Spelling, Symbol};
 use crate::brdf;
-use crate::experiment::value::{Kind, PERCEPTUAL_ROUGHNESS_MIN, Range, Value, decimal};
+use crate::experiment::value::{ALPHA_MIN, Kind, PERCEPTUAL_ROUGHNESS_MIN, Range, Value, decimal};
 use crate::spelling::Listed;
 
 pub(super) const LEVELS: Range = Range::closed(-16.0, 16.0);
+pub(super) const ALPHA_KIND: Kind = Kind::Number(Range::closed(ALPHA_MIN, 1.0));
 
 /// Defaults that the entries override.
 pub(super) const PLAIN: Axis = Axis {

@@ -137,50 +137,28 @@ pub fn link(from: &Path, to: &Path) -> String {
     percent_escaped(&files::relative(from, to))
 }
 
-/// Title, name and JSON pointer of the facts of a run; `~` is the last session.
-const FACTS: &[(&str, &str, &str)] = &[
-    ("Device", "name", "~/device/name"),
-    ("Device", "type", "~/device/type"),
-    ("Device", "driver", "~/device/driver"),
-    ("Device", "Vulkan", "~/device/api_version"),
-    ("Host", "CPU", "~/host/cpu"),
-    ("Host", "threads", "~/host/cpu_count"),
-    ("Host", "system", "~/host/os"),
-    ("Host", "date", "~/date_utc"),
-    ("Program", "version", "~/program_version"),
-    ("Program", "commit", COMMIT),
-    ("Program", "shaders", "/shader_hash"),
-    ("Program", "command", "~/command_line"),
-    ("Experiment", "file", "/experiment_file"),
-    ("Experiment", "hash", "/experiment_hash"),
-    ("Experiment", "plan", "/plan_hash"),
-    ("Experiment", "overrides", "/overrides"),
-    ("Experiment", "seed", "/seed"),
-    ("Experiment", "cells", "/cell_count"),
-];
-const COMMIT: &str = "~/commit/hash";
-
-/// The facts of a run by title, with the hashes of its inputs last.
+/// The facts of a run in its provenance by title, with the hashes of its inputs last.
 pub fn provenance(page_run: &PageRun) -> Vec<(&'static str, Vec<(String, String)>)> {
-    let run = page_run.finished;
+    let all = &page_run.finished.provenance;
+    let session = all.pointer(&page_run.finished.last_session()).unwrap_or(&Json::Null);
+    let groups = [
+        ("Device", &session["device"]),
+        ("Host", &session["host"]),
+        ("Program", session),
+        ("Commit", &session["commit"]),
+        ("Experiment", all),
+        ("Inputs", &all["inputs"]),
+    ];
     let words = |value: &Json| match value {
-        Json::String(text) => text.clone(),
-        Json::Array(all) => all.iter().filter_map(Json::as_str).collect::<Vec<_>>().join(" "),
-        other => other.to_string(),
+        Json::String(text) => Some(text.clone()),
+        Json::Array(all) => Some(all.iter().map(Json::as_str).collect::<Option<Vec<_>>>()?.join(" ")),
+        Json::Number(_) | Json::Bool(_) => Some(value.to_string()),
+        Json::Null | Json::Object(_) => None,
     };
-    let value = |pointer: &str| match pointer.strip_prefix('~') {
-        _ if pointer == COMMIT => page_run.commit(),
-        Some(rest) => run.provenance.pointer(&format!("{}{rest}", run.last_session())).map_or_else(String::new, words),
-        None => run.provenance.pointer(pointer).map_or_else(String::new, words),
-    };
-    let entries = |facts: &[(&str, &str, &str)]| -> Vec<(String, String)> {
-        let facts = facts.iter().map(|(_, name, pointer)| ((*name).to_owned(), value(pointer)));
+    let facts = |value: &Json| -> Vec<(String, String)> {
+        let facts = value.as_object().into_iter().flatten();
+        let facts = facts.filter_map(|(name, value)| Some((name.clone(), words(value)?)));
         facts.filter(|(_, text)| !text.is_empty()).collect()
     };
-    let mut groups: Vec<_> = FACTS.chunk_by(|a, b| a.0 == b.0).map(|own| (own[0].0, entries(own))).collect();
-    let inputs = run.provenance["inputs"].as_object().into_iter().flatten();
-    if let Some((_, experiment)) = groups.last_mut() {
-        experiment.extend(inputs.map(|(name, hash)| (name.clone(), words(hash))));
-    }
-    groups
+    groups.map(|(title, value)| (title, facts(value))).into_iter().filter(|(_, facts)| !facts.is_empty()).collect()
 }

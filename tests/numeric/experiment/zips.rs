@@ -22,7 +22,7 @@ fn zipped_axes_are_set_together() {
     assert_eq!(rows(&["samples=9,2,1", "brdf=ggx"]).unwrap(), ["ggx 0.1 9", "ggx 0.5 2", "ggx 1 1"]);
     // An invalid value is the only fault reported.
     let fault = rows(&["alpha=7,0.5,0.6"]).unwrap_err();
-    assert_eq!(fault, "--set alpha: axes.alpha: 7 is outside (0, 1]");
+    assert_eq!(fault, "--set alpha: axes.alpha: 7 is outside [0.001, 1]");
     let fault = rows(&["alpha=0.3,0.4"]).unwrap_err();
     assert!(fault.ends_with("zip: alpha has 2 values, samples has 3 values; expected as many for each"), "{fault}");
 }
