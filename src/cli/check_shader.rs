@@ -1,11 +1,11 @@
 //! `splitsum check-shader`: how wrong a function of a shader is.
 
+use super::flags::coordinates;
 use super::shared::DeviceFlag;
 use super::{Failure, print, print_data, progress};
 use clap::Args;
 use serde_json::json;
 use splitsum::brdf::MaskingShadowing;
-use splitsum::experiment::lights::coordinates;
 use splitsum::pipeline::shader_check::{ERRORS, Row, check, verdict, worst};
 use splitsum::run::RenderFault;
 use splitsum::shade::{FILE_PREFIX, own};

@@ -127,7 +127,7 @@ fn compiled(arguments: &Arguments) -> Result<Vec<Shaded>, Failure> {
     let program = std::env::current_exe().map_err(Failure::failed)?;
     super::progress::doing("compiling shaders");
     let found = available(&program).map_err(failure)?;
-    let jobs: Vec<Job> = points.iter().map(|point| point.collapsed(false).settings().specular_job()).collect();
+    let jobs: Vec<Job> = points.iter().map(|point| point.collapsed().settings().specular_job()).collect();
     let options = arguments.axes.iter().filter(|given| ![METHOD, BRDF].contains(&given.axis));
     let options: Vec<String> = options.map(|given| format!("{}={}", AXES[given.axis].name, given.value)).collect();
     let mut shaded = Vec::new();

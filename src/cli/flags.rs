@@ -7,9 +7,8 @@ use clap::{Arg, ArgMatches, Args, Command, Error, FromArgMatches};
 use splitsum::experiment::axis::named::{ambiguous, hint};
 use splitsum::experiment::axis::{AXES, Named, Point, Reference, View};
 use splitsum::experiment::config::SEED;
-use splitsum::experiment::lights::{coordinates, parse_light};
-use splitsum::experiment::value::{Kind, Value};
-use splitsum::scene::{CameraKind, Light, Orbit, Scene};
+use splitsum::experiment::value::{COORDINATE, Kind, Value};
+use splitsum::scene::{CameraKind, Orbit, Scene};
 use splitsum::spelling::{Listed, capitalised};
 
 /// Flags other than the axes.
@@ -24,9 +23,6 @@ pub struct SeenFlags {
     /// Show the environment behind the scene.
     #[arg(long)]
     pub background: bool,
-    /// Add a light: directional (towards it; irradiance) or point (intensity).
-    #[arg(long = "light", value_name = "KIND:X,Y,Z:R,G,B", allow_hyphen_values = true, value_parser = parse_light)]
-    pub lights: Vec<Light>,
     /// Seed the reference's samples.
     #[arg(long, value_name = "N", default_value = "1", value_parser = |text: &str| SEED.parse_text(text))]
     seed: Value,
@@ -44,7 +40,6 @@ impl SeenFlags {
             orbit: self.orbit.unwrap_or_default(),
             background: self.background,
             antialias: false,
-            lights: self.lights.clone(),
             seed: self.seed.count(),
             reference_error: None,
             reference_samples: Reference::default().samples,
@@ -53,14 +48,20 @@ impl SeenFlags {
 
     /// Refuses flags that have no effect on the scene.
     pub fn check(&self, scene: &Scene) -> Result<(), Failure> {
-        let lights = self.lights.iter().filter_map(|light| Some(format!("--light: {}", light.fault_in(scene)?)));
         let of_design = [(self.background, "background"), (self.orbit.is_some(), "orbit")];
-        let of_design = of_design.iter().filter(|(is_set, _)| *is_set && scene.is_design);
-        let faults: Vec<String> = lights
-            .chain(of_design.map(|(_, flag)| format!("--{flag}: has no effect on the scene design; leave it out")))
-            .collect();
+        let idle = of_design.iter().filter(|(is_set, _)| *is_set && scene.is_design);
+        let faults: Vec<String> =
+            idle.map(|(_, flag)| format!("--{flag}: has no effect on the scene design; leave it out")).collect();
         if faults.is_empty() { Ok(()) } else { Err(Failure::input(faults.join("\n"))) }
     }
+}
+
+/// Parses `x,y,z`.
+pub fn coordinates(text: &str) -> Result<[f32; 3], String> {
+    // A colour may be one number, a place may not.
+    let is_whole = text.split(',').count() == 3;
+    let numbers = Kind::Color(COORDINATE).parse_text(text).ok().filter(|_| is_whole);
+    numbers.map(|numbers| numbers.color()).ok_or_else(|| format!("{text:?} is not x,y,z"))
 }
 
 fn parse_orbit(text: &str) -> Result<Orbit, String> {

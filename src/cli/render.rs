@@ -115,7 +115,7 @@ fn point(arguments: &Arguments) -> Result<Point, Failure> {
 
 /// Refuses flags without effect.
 fn check_used(arguments: &Arguments, point: &Point, is_linear: bool) -> Result<(), Failure> {
-    let collapsed = point.collapsed(!arguments.seen.lights.is_empty());
+    let collapsed = point.collapsed();
     let (method, diffuse) = (point.method().name, point.diffuse().name);
     let has_reference_term = point.method().is_integrated() || point.diffuse().is_integrated();
     let mut faults = Vec::new();

@@ -1,4 +1,4 @@
-//! Checks of values together: combinations, sizes, lights in their scenes, exclusions.
+//! Checks of values together: combinations, sizes, exclusions.
 
 use super::axis::{
     ALBEDO, ALPHA, ANISOTROPY, AXES, Axis, COAT, COMPENSATION, DFG_TABLE, METALLIC, METHOD, Named, PREFILTER_SIZE,
@@ -17,9 +17,8 @@ use crate::spelling::{expected, suggestion};
 /// Reports values that are valid alone but not together.
 pub fn check_combinations(config: &Config, faults: &mut Faults) {
     for point in config.combinations().filter(|point| config.exclusion_of(point).is_none()) {
-        let has_lights = !config.lights.is_empty();
-        let judge = point.reference(&config.reference, has_lights);
-        let point = point.collapsed(has_lights);
+        let judge = point.reference(&config.reference);
+        let point = point.collapsed();
         check_reference_counts(config, &point, &judge, faults);
         check_ladder(config, &point, faults);
         let shading = point.settings().shading;
@@ -110,15 +109,6 @@ fn check_reference_counts(config: &Config, point: &Point, judge: &Point, faults:
     }
 }
 
-/// Reports lights inside a sphere of a scene.
-pub fn check_lights(config: &Config, inputs: &Inputs, faults: &mut Faults) {
-    for (light, place) in config.lights.iter().zip(&config.light_places) {
-        for fault in inputs.scenes().filter_map(|scene| light.fault_in(scene)) {
-            faults.add(place, format!("lights: {fault}"));
-        }
-    }
-}
-
 /// Reports excluded values that their axis does not have.
 pub fn check_exclusions(config: &Config, faults: &mut Faults) {
     // Values that could not be read have their own faults.
@@ -135,9 +125,8 @@ pub fn check_exclusions(config: &Config, faults: &mut Faults) {
 
 /// Lists swept axes that no cell uses, or that reach no pixel.
 pub fn idle_sweeps<'p>(config: &Config, points: impl Iterator<Item = &'p Point> + Clone) -> Vec<(Place, String)> {
-    let has_lights = !config.lights.is_empty();
     let is_unused = |axis: usize| points.clone().all(|point| point[axis] == Value::Unset);
-    let is_idle = |axis: usize| points.clone().all(|point| point.of_pixels(has_lights)[axis] == Value::Unset);
+    let is_idle = |axis: usize| points.clone().all(|point| point.of_pixels()[axis] == Value::Unset);
     let describe = |sweep: &Sweep| {
         let (Axis { name, about, .. }, count) = (&AXES[sweep.axis], sweep.values.len());
         let text = if !is_unused(sweep.axis) {

@@ -7,7 +7,7 @@ use super::fault::{Faults, Place};
 use super::toml_tree::{at, checked, entries, parsed, raw, section, text, unknown_key};
 use super::value::{COORDINATE, Kind, Range, Raw, Value};
 use crate::metrics::{HEADLINE, Metric, Weight};
-use crate::scene::{CameraKind, Light, Orbit};
+use crate::scene::{CameraKind, Orbit};
 use crate::shade::{METHODS, Method, NONE};
 use crate::spelling::Listed;
 use std::path::{Path, PathBuf};
@@ -97,8 +97,6 @@ pub struct Config {
     pub timing: Option<Timing>,
     /// Samples per pixel for the steps of `[ladder]`.
     pub ladder: Option<u32>,
-    pub lights: Vec<Light>,
-    pub light_places: Vec<Place>,
     pub has_sheets: bool,
     pub overrides: Vec<String>,
     /// Folder of paths in the file, if not the file's own.
@@ -148,7 +146,6 @@ pub(super) const KEYS: &[(&str, Reader)] = &[
     ("timing", Config::read_timing),
     ("ladder", Config::read_ladder),
     ("precompute", Config::read_precompute),
-    ("lights", Config::read_lights),
     ("sheets", |config, value, faults| read_switch(&mut config.has_sheets, "sheets", value, faults)),
 ];
 

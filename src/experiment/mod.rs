@@ -5,7 +5,6 @@ mod checks;
 pub mod config;
 pub mod fault;
 pub mod inputs;
-pub mod lights;
 mod overrides;
 pub mod plan;
 mod sections;

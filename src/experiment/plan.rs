@@ -117,7 +117,6 @@ impl Plan {
             checks::check_combinations(&config, &mut faults);
         }
         checks::check_sizes(&config, &mut faults);
-        checks::check_lights(&config, &inputs, &mut faults);
         checks::check_exclusions(&config, &mut faults);
         faults.into_result()?;
         Ok(Self::expanded(config, inputs))
@@ -145,7 +144,7 @@ impl Plan {
 
     /// Returns the point of the reference that judges a cell.
     pub fn reference_point(&self, point: &Point) -> Point {
-        point.reference(&self.config.reference, !self.config.lights.is_empty())
+        point.reference(&self.config.reference)
     }
 
     /// Lists name and value of every axis of a cell, in column order.
@@ -193,7 +192,6 @@ impl Plan {
             orbit: self.config.orbit,
             background: self.config.background,
             antialias: self.config.antialias,
-            lights: self.config.lights.clone(),
             seed,
             reference_samples: self.config.reference.samples,
             reference_error: self.config.reference.relative_error,
@@ -284,7 +282,7 @@ impl Plan {
             }
             let judge = plan.reference_point(&point);
             let reference = plan.radiance_id(&judge, plan.config.seed, plan.config.reference.relative_error);
-            let point = point.collapsed(!plan.config.lights.is_empty());
+            let point = point.collapsed();
             let radiance = plan.radiance_id(&point, plan.cell_seed(&point), plan.cell_error(&point));
             let id = cell_id(&radiance, &reference, &point, plan.ladder_of(&point));
             if seen.insert(id.clone()) {
@@ -333,7 +331,6 @@ impl Plan {
         if let (Some(error), true) = (relative_error, is_specular || is_diffuse) {
             lines.push(format!("reference_error={error}"));
         }
-        lines.extend(config.lights.iter().map(|light| format!("light={light:?}")));
         let given = inputs.given(&point.settings());
         for (index, axis) in AXES.iter().enumerate().filter(|(_, axis)| axis.changes_radiance()) {
             let value = &point[index];

@@ -119,9 +119,6 @@ constants! {
     STRIP_LENGTH: f32 = 0.5;
     STRIP_BREADTH: f32 = 0.9;
     STRIP_REACH: f32 = 0.95;
-    /// Light kinds; in the order of `scene::LightKind`.
-    LIGHT_DIRECTIONAL: u32 = 0;
-    LIGHT_POINT: u32 = 1;
     /// Bit of `ShadeParams::flags`: the image has no specular term, so the diffuse one loses nothing to it.
     SHADE_FLAG_NO_SPECULAR: u32 = 1;
 }

@@ -143,7 +143,7 @@ shared_structs! {
         prefilter_level_count: uint,
         environment_scale: float,
         lod_bias: float,
-        light_count: uint,
+        pad0: uint,
     /// Bits: `constants::SHADE_FLAG_*`.
         flags: uint,
     /// Chooses the points of the reference; the set of a sampled method.
@@ -154,11 +154,6 @@ shared_structs! {
         point_count: uint,
     /// Slots of the environment's distribution (reference only).
         slot_count: uint,
-    }
-    /// An analytic light: position or direction to the light; colour (W/sr or irradiance), and kind in w.
-    LightData {
-        position_or_direction: vec4,
-        color_kind: vec4,
     }
     /// Push constants of the background pass. `right` and `up` reach from the image's centre to its edges at distance 1
     /// along `forward` (0 for an orthographic camera); all three are in the environment's frame.

@@ -5,7 +5,7 @@ use super::inputs::{DfgInputs, SharedKey, mips_key};
 use crate::gbuffer;
 use crate::pixels::RgbImage;
 use crate::shade::Shading;
-use crate::shade::pass::{BACKGROUND_SHADER, lights_shader};
+use crate::shade::pass::BACKGROUND_SHADER;
 use crate::shade::reference_pass::Convergence;
 use crate::spelling::Listed;
 
@@ -29,7 +29,6 @@ pub(super) fn key(request: &RenderRequest) -> Option<SharedKey> {
         shading,
         reference_samples,
         reference_error,
-        lights,
         background,
         // Applied after the kept image.
         antialias: _,
@@ -68,7 +67,7 @@ pub(super) fn key(request: &RenderRequest) -> Option<SharedKey> {
     let inputs = format!(
         "environment={}\nplacement={placement:?}\nscale={environment_scale}\nepsilon={}\nscene={}\ncamera={camera:?}\n\
          size={width}x{height}\nmethod={}\ndiffuse={}\nbrdf={}\nmasking={masking_shadowing:?}\ncompensation={compensation:?}\nsamples={samples}\n\
-         reference_samples={reference_samples}\nreference_error={reference_error:?}\nlights={lights:?}\n\
+         reference_samples={reference_samples}\nreference_error={reference_error:?}\n\
          background={background}\nseed={seed}\nlevels={levels:?}\nweight={weight:?}\ndfg={table}",
         environment.hash,
         request.epsilon().beside_square(),
@@ -85,7 +84,6 @@ pub(super) fn key(request: &RenderRequest) -> Option<SharedKey> {
         // A background reads the levels of the environment.
         .chain(mips_key(environment).shaders)
         .chain(dfg.into_iter().flat_map(|key| key.shaders))
-        .chain((!lights.is_empty()).then(|| lights_shader(*brdf)))
         .chain(background.then(|| BACKGROUND_SHADER.to_owned()))
         .collect();
     Some(SharedKey { kind: "reference", inputs, shaders })

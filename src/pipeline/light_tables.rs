@@ -59,7 +59,6 @@ impl Pipeline {
                 diffuse: Diffuse::listed("sh9"),
                 ..request.shading
             },
-            lights: Vec::new(),
             ..request.clone()
         };
         let PrecomputeSettings { layout, prefilter_level_count, level_mapping, dfg_axes, .. } =

@@ -335,13 +335,10 @@ impl Pipeline {
                 convergences.push(convergence);
             }
         }
-        for part in gpu.parts(request.size, 1, 1 + request.lights.len() as u64) {
+        for part in gpu.parts(request.size, 1, 1) {
             let mut recorder = gpu.record("shade")?;
             if request.shading.diffuse.has_pass() {
                 recorder.pass("shade-diffuse", |r| passes.diffuse(r, part))?;
-            }
-            if let Some(lights) = &prepared.lights {
-                recorder.pass("shade-lights", |r| passes.lights(r, lights, part))?;
             }
             if request.background {
                 recorder.pass("background", |r| passes.background(r, part))?;
@@ -357,7 +354,6 @@ fn passes<'a>(request: &'a RenderRequest, prepared: &'a Prepared) -> Passes<'a> 
     Passes {
         shading: &request.shading,
         camera: &request.camera,
-        light_count: request.lights.len() as u32,
         tables,
         gbuffer: &target.gbuffer,
         tangents: prepared.tangents.as_ref().map(|target| &target.gbuffer),

@@ -19,7 +19,7 @@ use crate::precompute::points::Points;
 use crate::precompute::prefilter::harmonic;
 use crate::precompute::{HALF_MAX, PrefilterBy, StorageFormat, dfg, filtered, irradiance, mips, prefilter, sh9};
 use crate::shade::Shading;
-use crate::shade::pass::{Tables, light_data};
+use crate::shade::pass::Tables;
 use crate::shade::reference_pass::{DistributionBuffers, Sums, pair_count};
 use std::sync::Arc;
 
@@ -77,8 +77,6 @@ impl Resources {
             }
             false => None,
         };
-        // A scene without lights does not bind this pass.
-        let lights = (!request.lights.is_empty()).then(|| gpu.buffer_from("lights", &light_data(&request.lights)));
         let lobes = request.reference_lobes();
         let reference = if lobes.is_empty() { None } else { Some(self.reference_data(gpu, request)?) };
         Ok(Prepared {
@@ -86,7 +84,6 @@ impl Resources {
             scene,
             target,
             tangents,
-            lights: lights.transpose()?,
             precompute: std::mem::take(&mut maker.total),
             samples_per_pixel,
             reference,

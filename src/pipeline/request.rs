@@ -7,7 +7,7 @@ use crate::gpu::PassTime;
 use crate::metrics::Epsilon;
 use crate::pixels::{GrayImage, RgbImage};
 use crate::precompute::PrefilterBy;
-use crate::scene::{Camera, CameraKind, Light, Scene};
+use crate::scene::{Camera, CameraKind, Scene};
 use crate::shade::Shading;
 use crate::shade::reference_pass::{Convergence, Lobe, Stop};
 use std::sync::Arc;
@@ -24,7 +24,6 @@ pub struct RenderRequest {
     pub reference_samples: u32,
     /// Stops references early, once the relative standard error of each term is at most this.
     pub reference_error: Option<f64>,
-    pub lights: Vec<Light>,
     /// Shows the environment where nothing is hit.
     pub background: bool,
     /// Antialiases edges and removes their pixels from the mask. Has no effect on the scene `design`.
@@ -70,7 +69,6 @@ impl RenderRequest {
             shading: Shading::default(),
             reference_samples: 1024,
             reference_error: None,
-            lights: Vec::new(),
             background: false,
             antialias: false,
             given: Given::default(),
@@ -120,7 +118,7 @@ impl RenderRequest {
     /// Whether a frame reads the DFG table.
     pub fn needs_dfg(&self) -> bool {
         let Shading { method, diffuse, compensation, .. } = self.shading;
-        method.needs_dfg(compensation, diffuse, !self.lights.is_empty())
+        method.needs_dfg(compensation, diffuse)
     }
 
     /// Whether a term is a reference: then the frame has a standard error.
@@ -158,7 +156,7 @@ impl Frame {
 pub struct FrameTimings {
     /// Precompute passes that ran: `mips`, `sh9`, `irradiance`, `prefilter`, `dfg`. Empty if all tables existed.
     pub precompute: Vec<PassTime>,
-    /// Per-frame passes: `gbuffer`, `shade-specular`, `shade-diffuse`, `shade-lights`, `background`, `tonemap`.
+    /// Per-frame passes: `gbuffer`, `shade-specular`, `shade-diffuse`, `background`, `tonemap`.
     pub frame: Vec<PassTime>,
     /// Host time of the submissions of `frame`, ms.
     pub wall_ms: f64,

@@ -105,7 +105,6 @@ pub(super) struct Prepared {
     pub(super) target: Arc<Target>,
     /// The g-buffer of [`crate::scene::Scene::tangents`], if lobes have two widths.
     pub(super) tangents: Option<Arc<Target>>,
-    pub(super) lights: Option<Buffer>,
     /// Times of the precompute passes that ran for this request.
     pub(super) precompute: Report,
     pub(super) samples_per_pixel: u32,

@@ -1,9 +1,8 @@
-//! Scenes: cameras, spheres, meshes, materials, lights.
+//! Scenes: cameras, spheres, meshes, materials.
 
 pub mod builtin;
 pub mod camera;
 mod gltf;
-pub mod light;
 mod maps;
 pub mod material;
 pub mod mesh;
@@ -13,7 +12,6 @@ mod source;
 
 pub use builtin::{SCENES, SceneEntry, is_design};
 pub use camera::{Camera, CameraKind, Orbit, Projection};
-pub use light::{Light, LightKind};
 pub use maps::Texture;
 pub use material::{Anisotropy, Coat, Material, MaterialOverride};
 pub use mesh::Mesh;

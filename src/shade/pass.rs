@@ -1,14 +1,14 @@
-//! The device passes of all methods but the reference: specular, diffuse, analytic lights, background.
+//! The device passes of all methods but the reference: specular, diffuse, background.
 
 use super::{Method, Shading};
 use crate::brdf::{Brdf, MaskingShadowing};
 use crate::environment::layout::MapLayout;
 use crate::gbuffer::pass::GbufferImages;
 use crate::glsl::constants::SHADE_FLAG_NO_SPECULAR;
-use crate::glsl::layout::{BackgroundParams, LightData, ShadeParams, SharedStruct};
+use crate::glsl::layout::{BackgroundParams, ShadeParams, SharedStruct};
 use crate::gpu::{Bind, Buffer, Filter, GpuError, Image, Part, Recorder, Sampler, Wrap, has_shader};
 use crate::precompute::points::{PointRange, Points};
-use crate::scene::{Camera, Light, Projection};
+use crate::scene::{Camera, Projection};
 use glam::DVec3;
 
 /// An environment's tables on the device.
@@ -31,7 +31,6 @@ pub struct Tables {
 pub struct Passes<'a> {
     pub shading: &'a Shading,
     pub camera: &'a Camera,
-    pub light_count: u32,
     pub tables: &'a Tables,
     pub gbuffer: &'a GbufferImages,
     /// The g-buffer of [`crate::scene::Scene::tangents`], if lobes have two widths.
@@ -48,18 +47,6 @@ fn eye(camera: &Camera) -> [f32; 4] {
     }
 }
 
-/// Packs the lights for the pass.
-pub fn light_data(lights: &[Light]) -> Vec<u8> {
-    let data = |light: &Light| {
-        let [r, g, b] = light.color;
-        LightData {
-            position_or_direction: light.position_or_direction.extend(0.0).as_vec4().to_array(),
-            color_kind: [r, g, b, light.kind as u32 as f32],
-        }
-    };
-    lights.iter().flat_map(|light| data(light).to_bytes()).collect()
-}
-
 /// Sampler of the DFG table.
 pub(super) const TABLE: Sampler = Sampler(Filter::Linear, Wrap::CLAMP);
 
@@ -70,10 +57,6 @@ pub fn specular_shader(layout: &MapLayout, method: &Method, brdf: &dyn Brdf) -> 
     let general = format!("shade/specular.comp:{}:{}", layout.name, method.shader.unwrap_or(method.name));
     let special = format!("{general}:{}", brdf.name());
     if has_shader(&special) { special } else { general }
-}
-
-pub fn lights_shader(brdf: &dyn Brdf) -> String {
-    format!("shade/lights.comp:{}", brdf.name())
 }
 
 impl<'a> Passes<'a> {
@@ -92,7 +75,7 @@ impl<'a> Passes<'a> {
 
     /// Returns the push constants for rows from `first_row` on.
     pub(super) fn params(&self, first_row: u32) -> ShadeParams {
-        let Self { shading, camera, light_count, tables, gbuffer, .. } = *self;
+        let Self { shading, camera, tables, gbuffer, .. } = *self;
         let rows = shading.placement.environment_from_world().transpose();
         let row = |v: DVec3| v.extend(0.0).as_vec4().to_array();
         let ([width, height], [environment_width, environment_height]) = (gbuffer.size, tables.environment.mip_size(0));
@@ -111,7 +94,7 @@ impl<'a> Passes<'a> {
             prefilter_level_count: shading.precompute.prefilter_level_count,
             environment_scale: shading.environment_scale,
             lod_bias: shading.lod_bias,
-            light_count,
+            pad0: 0,
             flags: if shading.method.is_none() { SHADE_FLAG_NO_SPECULAR } else { 0 },
             seed: shading.point_set,
             pair_count: 0,
@@ -160,14 +143,6 @@ impl<'a> Passes<'a> {
         let shader = format!("shade/diffuse.comp:{}:{}", precompute.layout.name, diffuse.name);
         let constants = self.shading.table_constants(MaskingShadowing::default());
         self.dispatch(recorder, &shader, constants, &rest, &push, part)
-    }
-
-    /// Adds the radiance of analytic lights.
-    pub fn lights(&self, recorder: &mut Recorder, lights: &'a Buffer, part: Part) -> Result<(), GpuError> {
-        let rest = [Bind::Sample(&self.tables.dfg, TABLE), Bind::Read(lights)];
-        let push = self.params(part.first_row).to_bytes();
-        let constants = self.shading.table_constants(self.shading.masking_shadowing);
-        self.dispatch(recorder, &lights_shader(self.shading.brdf), constants, &rest, &push, part)
     }
 
     /// Shows the environment in pixels where nothing is hit.

@@ -2,7 +2,6 @@
 
 use super::state::{Image, State};
 use crate::experiment::axis::{ENVIRONMENT, METHOD, Named, Point, SAMPLES, SCENE, SIZE, View};
-use crate::experiment::lights::light_text;
 use crate::experiment::value::Value;
 use crate::spelling::Listed;
 
@@ -53,7 +52,6 @@ fn view_flags(view: &View) -> Vec<String> {
     if !view.orbit.is_still() {
         words.push(format!("--orbit={}", view.orbit.numbers().map(|x| x.to_string()).join(",")));
     }
-    words.extend(view.lights.iter().map(|light| format!("--light={}", light_text(light))));
     words
 }
 

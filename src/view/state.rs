@@ -134,7 +134,7 @@ impl State {
         let mut point = self.point.clone();
         point[METHOD] = Value::Text(REFERENCE.to_owned().into());
         let reference = Reference { samples: count, ..Reference::default() };
-        self.of(point.reference(&reference, !self.view.lights.is_empty()), count)
+        self.of(point.reference(&reference), count)
     }
 
     fn of(&self, mut point: Point, count: u32) -> Image {
@@ -142,7 +142,7 @@ impl State {
             point[SAMPLES] = Value::Count(count);
         }
         let is_drawn = point.method().is_integrated() || point.diffuse().is_integrated();
-        let mut point = point.collapsed(!self.view.lights.is_empty());
+        let mut point = point.collapsed();
         for (axis, value) in AXES.iter().zip(&mut point.0) {
             if axis.part == Part::Display {
                 *value = Value::Unset;

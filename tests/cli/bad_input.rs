@@ -42,8 +42,6 @@ fn wrong_flags_of_render_and_compare_are_refused() {
             "render --orbit 30 --out x.png",
             "render --method file:nope.glsl --out x.png",
             "render --f0 1,2 --out x.png",
-            "render --light spot:0,0,1:1,1,1 --out x.png",
-            "render --light directional:0,0,0:1,1,1 --out x.png",
             // Flags without effect, and counts that the reference would round.
             "render --method split-sum --samples 40 --lod-bias 1 --exposure 2 --out x.exr",
             "render --relative-error 0.1 --out x.exr",

@@ -171,7 +171,7 @@ fn the_flags_are_the_axes_that_change_code() {
                 let mut point = Point::default();
                 point[METHOD] = method.name.into();
                 point[axis] = (*name).into();
-                point.collapsed(false).settings().specular_job()
+                point.collapsed().settings().specular_job()
             };
             names.iter().any(|name| job(name) != job(&names[0]))
         });

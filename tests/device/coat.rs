@@ -4,12 +4,11 @@ use crate::harness::{constant_environment, render_by_seeds, request, scene, with
 use crate::methods::{EXACT, radiance, sights};
 use crate::symmetry::smooth_environment;
 use glam::{DVec2, DVec3};
-use splitsum::brdf::{eval, f_schlick};
-use splitsum::math::frame::Frame;
+use splitsum::brdf::f_schlick;
 use splitsum::pipeline::RenderRequest;
 use splitsum::precompute::dfg::reference::dfg;
 use splitsum::precompute::exact_quadrature;
-use splitsum::scene::{CameraKind, Light, LightKind, MaterialOverride};
+use splitsum::scene::{CameraKind, MaterialOverride};
 use splitsum::shade::coat::{COAT_F0, COAT_RENDERERS, CoatLayering};
 use splitsum::shade::reference::{Surface, integrate};
 use splitsum::shade::{Diffuse, Method};
@@ -117,41 +116,17 @@ fn renderers_of_a_coat_meet_their_closed_forms_in_constant_light() {
     });
 }
 
-/// A weight of 0 gives the bits of a scene that has never heard of coats, with lights and background.
+/// A weight of 0 gives the bits of a scene that has never heard of coats, with background.
 #[test]
 fn a_weight_of_0_changes_no_bit() {
     with_pipeline(|pipeline| {
         let environment = smooth_environment();
-        let light = Light { kind: LightKind::Directional, position_or_direction: DVec3::Y, color: [1.0; 3] };
         let frames = [Some(0.0), None].map(|coat| {
             let scene = scene("sphere", plastic(coat));
             let plain = request(&environment, scene, CameraKind::Perspective, [16, 16]);
-            let request = RenderRequest { background: true, antialias: true, lights: vec![light], ..plain };
+            let request = RenderRequest { background: true, antialias: true, ..plain };
             pipeline.render(&request.shaded(|s| s.diffuse = Diffuse::listed("sh9"))).unwrap().radiance
         });
         assert_eq!(frames[0], frames[1]);
-    });
-}
-
-/// A light on base and coat: the base's share of its own radiance, and the coat's BRDF for F = 1, without a diffuse part.
-#[test]
-fn lights_reach_the_coat_as_a_lobe_alone() {
-    with_pipeline(|pipeline| {
-        let dark = constant_environment([0.0; 3]);
-        let light = Light { kind: LightKind::Directional, position_or_direction: DVec3::Y, color: [1.0; 3] };
-        let frames = [0.0, 1.0].map(|coat| {
-            let plain = request(&dark, scene("sphere", plastic(Some(coat))), CameraKind::Ortho, [9, 9]);
-            pipeline.render(&RenderRequest { lights: vec![light], ..plain }).unwrap()
-        });
-        for sight in sights(&coated(&dark), 1) {
-            let Surface { model, masking, n, v, .. } = sight.surface;
-            let frame = Frame::from_normal(n);
-            let [v, l] = [v, DVec3::Y].map(|world| frame.to_local(world));
-            let fresnel = f_schlick(DVec3::splat(COAT_F0), v.z).x;
-            let lobe = fresnel * eval(model, v, l, f64::from(ALPHA), DVec3::ONE, masking) * l.z.max(0.0);
-            let exact = (1.0 - fresnel) * radiance(&frames[0], sight.pixel) + lobe;
-            let own = radiance(&frames[1], sight.pixel);
-            assert!((own - exact).abs().max_element() < 1e-5, "{:?}: {own} for {exact}", sight.pixel);
-        }
     });
 }

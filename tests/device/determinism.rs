@@ -196,7 +196,6 @@ fn the_reference_reads_no_memory_before_writing_it() {
                 passes: Passes {
                     shading: &request.shading,
                     camera: &request.camera,
-                    light_count: 0,
                     tables: &tables,
                     gbuffer: &gbuffer,
                     tangents: None,

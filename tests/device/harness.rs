@@ -9,7 +9,7 @@ use splitsum::gpu::{Bind, Buffer, Gpu, GpuError, Image, Options};
 use splitsum::pipeline::{Frame, Pipeline, RenderRequest};
 use splitsum::pixels::{Pixels, RgbImage, exr};
 use splitsum::precompute::PrecomputeSettings;
-use splitsum::scene::{CameraKind, Light, LightKind, MaterialOverride, Scene};
+use splitsum::scene::{CameraKind, MaterialOverride, Scene};
 use std::cell::Cell;
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -229,16 +229,6 @@ pub fn render_by_seeds(pipeline: &mut Pipeline, request: &RenderRequest) -> Fram
 /// A request for `scene` under `environment`: GGX, split sum, no diffuse term.
 pub fn request(environment: &Arc<Environment>, scene: Scene, kind: CameraKind, size: [u32; 2]) -> RenderRequest {
     RenderRequest::plain(environment.clone(), scene, kind, size).shaded(|s| s.precompute = usual_tables())
-}
-
-/// Direction to a light and its irradiance on a surface that faces it, at a position.
-pub fn incident(light: &Light, position: DVec3) -> (DVec3, DVec3) {
-    let color = DVec3::from_array(light.color.map(f64::from));
-    let to_light = light.position_or_direction - position;
-    match light.kind {
-        LightKind::Directional => (light.position_or_direction, color),
-        LightKind::Point => (to_light.normalize(), color / to_light.length_squared()),
-    }
 }
 
 /// Level `mip` of a device image, in f64.

@@ -1,7 +1,6 @@
 //! Tables and references from the disk have the same bits as new ones; halves are rounded once.
 
 use crate::harness::{golden_environment, request, scene, usual_tables, with_pipeline};
-use glam::DVec3;
 use half::f16;
 use splitsum::bakes::given::{GivenMap, GivenTable};
 use splitsum::brdf::{Compensation, MaskingShadowing};
@@ -13,7 +12,7 @@ use splitsum::pixels::RgbImage;
 use splitsum::precompute::dfg::DfgAxes;
 use splitsum::precompute::prefilter::{LEVEL_MAPPINGS, WEIGHTS};
 use splitsum::precompute::{HALF_MAX, PrecomputeSettings, PrefilterBy, StorageFormat};
-use splitsum::scene::{Camera, CameraKind, Light, LightKind, MaterialOverride};
+use splitsum::scene::{Camera, CameraKind, MaterialOverride};
 use splitsum::shade::{Diffuse, Method, Shading};
 use splitsum::spelling::Listed;
 use std::sync::Arc;
@@ -105,8 +104,6 @@ fn neighbours(base: &RenderRequest) -> Vec<RenderRequest> {
     let shaded = |change: &dyn Fn(&mut Shading)| base.shaded(change);
     let set = |change: &dyn Fn(&mut PrecomputeSettings)| base.shaded(|s| change(&mut s.precompute));
     let rough = MaterialOverride { alpha: Some(0.7), ..MaterialOverride::default() };
-    let toward = DVec3::new(0.0, 0.6, 0.8);
-    let light = Light { kind: LightKind::Directional, position_or_direction: toward, color: [1.0, 2.0, 3.0] };
     let far = Camera::for_scene(CameraKind::Perspective, &base.scene, base.size);
     let layouts = LAYOUTS.iter().filter(|layout| *layout != own && layout.face_count == 1);
     let by_layout = layouts.map(|layout| set(&|s| s.layout = layout));
@@ -128,7 +125,6 @@ fn neighbours(base: &RenderRequest) -> Vec<RenderRequest> {
         other(&|r| r.reference_samples *= 2),
         other(&|r| r.reference_error = Some(0.5)),
         shaded(&|s| s.lod_bias += 1.0),
-        other(&|r| r.lights = vec![light]),
         other(&|r| r.background = !r.background),
         other(&|r| r.seed += 1),
         other(&|r| r.given.prefiltered = Some(given_map.clone())),

@@ -19,7 +19,6 @@ mod kept;
 mod ladder;
 mod layer;
 mod layouts;
-mod lights;
 mod methods;
 mod own_method;
 mod placement;

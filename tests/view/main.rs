@@ -69,8 +69,7 @@ fn save_and_render(win: &Win, number: u32) -> Rgb8Image {
 #[test]
 fn the_window_shows_and_saves_the_images_of_render() {
     let Some(screen) = Screen::open() else { return };
-    let win = screen
-        .window(&[&SMALL[..], &["--right", "sampled", "--samples", "8", "--light", "point:2,2,2:9,9,9"]].concat());
+    let win = screen.window(&[&SMALL[..], &["--right", "sampled", "--samples", "8"]].concat());
     win.few_samples();
     win.wait_done();
     let picture = save_and_render(&win, 1);

@@ -140,7 +140,6 @@ pub struct Used {
     pub method: &'static Method,
     pub diffuse: &'static Diffuse,
     pub compensation: Compensation,
-    pub has_lights: bool,
     pub has_diffuse_surface: bool,
     pub has_dielectric: bool,
     /// Whether a surface may have a coat.
@@ -172,7 +171,7 @@ impl Used {
     /// Whether a DFG table reaches the pixels.
     fn needs_dfg(&self) -> bool {
         match self.has_diffuse_surface {
-            true => self.method.needs_dfg(self.compensation, self.diffuse, self.has_lights),
+            true => self.method.needs_dfg(self.compensation, self.diffuse),
             false => self.method.uses_dfg || (self.compensation != Compensation::None && !self.method.is_none()),
         }
     }
@@ -247,19 +246,19 @@ impl Point {
     }
 
     /// Unsets every unused parameter, so that points with equal work are equal. Cells are identified by this point.
-    pub fn collapsed(&self, has_lights: bool) -> Self {
-        self.where_used(has_lights, true, true)
+    pub fn collapsed(&self) -> Self {
+        self.where_used(true, true)
     }
 
     /// Unsets every parameter that cannot reach the pixels, so that points with equal images are equal. Beyond
     /// [`Point::collapsed`]: the diffuse term of black and metal surfaces, and F0 where nothing is a dielectric.
-    pub fn of_pixels(&self, has_lights: bool) -> Self {
+    pub fn of_pixels(&self) -> Self {
         let is_metal = self[METALLIC] == Value::Number(1.0);
         let is_black = self[ALBEDO] == Value::Color([0.0; 3]);
-        self.where_used(has_lights, !(is_metal || is_black), !is_metal)
+        self.where_used(!(is_metal || is_black), !is_metal)
     }
 
-    fn where_used(&self, has_lights: bool, has_diffuse_surface: bool, has_dielectric: bool) -> Self {
+    fn where_used(&self, has_diffuse_surface: bool, has_dielectric: bool) -> Self {
         let (method, diffuse) = (self.method(), self.diffuse());
         let is_sampled = || self[PREFILTER_BY].to_string() != PrefilterBy::Harmonic.name();
         let has_sampled_tables = method.prefilter.map_or_else(is_sampled, |by| by != PrefilterBy::Harmonic);
@@ -274,7 +273,6 @@ impl Point {
             method,
             diffuse,
             compensation,
-            has_lights,
             has_diffuse_surface,
             has_dielectric,
             has_coat,
@@ -296,12 +294,12 @@ impl Point {
     }
 
     /// Returns the collapsed point of this point's reference.
-    pub fn reference(&self, reference: &Reference, has_lights: bool) -> Self {
+    pub fn reference(&self, reference: &Reference) -> Self {
         let values = AXES.iter().zip(&self.0).map(|(axis, value)| match axis.part {
             Part::Table => (axis.default)(),
             _ => (axis.reference)(reference, value),
         });
-        Self(values.collect()).collapsed(has_lights)
+        Self(values.collect()).collapsed()
     }
 
     pub fn settings(&self) -> Settings {

@@ -6,14 +6,14 @@ use crate::environment::Environment;
 use crate::experiment::value::Value;
 use crate::pipeline::RenderRequest;
 use crate::precompute::dfg::DfgAxes;
-use crate::scene::{Camera, CameraKind, Light, MaterialOverride, Orbit, Scene};
+use crate::scene::{Camera, CameraKind, MaterialOverride, Orbit, Scene};
 use crate::shade::pass::specular_shader;
 use crate::shade::{NONE, REFERENCE, Shading};
 use crate::spelling::listed;
 use crate::tonemap::ToneCurve;
 use std::sync::Arc;
 
-/// The settings of one point. All points share the rest of a request (camera, lights, seed).
+/// The settings of one point. All points share the rest of a request (camera, seed).
 #[derive(Clone, Debug)]
 pub struct Settings {
     /// Width and height of the image, pixels.
@@ -39,7 +39,6 @@ pub struct View {
     pub orbit: Orbit,
     pub background: bool,
     pub antialias: bool,
-    pub lights: Vec<Light>,
     pub seed: u32,
     /// Samples of a reference diffuse term if the specular method is not a reference.
     pub reference_samples: u32,
@@ -93,7 +92,6 @@ impl Settings {
             shading,
             reference_samples: if shading.method.is_integrated() { shading.samples } else { view.reference_samples },
             reference_error: view.reference_error,
-            lights: view.lights.clone(),
             background: view.background,
             antialias: view.antialias,
             given,

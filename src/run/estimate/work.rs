@@ -179,10 +179,9 @@ fn tables(plan: &Plan, point: &Point) -> Vec<Table> {
     let settings = point.settings();
     let (shading, image) = (settings.shading, &plan.inputs.environment(&settings.environment).image);
     let texels = f64::from(image.width) * f64::from(image.height);
-    let has_lights = !plan.config.lights.is_empty();
     let reads = [
         (PREFILTER, shading.method.uses_prefiltered()),
-        (DFG, shading.method.needs_dfg(shading.compensation, shading.diffuse, has_lights)),
+        (DFG, shading.method.needs_dfg(shading.compensation, shading.diffuse)),
         (IRRADIANCE, shading.diffuse.uses_irradiance_map),
         (MIPS, true),
         (SH9, shading.diffuse.uses_sh9),

@@ -193,9 +193,9 @@ impl Method {
     }
 
     /// Whether a frame reads the DFG table: for the specular term itself, or to weigh the other terms.
-    pub fn needs_dfg(&self, compensation: Compensation, diffuse: &Diffuse, has_lights: bool) -> bool {
+    pub fn needs_dfg(&self, compensation: Compensation, diffuse: &Diffuse) -> bool {
         let is_compensated = compensation != Compensation::None;
-        self.uses_dfg || (!self.is_none() && (is_compensated || !diffuse.is_none() || has_lights))
+        self.uses_dfg || (!self.is_none() && (is_compensated || !diffuse.is_none()))
     }
 }
 

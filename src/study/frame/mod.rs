@@ -316,7 +316,7 @@ fn distinct(run: &Finished) -> Vec<Row<'_>> {
         let light = run.light(&cell.point);
         // Without methods, any parameter may change the pixels.
         let is_whole = [METHOD, DIFFUSE_METHOD].iter().all(|&axis| cell.point[axis] != Value::Unset);
-        let mut point = if is_whole { cell.point.of_pixels(true) } else { cell.point.clone() };
+        let mut point = if is_whole { cell.point.of_pixels() } else { cell.point.clone() };
         if let Some(light) = light {
             let key = (point[ENVIRONMENT].clone(), [light.mean.to_bits(), light.peak.to_bits()]);
             point[ENVIRONMENT_CLIP] = clips.entry(key).or_insert_with(|| cell.point[ENVIRONMENT_CLIP].clone()).clone();

@@ -35,12 +35,6 @@ fn excluding(condition: &str) -> String {
     ))
 }
 
-/// An experiment with a point light.
-fn lit(scene: &str, position: &str) -> String {
-    let light = format!("[[lights]]\nkind = \"point\"\nposition = {position}\ncolor = 1\n");
-    format!("name = \"x\"\nscene = \"{scene}\"\n[axes]\nalpha = [0.5]\n{light}")
-}
-
 /// An experiment whose `[reference]` has this many samples.
 fn judged(reference: &str, lines: &str) -> String {
     format!("name = \"x\"\nreference = {{ samples = {reference} }}\n[axes]\nalpha = [0.2]\n{lines}\n")
@@ -69,9 +63,6 @@ round = 3
 rounds = 0
 [precompute]
 dfg_siz = 4
-[[lights]]
-kind = "directional"
-position = [0, 1, 0]
 "#;
 const ZIPS: &str = "[[zip]]\naxes = [\"alpha\", \"samples\"]\n";
 const DEEP: &str = "[precompute]\nprefilter_size = [16, 16]\n[axes]\nmethod = [\"split-sum\"]\n";
@@ -151,8 +142,6 @@ fn every_fault_is_reported_with_its_place() {
         ("one excluded count", excluding("samples = [16, 3]"), &[]),
         ("excluded method", excluding("method = \"split-sum\""), &[]),
         ("excluded and not swept", excluding("exposure = 5"), &[]),
-        ("a light in a sphere", lit("sphere", "[0, 0.5, 0]"), &[]),
-        ("a light on a sphere", lit("sphere", "[0, 1, 0]"), &[]),
         ("asks and metric", asking("[\"a\", 1, \"a\"]\nmetric = \"flop\""), &[]),
         ("asks nothing", asking("[]"), &[]),
         ("asks no list", asking("\"a\""), &[]),
@@ -207,9 +196,6 @@ fn correct_experiments_have_no_faults() {
         (excluding("samples = 16"), Some("samples=1,4")),
         (excluding("exposure = 1"), Some("exposure=2,4")),
         (excluding("exposure = 4"), Some("exposure=2,4")),
-        (lit("sphere", "[0, 1.001, 0]"), None),
-        (lit("plane", "[0, 0.5, 0]"), None),
-        (lit("sphere", "[0, 0.5, 0]").replace("point", "directional").replace("position", "direction"), None),
         ("name = \"x\"\nreference = { method = \"none\" }\n[axes]\nalpha = [0.5]\n".to_owned(), None),
     ] {
         assert_eq!(faults(&text, set.as_slice()), [""; 0], "{text}");

@@ -146,7 +146,6 @@ fn ids_depend_on_everything_that_determines_pixels() {
         "reference = { samples = 64 }",
         "reference = { samples = 4096, relative_error = 0.5 }",
         "precompute = { dfg_size = 8 }",
-        "lights = [{ kind = \"point\", position = [0, 3, 0], color = [1, 1, 1] }]",
     ];
     for head in heads {
         assert!(of(head, &plain).into_iter().all(|id| ids.insert(id)), "{head} changes no id");
@@ -226,20 +225,17 @@ fn with_all_terms_a_cell_without_one_is_judged_against_the_complete_image() {
 
 #[test]
 fn axes_that_a_method_ignores_make_no_cells() {
-    let cells = |head: &str, axes: &str| plan(&format!("name = \"x\"\n{head}\n[axes]\n{axes}\n")).cells.len();
+    let cells = |axes: &str| plan(&format!("name = \"x\"\n[axes]\n{axes}\n")).cells.len();
     let counts = "dfg_size = [8, 16]\nprefilter_sample_count = [1, 2, 3]\nirradiance_sample_count = [[4, 4], [8, 8]]";
     // The convolution takes no samples.
-    assert_eq!(cells("", &format!("method = [\"split-sum\"]\ndiffuse = [\"none\"]\n{counts}")), 2);
-    assert_eq!(cells("", &format!("method = [\"none\"]\ndiffuse = [\"irradiance-map\"]\n{counts}")), 1);
+    assert_eq!(cells(&format!("method = [\"split-sum\"]\ndiffuse = [\"none\"]\n{counts}")), 2);
+    assert_eq!(cells(&format!("method = [\"none\"]\ndiffuse = [\"irradiance-map\"]\n{counts}")), 1);
     let tables = format!("{counts}\nprefilter = [\"sampled\"]");
-    assert_eq!(cells("", &format!("method = [\"sampled\"]\ndiffuse = [\"none\"]\n{tables}")), 1);
-    assert_eq!(cells("", &format!("method = [\"sampled\"]\ndiffuse = [\"sh9\"]\n{tables}")), 2);
-    assert_eq!(cells("", &format!("method = [\"split-sum\"]\ndiffuse = [\"none\"]\n{tables}")), 2 * 3);
-    assert_eq!(cells("", &format!("method = [\"none\"]\ndiffuse = [\"irradiance-map\"]\n{tables}")), 2);
-    // The DFG table also weighs a light's reflection without a diffuse term.
-    let light = "lights = [{ kind = \"point\", position = [0, 2, 0], color = [1, 1, 1] }]";
-    assert_eq!(cells(light, &format!("method = [\"sampled\"]\ndiffuse = [\"none\"]\n{tables}")), 2);
-    assert_eq!(cells("", "method = [\"sampled-unfiltered\", \"split-sum\"]\nlod_bias = [-1, 0, 1]"), 2);
+    assert_eq!(cells(&format!("method = [\"sampled\"]\ndiffuse = [\"none\"]\n{tables}")), 1);
+    assert_eq!(cells(&format!("method = [\"sampled\"]\ndiffuse = [\"sh9\"]\n{tables}")), 2);
+    assert_eq!(cells(&format!("method = [\"split-sum\"]\ndiffuse = [\"none\"]\n{tables}")), 2 * 3);
+    assert_eq!(cells(&format!("method = [\"none\"]\ndiffuse = [\"irradiance-map\"]\n{tables}")), 2);
+    assert_eq!(cells("method = [\"sampled-unfiltered\", \"split-sum\"]\nlod_bias = [-1, 0, 1]"), 2);
 }
 
 #[test]
