@@ -1,7 +1,6 @@
 //! Integration in f64: Gauss-Legendre nodes and adaptive cubature with an error estimate.
 
 use glam::{DVec2, DVec3};
-use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 use std::f64::consts::PI;
 
@@ -32,7 +31,6 @@ impl<const N: usize> GaussLegendre<N> {
         rule
     }
 
-    /// Integrates `f` over `[low, high]`.
     pub fn integrate(&self, low: f64, high: f64, f: impl Fn(f64) -> f64) -> f64 {
         let (center, half) = (0.5 * (low + high), 0.5 * (high - low));
         half * (0..N).map(|k| self.weights[k] * f(center + half * self.nodes[k])).sum::<f64>()
@@ -93,17 +91,10 @@ pub const SCALE_FLOOR: f64 = 0.01;
 impl<const K: usize> Estimate<K> {
     const ZERO: Self = Self { value: [DVec3::ZERO; K], error: [DVec3::ZERO; K] };
 
-    fn add(&mut self, other: &Self) {
+    fn add(&mut self, other: &Self, factor: f64) {
         for k in 0..K {
-            self.value[k] += other.value[k];
-            self.error[k] += other.error[k];
-        }
-    }
-
-    fn subtract(&mut self, other: &Self) {
-        for k in 0..K {
-            self.value[k] -= other.value[k];
-            self.error[k] -= other.error[k];
+            self.value[k] += factor * other.value[k];
+            self.error[k] += factor * other.error[k];
         }
     }
 
@@ -131,33 +122,6 @@ impl<const K: usize> Estimate<K> {
     }
 }
 
-/// A part of the domain to be split, ordered by its error.
-struct Part<R, const K: usize> {
-    priority: f64,
-    region: R,
-    estimate: Estimate<K>,
-}
-
-impl<R, const K: usize> PartialEq for Part<R, K> {
-    fn eq(&self, other: &Self) -> bool {
-        self.cmp(other).is_eq()
-    }
-}
-
-impl<R, const K: usize> Eq for Part<R, K> {}
-
-impl<R, const K: usize> PartialOrd for Part<R, K> {
-    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
-        Some(self.cmp(other))
-    }
-}
-
-impl<R, const K: usize> Ord for Part<R, K> {
-    fn cmp(&self, other: &Self) -> Ordering {
-        self.priority.total_cmp(&other.priority)
-    }
-}
-
 /// Integrates adaptively: splits the region with the largest error until the sum of errors meets `tolerance`.
 ///
 /// The sum of the regions' errors is an upper estimate of the total error if each region's is.
@@ -167,33 +131,34 @@ pub fn integrate_adaptively<R, I: IntoIterator<Item = R>, const K: usize>(
     split: impl Fn(&R) -> I,
     tolerance: Tolerance,
 ) -> Estimate<K> {
-    let roots: Vec<(R, Estimate<K>)> = roots
-        .into_iter()
-        .map(|region| {
-            let estimate = estimate(&region);
-            (region, estimate)
-        })
-        .collect();
+    let estimated = |region: R| {
+        let estimate = estimate(&region);
+        (region, estimate)
+    };
+    let mut parts: Vec<(R, Estimate<K>)> = roots.into_iter().map(estimated).collect();
     let mut total = Estimate::ZERO;
-    roots.iter().for_each(|(_, estimate)| total.add(estimate));
+    parts.iter().for_each(|(_, estimate)| total.add(estimate, 1.0));
     let mut scale = total.scale();
-    let mut parts: BinaryHeap<Part<R, K>> = roots
-        .into_iter()
-        .map(|(region, estimate)| Part { priority: estimate.relative_error(&scale), region, estimate })
-        .collect();
+    // Errors are not negative, so their bits have the same order.
+    let priority = |estimate: &Estimate<K>, scale: &[DVec3; K]| estimate.relative_error(scale).to_bits();
+    let first = parts.iter().enumerate().map(|(place, (_, estimate))| (priority(estimate, &scale), place));
+    let mut worst_first: BinaryHeap<(u64, usize)> = first.collect();
     while total.relative_error(&scale) > tolerance.relative && parts.len() < tolerance.max_part_count {
-        let Some(worst) = parts.pop() else { break };
-        total.subtract(&worst.estimate);
-        for region in split(&worst.region) {
-            let estimate = estimate(&region);
-            total.add(&estimate);
-            parts.push(Part { priority: estimate.relative_error(&scale), region, estimate });
+        let Some((_, worst)) = worst_first.pop() else { break };
+        total.add(&parts[worst].1, -1.0);
+        for (k, region) in split(&parts[worst].0).into_iter().enumerate() {
+            let part = estimated(region);
+            total.add(&part.1, 1.0);
+            // The first takes the place of the whole.
+            let place = if k == 0 { worst } else { parts.len() };
+            worst_first.push((priority(&part.1, &scale), place));
+            if k == 0 { parts[worst] = part } else { parts.push(part) }
         }
         scale = total.scale();
     }
     // Summed again: the running total carries the rounding of all parts added and removed.
     let mut sum = Estimate::ZERO;
-    parts.iter().for_each(|part| sum.add(&part.estimate));
+    parts.iter().for_each(|(_, estimate)| sum.add(estimate, 1.0));
     sum
 }
 
@@ -250,7 +215,6 @@ fn combine<const K: usize>(weights: &[f64; NODE_COUNT], values: &Line<K>) -> [f6
     sum
 }
 
-/// An axis-parallel rectangle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rectangle {
     pub low: DVec2,
