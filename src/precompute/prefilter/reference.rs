@@ -1,13 +1,12 @@
 //! Prefiltered radiance in f64: exact over the environment's bilinear map, and as the device estimates it.
 
-use super::Kernel;
+use super::{Kernel, harmonic};
 use crate::brdf::reflect;
 use crate::environment::layout::{FilteredMap, lod_from_solid_angles};
 use crate::math::equirect_quadrature::{EquirectQuadrature, Focus};
 use crate::math::frame::Frame;
-use crate::math::quadrature::{Bounded, GaussLegendre, Tolerance};
+use crate::math::quadrature::{Bounded, Tolerance};
 use glam::{DVec2, DVec3};
-use std::f64::consts::TAU;
 
 /// Integrates `P(r, alpha)` for the unit vector `r` and `alpha` in (0, 1].
 pub fn prefilter(
@@ -18,13 +17,14 @@ pub fn prefilter(
     tolerance: Tolerance,
 ) -> Bounded {
     let frame = Frame::from_normal(r);
+    let norm = harmonic::integrals(kernel.brdf, alpha, 1, |n_dot_l| kernel.weight(alpha, n_dot_l))[0];
     environment
         .integrate(
             |l: DVec3| [density(kernel, frame.to_local(l), alpha)],
             &[Focus { direction: r, radius: alpha }],
             tolerance,
         )
-        .combine([DVec3::splat(1.0 / density_integral(kernel, alpha))])
+        .combine([DVec3::splat(1.0 / norm)])
 }
 
 /// Estimates it as the device does, from half vectors at `points`. Each lookup reads the level whose texels cover the
@@ -58,22 +58,4 @@ fn density(kernel: Kernel, l_local: DVec3, alpha: f64) -> f64 {
         0.0 => 0.0,
         weight => kernel.brdf.d((l_local + DVec3::Z).normalize(), alpha) * weight,
     }
-}
-
-/// Integrates `∫ D(h) w(l) dl` over the hemisphere, in `t = ln tan(θ_l/2)`: lobes of all widths have one shape.
-fn density_integral(kernel: Kernel, alpha: f64) -> f64 {
-    // θ_l below 2 exp(-20) holds 1e-11 of the lobe at alpha 0.001; with panels of 1/4 the rule is exact to rounding.
-    const T_LOW: f64 = -20.0;
-    const PANEL_COUNT: u32 = 80;
-    let rule = GaussLegendre::<6>::new();
-    let step = -T_LOW / f64::from(PANEL_COUNT);
-    let panel = |k: u32| {
-        let low = T_LOW + f64::from(k) * step;
-        rule.integrate(low, low + step, |t| {
-            // sin θ = 1/cosh t, cos θ = -tanh t, dω = 2π sin² θ dt.
-            let sin_theta = 1.0 / t.cosh();
-            TAU * sin_theta * sin_theta * density(kernel, DVec3::new(sin_theta, 0.0, -t.tanh()), alpha)
-        })
-    };
-    (0..PANEL_COUNT).map(panel).sum()
 }

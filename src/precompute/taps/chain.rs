@@ -16,7 +16,6 @@ const PARTS_OF_LEVEL_1: u32 = 8;
 /// Smallest level that has a kernel.
 pub const LEVEL_MIN: f64 = 1.0 / PARTS_OF_LEVEL_1 as f64;
 
-/// The levels of a prefiltered map.
 pub struct Chain {
     kernels: Vec<LevelKernel>,
     mapping: &'static LevelMapping,
