@@ -10,7 +10,6 @@ pub fn line(points: &[[f64; 2]]) -> String {
     points.iter().enumerate().map(step).collect()
 }
 
-/// Path data of a rectangle.
 pub fn rectangle([x, y, width, height]: [f64; 4]) -> String {
     let [x, y, width, height] = [x, y, width, height].map(px);
     format!("M{x},{y}h{width}v{height}h-{width}z")
@@ -35,6 +34,6 @@ pub fn words(words: &Words) -> String {
     };
     let turn = if words.is_upright { format!(" transform=\"rotate(-90 {x} {y})\"") } else { String::new() };
     let full = words.full.as_ref().map_or_else(String::new, |full| format!("<title>{}</title>", escape(full)));
-    let (class, text) = (words.class, escape(&words.text));
+    let (class, text) = (&words.class, escape(&words.text));
     format!("<text class=\"{class}\" x=\"{x}\" y=\"{y}\"{anchor}{turn}>{full}{text}</text>\n")
 }

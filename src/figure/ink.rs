@@ -1,6 +1,7 @@
 //! Colours of a figure: CSS custom properties for light and dark grounds, and colours of tiles.
 
 use super::{Figure, Ramp};
+use crate::color::{luminance, srgb_decode};
 use crate::table::colormap::Palette;
 
 /// Class, CSS property, custom property, and colours on a light and a dark ground.
@@ -52,20 +53,6 @@ impl Figure {
 pub fn class(ink: Option<usize>) -> String {
     ink.map_or_else(|| "fig-plain".to_owned(), |ink| format!("fig-s{ink}"))
 }
-
-/// The CSS classes of a name in the ink of its series.
-pub const NAMES: [&str; 10] = [
-    "fig-n fig-s0",
-    "fig-n fig-s1",
-    "fig-n fig-s2",
-    "fig-n fig-s3",
-    "fig-n fig-s4",
-    "fig-n fig-s5",
-    "fig-n fig-s6",
-    "fig-n fig-s7",
-    "fig-n fig-s8",
-    "fig-n fig-s9",
-];
 
 /// The dashes of a series: solid lines differ by marker, dashed ones by pattern.
 pub fn dashes(index: usize, is_dashed: bool) -> Option<&'static str> {
@@ -125,10 +112,6 @@ pub fn hex([r, g, b]: [u8; 3]) -> String {
 pub fn words_on(color: [u8; 3]) -> &'static str {
     /// Luminance at which both have the same contrast.
     const EVEN: f64 = 0.179;
-    let linear = color.map(|code| {
-        let encoded = f64::from(code) / 255.0;
-        if encoded <= 0.040_45 { encoded / 12.92 } else { ((encoded + 0.055) / 1.055).powf(2.4) }
-    });
-    let luminance = 0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2];
+    let luminance = luminance(color.map(|code| srgb_decode(f32::from(code) / 255.0)));
     if luminance > EVEN { "fig-dark" } else { "fig-pale" }
 }

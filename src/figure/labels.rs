@@ -22,7 +22,6 @@ struct Label {
     full: String,
 }
 
-/// The labels of one axis of a panel.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Labels {
     all: Vec<Label>,

@@ -1,7 +1,7 @@
 //! Lays a figure out at a width: panels in columns, axes, labels, words.
 
 use super::dodge::{Dodge, PITCH};
-use super::ink::NAMES;
+use super::ink::class;
 use super::labels::{Labels, OFF};
 use super::scale::Axis;
 use super::text::{AXIS, LABEL, MIDDLE, NAME, TILE, Words, stack};
@@ -314,7 +314,7 @@ impl Grid<'_> {
             // Room for those below stays free.
             let y = y.min(free + NAME.line()).max(next);
             (free, next) = (free + NAME.line(), y + NAME.line());
-            let class = NAMES[self.figure.ink(Some(series)).unwrap_or(0)];
+            let class = format!("fig-n {}", class(self.figure.ink(Some(series)))).into();
             let text = self.figure.series[series].name.clone();
             let at = [frame.right + OFF, y + NAME.size * MIDDLE];
             Words { text, full: None, at, anchor: "start", is_upright: false, class }

@@ -1,5 +1,7 @@
 //! Widths, line breaks and escapes of words in a figure. The browser picks the font, so widths are upper estimates.
 
+use std::borrow::Cow;
+
 /// Advance widths of printable ASCII in Helvetica, thousandths of the text size (Adobe font metrics).
 const ADVANCES: [u16; 95] = [
     278, 278, 355, 556, 556, 889, 667, 191, 333, 333, 389, 584, 278, 333, 278, 278, 556, 556, 556, 556, 556, 556, 556,
@@ -73,7 +75,6 @@ impl Font {
         lines.iter().map(|line| self.elide(line, room)).collect()
     }
 
-    /// Truncates a text with an ellipsis.
     pub fn elide(self, text: &str, room: f64) -> String {
         if self.width(text) <= room {
             return text.to_owned();
@@ -94,7 +95,7 @@ pub struct Words {
     pub anchor: &'static str,
     /// From bottom to top.
     pub is_upright: bool,
-    pub class: &'static str,
+    pub class: Cow<'static, str>,
 }
 
 /// Lines below each other, from the baseline of the first.
@@ -111,7 +112,7 @@ pub fn stack<'t>(
         at: [x, y + i as f64 * font.line()],
         anchor,
         is_upright: false,
-        class: font.class,
+        class: font.class.into(),
     })
 }
 
