@@ -34,49 +34,22 @@ fn encode(to: impl Write, image: &Rgb8Image, compression: Compression) -> io::Re
 
 /// Reads any PNG as 8-bit RGB; drops alpha and rounds 16-bit samples.
 pub fn read_rgb8(path: &Path) -> Result<Rgb8Image, PixelsError> {
-    let bytes = read_bounded(path)?;
-    let read = || {
-        let samples = decode(&bytes)?;
-        // 255 becomes 65535 exactly, by the factor 257.
-        Ok(samples.texels(false)?.map(|texel| texel.map(|value| ((u32::from(value) + 128) / 257) as u8)))
-    };
-    read().map_err(|fault: Fault| fault.at(path))
+    let samples = decode(&read_bounded(path)?, false).map_err(|fault| fault.at(path))?;
+    // 255 becomes 65535 exactly, by the factor 257.
+    Ok(samples.map(|texel| texel.map(|value| ((u32::from(value) + 128) / 257) as u8)))
 }
 
 /// Decodes samples as fractions of their maximum, without a transfer curve. Keeps grey and alpha as two channels; drops
 /// alpha beside colour.
 pub fn read_linear(path: &Path, bytes: &[u8]) -> Result<Decoded, PixelsError> {
-    let read = || {
-        let rgb = decode(bytes)?.texels(true)?.map(|texel| texel.map(|value| f32::from(value) / 65535.0));
-        Ok(Decoded { rgb, alpha: None, warnings: Vec::new() })
-    };
-    read().map_err(|fault: Fault| fault.at(path))
+    let samples = decode(bytes, true).map_err(|fault| fault.at(path))?;
+    let rgb = samples.map(|texel| texel.map(|value| f32::from(value) / 65535.0));
+    Ok(Decoded { rgb, alpha: None, warnings: Vec::new() })
 }
 
-/// Samples of 16 bits each.
-struct Samples {
-    width: u32,
-    height: u32,
-    channels: usize,
-    words: Vec<u16>,
-}
-
-impl Samples {
-    /// Returns three channels of each texel without alpha; grey becomes three equal channels, unless `keeps_pairs` keeps grey
-    /// and alpha as the first two.
-    fn texels(&self, keeps_pairs: bool) -> Result<Pixels<[u16; 3]>, Fault> {
-        let texel = |texel: &[u16]| match texel {
-            [grey, alpha] if keeps_pairs => [*grey, *alpha, 0],
-            [grey] | [grey, _] => [*grey; 3],
-            texel => [texel[0], texel[1], texel[2]],
-        };
-        let mut data = reserved(self.width as usize * self.height as usize)?;
-        data.extend(self.words.chunks_exact(self.channels).map(texel));
-        Ok(Pixels::new(self.width, self.height, data))
-    }
-}
-
-fn decode(bytes: &[u8]) -> Result<Samples, Fault> {
+/// Decodes samples of 16 bits: three channels of each texel without alpha. Grey becomes three equal channels, unless
+/// `keeps_pairs` keeps grey and alpha as the first two.
+fn decode(bytes: &[u8], keeps_pairs: bool) -> Result<Pixels<[u16; 3]>, Fault> {
     let refuse = |error: DecodingError| Fault::new(format!("cannot be decoded ({error})"), "a whole PNG file");
     // The crate's default limit would refuse valid sizes; the claim is checked below.
     let mut decoder = Decoder::new_with_limits(Cursor::new(bytes), Limits { bytes: usize::MAX });
@@ -92,9 +65,16 @@ fn decode(bytes: &[u8]) -> Result<Samples, Fault> {
     let mut raw = reserved(size)?;
     raw.resize(size, 0);
     reader.next_frame(&mut raw).map_err(refuse)?;
-    let words = match depth {
+    let words: Vec<u16> = match depth {
         BitDepth::Sixteen => raw.as_chunks().0.iter().map(|word| u16::from_be_bytes(*word)).collect(),
         _ => raw.iter().map(|byte| 257 * u16::from(*byte)).collect(),
     };
-    Ok(Samples { width, height, channels: color.samples(), words })
+    let texel = |texel: &[u16]| match texel {
+        [grey, alpha] if keeps_pairs => [*grey, *alpha, 0],
+        [grey] | [grey, _] => [*grey; 3],
+        texel => [texel[0], texel[1], texel[2]],
+    };
+    let mut data = reserved(width as usize * height as usize)?;
+    data.extend(words.chunks_exact(color.samples()).map(texel));
+    Ok(Pixels::new(width, height, data))
 }

@@ -8,7 +8,7 @@
 //! the Radiance programs (white at equal energy), the inverse of `ra_xyze`, so grey stays grey. XYZE is photometric:
 //! 179 (lm/W) times RGBE; it stays in the file's unit, with a warning.
 
-use super::file::{ENVIRONMENT_TEXELS_MAX, Fault, check_claim, filled, read_bounded};
+use super::file::{ENVIRONMENT_TEXELS_MAX, Fault, check_claim, filled};
 use super::{Decoded, PixelsError, RgbImage};
 use crate::color::{Chromaticities, RADIANCE, REC709};
 use glam::{DMat3, DVec2, DVec3};
@@ -21,12 +21,7 @@ const NEW_RLE_LENGTHS: std::ops::RangeInclusive<usize> = 8..=0x7fff;
 /// 128 of the format, and 8 bits of mantissa.
 const EXPONENT_BIAS: i32 = 136;
 
-/// Reads a Radiance picture as linear Rec.709, row 0 at the top.
-pub fn read(path: &Path) -> Result<Decoded, PixelsError> {
-    read_bytes(path, &read_bounded(path)?, None)
-}
-
-/// Decodes the file at `path`. There are no layers.
+/// Decodes the file at `path` as linear Rec.709, row 0 at the top. There are no layers.
 pub fn read_bytes(path: &Path, bytes: &[u8], layer: Option<&str>) -> Result<Decoded, PixelsError> {
     if let Some(name) = layer {
         return Err(
