@@ -1,6 +1,6 @@
 //! Answers tables of queries.
 
-use super::{COAT_COLOR, COAT_NUMBER, Kind, Queries, Query, rungs};
+use super::{COAT_COLOR, COAT_NUMBER, Integral, Kind, Queries, rungs};
 use crate::math::equirect_quadrature::EquirectQuadrature;
 use crate::math::quadrature::{Bounded, Estimate, Tolerance};
 use crate::math::spherical_harmonics::COUNT;
@@ -20,7 +20,6 @@ use rayon::prelude::*;
 use std::io::Write;
 use std::path::Path;
 
-/// A table of queries with their answers.
 #[derive(Debug)]
 pub struct Answers {
     /// The columns of the queries, then the answers' columns.
@@ -61,7 +60,7 @@ impl Queries {
         let groups = self.environments.iter().enumerate().map(|(i, e)| (Some(i), Some(e))).chain([(None, None)]);
         for (index, environment) in groups {
             let members: Vec<usize> =
-                (0..self.queries.len()).filter(|&row| self.queries[row].environment() == index).collect();
+                (0..self.queries.len()).filter(|&row| self.queries[row].environment == index).collect();
             if members.is_empty() {
                 continue;
             }
@@ -72,7 +71,7 @@ impl Queries {
             let answered: Vec<Numbers> = members
                 .par_iter()
                 .map(|&row| {
-                    let numbers = answer(&self.queries[row], quadrature.as_ref(), sh9.as_ref(), tolerance);
+                    let numbers = answer(&self.queries[row].integral, quadrature.as_ref(), sh9.as_ref(), tolerance);
                     done();
                     numbers
                 })
@@ -93,14 +92,14 @@ impl Queries {
 }
 
 fn answer(
-    query: &Query,
+    integral: &Integral,
     environment: Option<&EquirectQuadrature>,
     sh9: Option<&Estimate<COUNT>>,
     tolerance: Tolerance,
 ) -> Numbers {
     let environment = || environment.expect("the environment of the query was prepared");
-    let (colors, judged) = match query {
-        Query::Shading { surface, coat, .. } => {
+    let (colors, judged) = match integral {
+        Integral::Shading { surface, coat } => {
             let answer = integrate(environment(), surface, tolerance);
             // The integration judges itself by the terms with F = 1; the others are sums of the same parts.
             let judged = vec![answer.specular_white, answer.diffuse];
@@ -119,7 +118,7 @@ fn answer(
             found.values.push(shares.base[0]);
             return found;
         }
-        Query::Ladder { surface, levels, .. } => {
+        Integral::Ladder { surface, levels } => {
             let settings = PrecomputeSettings { prefilter_level_count: *levels, ..PrecomputeSettings::default() };
             let rung = |method: &Method| match method.twin {
                 Twin::Mean(mean) => mean(environment(), surface, &settings, tolerance),
@@ -128,22 +127,22 @@ fn answer(
             let drawn: Vec<Bounded> = rungs().map(rung).collect();
             (drawn.clone(), drawn)
         }
-        Query::Dfg { model, masking, alpha, n_dot_v } => {
+        Integral::Dfg { model, masking, alpha, n_dot_v } => {
             let pair = dfg(*model, *masking, *n_dot_v, *alpha);
             return Numbers {
                 values: vec![pair.f0_scale, pair.f90_scale, pair.albedo(), pair.error],
                 is_met: pair.error.is_finite(),
             };
         }
-        Query::Prefilter { kernel, alpha, r, .. } => {
+        Integral::Prefilter { kernel, alpha, r } => {
             let value = prefilter(environment(), *kernel, *alpha, *r, tolerance);
             (vec![value], vec![value])
         }
-        Query::Irradiance { n, .. } => {
+        Integral::Irradiance { n } => {
             let value = irradiance(environment(), *n, tolerance);
             (vec![value], vec![value])
         }
-        Query::Sh9 { .. } => {
+        Integral::Sh9 => {
             let Estimate { value, error } = sh9.expect("coefficients of the environment");
             (value.iter().zip(error).map(|(&value, &error)| Bounded { value, error }).collect(), Vec::new())
         }

@@ -139,26 +139,20 @@ struct Coat {
 const COAT_COLOR: &str = "coat";
 const COAT_NUMBER: &str = "base_share";
 
-/// A checked row. `environment` is an index into the table's environments.
+/// A checked row.
 #[derive(Clone, Debug)]
-enum Query {
-    Shading { environment: usize, surface: Surface, coat: Option<Coat> },
-    Ladder { environment: usize, surface: Surface, levels: u32 },
-    Dfg { model: &'static dyn Brdf, masking: MaskingShadowing, alpha: f64, n_dot_v: f64 },
-    Prefilter { environment: usize, kernel: Kernel, alpha: f64, r: DVec3 },
-    Irradiance { environment: usize, n: DVec3 },
-    Sh9 { environment: usize },
+struct Query {
+    /// Index into the table's environments; `None` for [`Kind::Dfg`].
+    environment: Option<usize>,
+    integral: Integral,
 }
 
-impl Query {
-    fn environment(&self) -> Option<usize> {
-        match *self {
-            Self::Dfg { .. } => None,
-            Self::Shading { environment, .. }
-            | Self::Ladder { environment, .. }
-            | Self::Prefilter { environment, .. }
-            | Self::Irradiance { environment, .. }
-            | Self::Sh9 { environment } => Some(environment),
-        }
-    }
+#[derive(Clone, Debug)]
+enum Integral {
+    Shading { surface: Surface, coat: Option<Coat> },
+    Ladder { surface: Surface, levels: u32 },
+    Dfg { model: &'static dyn Brdf, masking: MaskingShadowing, alpha: f64, n_dot_v: f64 },
+    Prefilter { kernel: Kernel, alpha: f64, r: DVec3 },
+    Irradiance { n: DVec3 },
+    Sh9,
 }

@@ -1,7 +1,7 @@
 //! Reads tables of queries. Every row is checked, and every fault is reported with line and column.
 
 use super::row::{Fault, Row};
-use super::{Kind, KindColumns, Query};
+use super::{Integral, Kind, KindColumns, Query};
 use crate::brdf::Stretch;
 use crate::environment::{Environment, LoadOptions};
 use crate::files::{TEXT_BYTES_MAX, read_given};
@@ -198,10 +198,11 @@ impl<'a> Reader<'a> {
         }
         let columns = self.columns.clone();
         let mut row = Row { line, columns: &columns, record, faults: Vec::new() };
+        let has_environment = self.kind.columns().required.contains(&"environment");
+        let environment = has_environment.then(|| self.environment(&row));
         // All cells are checked before any is used, so that a row reports all its faults.
-        let query = match self.kind {
+        let integral = match self.kind {
             Kind::Shading | Kind::Ladder => {
-                let environment = self.environment(&row);
                 let (model, masking, alpha) = (row.model(), row.masking(), row.alpha("alpha"));
                 let (levels, coat, anisotropy) = (row.levels(), row.coat(), row.anisotropy());
                 let (f0, n, v) = (row.f0(), row.direction(["nx", "ny", "nz"]), row.direction(["vx", "vy", "vz"]));
@@ -218,34 +219,30 @@ impl<'a> Reader<'a> {
                         surface.stretched(Stretch { widths, tangent: east(surface.n, turn) })
                     });
                     Some(match self.kind {
-                        Kind::Ladder => Query::Ladder { environment, surface, levels: levels? },
-                        _ => Query::Shading { environment, surface, coat: coat? },
+                        Kind::Ladder => Integral::Ladder { surface, levels: levels? },
+                        _ => Integral::Shading { surface, coat: coat? },
                     })
                 })()
             }
             Kind::Dfg => {
                 let (model, masking, alpha) = (row.model(), row.masking(), row.alpha("alpha"));
                 let n_dot_v = row.above_zero_to_one("n_dot_v");
-                (|| Some(Query::Dfg { model: model?, masking: masking?, alpha: alpha?, n_dot_v: n_dot_v? }))()
+                (|| Some(Integral::Dfg { model: model?, masking: masking?, alpha: alpha?, n_dot_v: n_dot_v? }))()
             }
             Kind::Prefilter => {
-                let environment = self.environment(&row);
                 let (model, alpha, r) = (row.model(), row.alpha("alpha"), row.direction(["rx", "ry", "rz"]));
                 let (weight, masking) = (row.weight(), row.masking());
                 (|| {
                     let kernel = Kernel::new(model?, weight?, masking?);
-                    Some(Query::Prefilter { environment, kernel, alpha: alpha?, r: r? })
+                    Some(Integral::Prefilter { kernel, alpha: alpha?, r: r? })
                 })()
             }
-            Kind::Irradiance => {
-                let environment = self.environment(&row);
-                row.direction(["nx", "ny", "nz"]).map(|n| Query::Irradiance { environment, n })
-            }
-            Kind::Sh9 => Some(Query::Sh9 { environment: self.environment(&row) }),
+            Kind::Irradiance => row.direction(["nx", "ny", "nz"]).map(|n| Integral::Irradiance { n }),
+            Kind::Sh9 => Some(Integral::Sh9),
         };
         let is_right = row.faults.is_empty();
         self.faults.append(&mut row.faults);
-        query.filter(|_| is_right)
+        integral.filter(|_| is_right).map(|integral| Query { environment, integral })
     }
 
     /// Returns the index of the row's environment, loading it on first use.

@@ -18,7 +18,6 @@ pub(super) struct Fault {
     pub(super) what: String,
 }
 
-/// Possible level counts.
 const LEVELS: std::ops::RangeInclusive<u32> = 2..=12;
 
 /// A row while it is checked.
