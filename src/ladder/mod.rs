@@ -12,15 +12,11 @@ pub mod radiance;
 pub use attribution::{Attribution, StepNumbers};
 
 use crate::metrics::VIEWS;
-use crate::shade::Method;
-use crate::shade::method::{ladder as rungs, split_sum};
 use game::Coalition;
 
 #[derive(Clone, Copy, Debug)]
 pub struct Step {
     pub name: &'static str,
-    /// The method whose frame is the rung after the step, if any.
-    pub rung: Option<&'static Method>,
     /// The steps that must be made before, as a coalition.
     pub needs: Coalition,
 }
@@ -40,34 +36,23 @@ pub const TABLE: usize = 7;
 /// From the specular integral to the split sum. Levels to storage need n = v = r: maps store one direction.
 pub static STEPS: &[Step] = &[
     // Fresnel's factor leaves the integral: f0 A + B times a mean.
-    Step { rung: Some(&rungs::FRESNEL), ..step("Fresnel", &[]) },
+    Step { name: "Fresnel", needs: 0 },
     // The weight of the prefiltered map, n·l by default, replaces masking-shadowing.
-    Step { rung: Some(&rungs::MASKING), ..step("masking", &[]) },
+    Step { name: "masking", needs: 0 },
     // n = v = r: the lobe about r of a view along it.
-    Step { rung: Some(&rungs::VIEW), ..step("view", &[]) },
+    Step { name: "view", needs: 0 },
     // A linear blend of two level widths replaces the width.
-    Step { rung: Some(&rungs::LEVELS), ..step("levels", &[VIEW]) },
+    Step { name: "levels", needs: 1 << VIEW },
     // Linear filtering between texels replaces the direction.
-    Step { rung: Some(&rungs::TEXELS), ..step("texels", &[VIEW]) },
+    Step { name: "texels", needs: 1 << VIEW },
     // The finite prefilter replaces the integral in each texel.
-    Step { rung: Some(&rungs::SAMPLES), ..step("samples", &[VIEW]) },
+    Step { name: "samples", needs: 1 << VIEW },
     // The number format of the texels.
-    Step { rung: Some(&rungs::STORAGE), ..step("storage", &[VIEW]) },
+    Step { name: "storage", needs: 1 << VIEW },
     // The table, as looked up, replaces A and B.
-    Step { rung: Some(&split_sum::METHOD), ..step("table", &[]) },
+    Step { name: "table", needs: 0 },
 ];
 
-const fn step(name: &'static str, after: &[usize]) -> Step {
-    let mut needs = 0;
-    let mut i = 0;
-    while i < after.len() {
-        needs |= 1 << after[i];
-        i += 1;
-    }
-    Step { name, rung: None, needs }
-}
-
-/// Returns what each step needs.
 pub fn needs() -> Vec<Coalition> {
     STEPS.iter().map(|step| step.needs).collect()
 }
