@@ -111,20 +111,16 @@ impl TableAxes {
 #[derive(Debug)]
 pub struct TableChannels {
     pub name: &'static str,
-    pub about: &'static str,
     /// Converts the channels to A and B.
     pub pair: fn(DVec2) -> DVec2,
 }
 
 /// Every variant; the first is ours.
 pub static TABLE_CHANNELS: &[TableChannels] = &[
-    TableChannels { name: "scale-bias", about: "A, B", pair: |texel| texel },
-    TableChannels { name: "bias-scale", about: "B, A", pair: |texel| DVec2::new(texel.y, texel.x) },
-    TableChannels {
-        name: "bias-albedo",
-        about: "B, A + B: Filament's table for several scatterings",
-        pair: |texel| DVec2::new(texel.y - texel.x, texel.x),
-    },
+    TableChannels { name: "scale-bias", pair: |texel| texel },
+    TableChannels { name: "bias-scale", pair: |texel| DVec2::new(texel.y, texel.x) },
+    // Filament's table for several scatterings.
+    TableChannels { name: "bias-albedo", pair: |texel| DVec2::new(texel.y - texel.x, texel.x) },
 ];
 
 #[derive(Clone, Debug)]
@@ -132,7 +128,6 @@ pub struct Convention {
     pub axes: Axes,
     /// Perceptual roughness of each level, unless `alphas` is set.
     pub mapping: &'static LevelMapping,
-    /// Width of each level.
     pub alphas: Option<Vec<f64>>,
     /// Radiance of a texel of 1.
     pub scale: f64,
@@ -274,7 +269,6 @@ impl Preset {
 }
 
 impl Convention {
-    /// Returns the width of each of `count` levels.
     pub fn alphas(&self, count: usize) -> Result<Vec<f64>, String> {
         match &self.alphas {
             Some(alphas) if alphas.len() == count => Ok(alphas.clone()),
@@ -289,7 +283,6 @@ impl Convention {
         }
     }
 
-    /// Returns the number of levels that the mapping assumes.
     pub fn mapping_levels(&self, count: usize) -> u32 {
         self.mapping.engine_levels.unwrap_or(count as u32)
     }

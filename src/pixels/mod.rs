@@ -19,7 +19,6 @@ mod shrink;
 pub(crate) use file::{ENVIRONMENT_TEXELS_MAX, Fault, read_bounded, reserved, write_atomically};
 pub use file::{PART_PREFIX, PixelsError, Staged};
 
-/// Result of reading a float image.
 #[derive(Clone, Debug)]
 pub struct Decoded {
     pub rgb: RgbImage,
@@ -27,6 +26,9 @@ pub struct Decoded {
     /// One sentence each.
     pub warnings: Vec<String>,
 }
+
+/// The largest finite half. Brighter texels (a sun) are clamped, as in engines: infinity would spoil all filtered texels.
+pub const HALF_MAX: f32 = 65504.0;
 
 /// Row-major image; row 0 is the top row.
 #[derive(Clone, Debug, PartialEq)]
@@ -62,7 +64,6 @@ impl<T: Copy> Pixels<T> {
         Self { width, height, data }
     }
 
-    /// Returns the pixel at column `x`, row `y`.
     pub fn get(&self, x: u32, y: u32) -> T {
         self.data[y as usize * self.width as usize + x as usize]
     }

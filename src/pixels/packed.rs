@@ -4,16 +4,13 @@
 //! has not. Each channel is a plane of high bytes, then low bytes, each as the difference to the byte before modulo
 //! 256. On a noisy 1024x512 image this saves 28 % over deflating interleaved halves.
 
-use super::{GrayImage, Pixels};
+use super::{GrayImage, HALF_MAX, Pixels};
 use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
 use flate2::Compression;
 use flate2::write::DeflateEncoder;
 use half::f16;
 use std::io::Write;
-
-/// The largest finite half; larger radiance is clamped.
-pub const HALF_MAX: f32 = 65504.0;
 
 #[derive(Clone, Debug)]
 pub struct Encoded {

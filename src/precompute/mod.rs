@@ -12,7 +12,8 @@ mod settings;
 pub mod sh9;
 pub mod taps;
 
-pub use settings::{HALF_MAX, PrecomputeSettings, PrefilterBy, SettingsError, StorageFormat};
+pub use crate::pixels::HALF_MAX;
+pub use settings::{PrecomputeSettings, PrefilterBy, SettingsError, StorageFormat};
 
 use crate::math::equirect_quadrature::EquirectQuadrature;
 use crate::pixels::RgbImage;

@@ -12,7 +12,7 @@ use crate::spelling::listed;
 pub enum StorageFormat {
     #[default]
     F32,
-    /// As engines ship: 11 bits of precision, at most [`HALF_MAX`].
+    /// As engines ship: 11 bits of precision, at most [`crate::pixels::HALF_MAX`].
     F16,
 }
 
@@ -30,9 +30,6 @@ pub enum PrefilterBy {
 
 listed!(PrefilterBy, "way to prefilter", { "harmonic": Harmonic, "sampled": Sampled });
 
-/// The largest half. Brighter texels (a sun) are clamped, as in engines: infinity would spoil all filtered texels.
-pub const HALF_MAX: f32 = 65504.0;
-
 /// Sizes and sample counts of all precompute passes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PrecomputeSettings {
@@ -45,7 +42,6 @@ pub struct PrecomputeSettings {
     pub prefilter: PrefilterBy,
     /// Samples per texel if `prefilter` is sampled.
     pub prefilter_sample_count: u32,
-    /// Perceptual roughness of each level.
     pub level_mapping: &'static LevelMapping,
     /// Weight of a direction in a prefiltered texel.
     pub prefilter_weight: &'static Weight,
@@ -56,7 +52,6 @@ pub struct PrecomputeSettings {
     pub dfg_sample_count: u32,
     /// Positions of its texels.
     pub dfg_axes: DfgAxes,
-    /// Width and height of a face of the irradiance map.
     pub irradiance_size: [u32; 2],
     /// Azimuth and polar samples of the numerical irradiance integration.
     pub irradiance_sample_count: [u32; 2],

@@ -7,8 +7,7 @@ use crate::experiment::axis::{BRDF, ENVIRONMENT, ENVIRONMENT_CLIP, Named, Point,
 use crate::experiment::plan::Plan;
 use crate::experiment::value::Value;
 use crate::pipeline::{LightTables, RenderRequest};
-use crate::pixels::packed::{self, HALF_MAX};
-use crate::pixels::{Pixels, RgbImage};
+use crate::pixels::{HALF_MAX, Pixels, RgbImage, packed};
 use crate::precompute::taps::TapCount;
 use crate::shade::{Method, Shading};
 use crate::spelling::Listed;

@@ -14,7 +14,6 @@ const DX10: u32 = u32::from_le_bytes(*b"DX10");
 const WORDS: usize = 32;
 const WORDS_DX10: usize = WORDS + 5;
 
-/// Sizes of header and pixel format, bytes.
 const HEADER_BYTES: u32 = 124;
 const FORMAT_BYTES: u32 = 32;
 

@@ -39,7 +39,6 @@ pub const FACE_COUNT: usize = 6;
 pub struct Format {
     pub name: &'static str,
     pub extension: &'static str,
-    pub about: &'static str,
     read: fn(&[u8]) -> Result<Texture, Fault>,
     /// Whether its pixel formats are DXGI codes.
     pub needs_dxgi: bool,
@@ -52,7 +51,6 @@ pub struct Encoding<'a> {
     pub texel: &'static Texel,
     /// Largest level first, each with one image or six faces.
     pub levels: &'a [Vec<RgbImage>],
-    /// Metadata.
     pub keys: &'a [(String, String)],
     /// Whether to compress levels by zstd, if the container can.
     pub is_packed: bool,
@@ -60,33 +58,11 @@ pub struct Encoding<'a> {
 
 /// Every container. Other images are environment formats ([`IMAGES`]) and PNG.
 pub static FORMATS: &[Format] = &[
-    Format {
-        name: "ktx2",
-        extension: "ktx2",
-        about: "KTX 2: one image or a cube with its levels, plain or zstd",
-        read: ktx2::read,
-        needs_dxgi: false,
-        write: ktx2::write,
-    },
-    Format {
-        name: "ktx",
-        extension: "ktx",
-        about: "KTX 1, as cmgen writes it: a cube with its levels",
-        read: ktx1::read,
-        needs_dxgi: false,
-        write: ktx1::write,
-    },
-    Format {
-        name: "dds",
-        extension: "dds",
-        about: "DDS: one image, a face of a cube, or a cube with its levels",
-        read: dds::read,
-        needs_dxgi: true,
-        write: dds::write,
-    },
+    Format { name: "ktx2", extension: "ktx2", read: ktx2::read, needs_dxgi: false, write: ktx2::write },
+    Format { name: "ktx", extension: "ktx", read: ktx1::read, needs_dxgi: false, write: ktx1::write },
+    Format { name: "dds", extension: "dds", read: dds::read, needs_dxgi: true, write: dds::write },
 ];
 
-/// Lists the extensions that [`read_texture`] reads.
 pub fn extensions() -> Vec<&'static str> {
     let containers = FORMATS.iter().map(|format| format.extension);
     containers.chain(IMAGES.iter().map(|format| format.extension)).chain([PNG]).collect()
@@ -97,16 +73,10 @@ const PNG: &str = "png";
 /// Reads the texture at `path`; its extension selects the format.
 pub fn read_texture(path: &Path) -> Result<Texture, PixelsError> {
     // Refuses unknown extensions before opening the file.
-    let reader = reader(path);
-    if reader.is_err() && !path.exists() {
-        read_bounded(path)?;
+    if path.exists() {
+        reader(path)?;
     }
-    read_with(&reader?, path, &read_bounded(path)?)
-}
-
-/// Reads a texture from memory; the extension of `path` selects the format.
-pub fn from_bytes(path: &Path, bytes: &[u8]) -> Result<Texture, PixelsError> {
-    read_with(&reader(path)?, path, bytes)
+    from_bytes(path, &read_bounded(path)?)
 }
 
 enum Reader {
@@ -125,9 +95,10 @@ fn reader(path: &Path) -> Result<Reader, PixelsError> {
     })
 }
 
-fn read_with(reader: &Reader, path: &Path, bytes: &[u8]) -> Result<Texture, PixelsError> {
+/// Reads a texture from memory; the extension of `path` selects the format.
+pub fn from_bytes(path: &Path, bytes: &[u8]) -> Result<Texture, PixelsError> {
     let image = |decoded: Decoded, texel| Texture { levels: vec![vec![decoded.rgb]], texel, keys: Vec::new() };
-    let texture = match reader {
+    let texture = match reader(path)? {
         Reader::Container(format) => (format.read)(bytes).map_err(|fault| fault.at(path))?,
         Reader::Image(format) => image(format.read(path, bytes)?, format.name),
         Reader::Png => image(png::read_linear(path, bytes)?, PNG),

@@ -1,6 +1,6 @@
 //! Pixel formats by their codes in each container.
 
-use crate::pixels::{Fault, Pixels, RgbImage, reserved};
+use crate::pixels::{Fault, HALF_MAX, Pixels, RgbImage, reserved};
 use crate::spelling::listed;
 use half::f16;
 use ktx2::Format;
@@ -9,7 +9,6 @@ use ktx2::Format;
 #[derive(Debug)]
 pub struct Texel {
     pub name: &'static str,
-    /// Bytes per texel.
     pub bytes: usize,
     pub channels: usize,
     /// Code in KTX 2.
@@ -20,7 +19,6 @@ pub struct Texel {
     pub gl_type: (u32, u32),
     /// `DXGI_FORMAT` in DDS; three halves have none.
     pub dxgi: Option<u32>,
-    /// Largest representable number.
     pub largest: f32,
     /// Decodes red, green and blue; 0 for missing channels.
     decode: fn(&[u8]) -> [f32; 3],
@@ -162,8 +160,7 @@ fn to_eleven_eleven_ten([r, g, b, _]: [f32; 4], bytes: &mut [u8]) {
     bytes.copy_from_slice(&(bits(r, 4) | bits(g, 4) << 11 | bits(b, 5) << 22).to_le_bytes());
 }
 
-/// Largest finite half, shared-exponent number, and float of 10 bits.
-const HALF_MAX: f32 = 65504.0;
+/// Largest shared-exponent number, and float of 10 bits.
 const SHARED_MAX: f32 = 65408.0;
 const PACKED_MAX: f32 = 64512.0;
 

@@ -6,8 +6,7 @@ use base64::prelude::BASE64_STANDARD;
 use flate2::read::DeflateDecoder;
 use half::f16;
 use serde_json::{Value, json};
-use splitsum::pixels::packed;
-use splitsum::pixels::{GrayImage, RgbImage};
+use splitsum::pixels::{GrayImage, HALF_MAX, RgbImage, packed};
 use splitsum::report::page::images::{BUDGET_BYTES, Choice, collect};
 use splitsum::report::page::render::in_script;
 use splitsum::report::page::{PageOptions, PageRun, write};
@@ -45,10 +44,10 @@ fn an_encoded_image_decodes_to_its_nearest_halves() {
         for (channel, value) in texel.iter().enumerate() {
             let at = channel * 30 + i;
             let half = f16::from_bits(u16::from_be_bytes([bytes[at], bytes[at + 15]]));
-            assert_eq!(half, f16::from_f32(value.min(packed::HALF_MAX)), "texel {i}, channel {channel}");
+            assert_eq!(half, f16::from_f32(value.min(HALF_MAX)), "texel {i}, channel {channel}");
         }
     }
-    assert_eq!(encoded.clamped_count, image.data.iter().filter(|texel| texel[2] > packed::HALF_MAX).count());
+    assert_eq!(encoded.clamped_count, image.data.iter().filter(|texel| texel[2] > HALF_MAX).count());
     assert!(encoded.clamped_count > 0);
     let mask = GrayImage::from_fn(4, 4, |x, y| if x > y { 1.0 } else { 0.0 });
     assert_eq!(decoded(&packed::mask(&mask), 16), mask.data.iter().map(|m| *m as u8).collect::<Vec<u8>>());

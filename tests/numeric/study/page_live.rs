@@ -9,7 +9,7 @@ use splitsum::brdf::MODELS;
 use splitsum::environment::layout::{LAYOUTS, MapLayout};
 use splitsum::experiment::Plan;
 use splitsum::glsl::source::{Language, parse};
-use splitsum::pixels::packed::HALF_MAX;
+use splitsum::pixels::HALF_MAX;
 use splitsum::precompute::taps::TapCount;
 use splitsum::report::page::PageRun;
 use splitsum::report::page::live::{BUDGET_BYTES, Light};
