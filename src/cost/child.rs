@@ -38,7 +38,6 @@ pub struct Compiler {
     pub driver: String,
 }
 
-/// Compilation failed.
 #[derive(Debug, thiserror::Error)]
 pub enum CompileFault {
     #[error("{program}: {source}")]
@@ -84,48 +83,50 @@ struct Answer {
     said: String,
 }
 
-/// Lists the families that the installed driver compiles for; an error if there are none.
-pub fn available(program: &Path) -> Result<Vec<(&'static Family, Compiler)>, CompileFault> {
-    let (mut found, mut said) = (Vec::new(), String::new());
-    for family in FAMILIES {
-        for name in family.driver_names {
-            let answer = try_name(program, name, &[]).map_err(|source| start(program, source))?;
-            said = answer.said;
-            if let Some(compiler) = answer.compiler {
-                found.push((family, compiler));
-                break;
-            }
+/// Runs children until the driver knows one of the family's names.
+fn compiled(program: &Path, family: &Family, jobs: &[Job]) -> Result<(Compiler, Answer), CompileFault> {
+    let mut said = String::new();
+    for name in family.driver_names {
+        let mut answer = try_name(program, name, jobs)
+            .map_err(|source| CompileFault::Start { program: program.display().to_string(), source })?;
+        if let Some(compiler) = answer.compiler.take() {
+            return Ok((compiler, answer));
         }
+        said = answer.said;
     }
-    if found.is_empty() { Err(CompileFault::NoRadv { said }) } else { Ok(found) }
+    Err(CompileFault::NoRadv { said })
 }
 
-fn start(program: &Path, source: io::Error) -> CompileFault {
-    CompileFault::Start { program: program.display().to_string(), source }
+/// Lists the families that the installed driver compiles for; an error if there are none.
+pub fn available(program: &Path) -> Result<Vec<(&'static Family, Compiler)>, CompileFault> {
+    let (mut found, mut missing) = (Vec::new(), None);
+    for family in FAMILIES {
+        match compiled(program, family, &[]) {
+            Ok((compiler, _)) => found.push((family, compiler)),
+            Err(fault @ CompileFault::NoRadv { .. }) => missing = Some(fault),
+            Err(fault) => return Err(fault),
+        }
+    }
+    match missing {
+        Some(fault) if found.is_empty() => Err(fault),
+        _ => Ok(found),
+    }
 }
 
 /// Compiles every job for a family, in order, and returns the stages of each. `program` is this program's file.
 pub fn compile(program: &Path, family: &'static Family, jobs: &[Job]) -> Result<Vec<Vec<Executable>>, CompileFault> {
-    let mut last = CompileFault::NoRadv { said: String::new() };
-    for name in family.driver_names {
-        let answer = try_name(program, name, jobs).map_err(|source| start(program, source))?;
-        if answer.compiler.is_none() {
-            last = CompileFault::NoRadv { said: answer.said };
-            continue;
-        }
-        let fault = |index: usize, said: &str| CompileFault::Shader {
-            family: family.name,
-            shader: jobs[index].shader.clone(),
-            said: said.to_owned(),
-        };
-        let count = answer.results.len();
-        if count < jobs.len() && answer.results.iter().all(Result::is_ok) {
-            return Err(fault(count, &format!("the compiler died; {}", answer.said)));
-        }
-        let results = answer.results.into_iter().enumerate();
-        return results.map(|(index, result)| result.map_err(|said| fault(index, &said))).collect();
+    let (_, answer) = compiled(program, family, jobs)?;
+    let fault = |index: usize, said: &str| CompileFault::Shader {
+        family: family.name,
+        shader: jobs[index].shader.clone(),
+        said: said.to_owned(),
+    };
+    let count = answer.results.len();
+    if count < jobs.len() && answer.results.iter().all(Result::is_ok) {
+        return Err(fault(count, &format!("the compiler died; {}", answer.said)));
     }
-    Err(last)
+    let results = answer.results.into_iter().enumerate();
+    results.map(|(index, result)| result.map_err(|said| fault(index, &said))).collect()
 }
 
 /// Runs the child: reads jobs, compiles them on RADV, writes answers.

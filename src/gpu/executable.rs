@@ -19,7 +19,6 @@ pub struct Executable {
     pub name: String,
     /// Lanes that share an instruction.
     pub subgroup_size: u32,
-    /// Name and value of each statistic.
     pub statistics: Vec<(String, f64)>,
     /// Name and content of each text, such as the assembly.
     pub texts: Vec<(String, String)>,
@@ -61,7 +60,6 @@ impl Gpu {
         (0..).zip(&stages).map(executable).collect()
     }
 
-    /// Reads every text of a stage.
     fn texts(&self, info: &vk::PipelineExecutableInfoKHR<'_>, name: &str) -> Result<Vec<(String, String)>, GpuError> {
         let device = self.shared.executables.as_ref().expect("checked by `executables`");
         let failed = || GpuError::call("vkGetPipelineExecutableInternalRepresentationsKHR", name);
@@ -80,7 +78,7 @@ impl Gpu {
             .result()
             .map_err(|result| failed()(result))?;
         let texts = found.iter().zip(&room).filter(|(found, _)| found.is_text == vk::TRUE);
-        Ok(texts.map(|(found, bytes)| (text(found.name_as_c_str()), until_zero(bytes))).collect())
+        Ok(texts.map(|(found, bytes)| (text(found.name_as_c_str()), text(CStr::from_bytes_until_nul(bytes)))).collect())
     }
 }
 
@@ -91,11 +89,6 @@ const CAPTURE: vk::PipelineCreateFlags = vk::PipelineCreateFlags::from_raw(
 
 fn text(name: Result<&CStr, impl Sized>) -> String {
     name.map_or_else(|_| String::new(), |name| name.to_string_lossy().into_owned())
-}
-
-fn until_zero(bytes: &[u8]) -> String {
-    let end = bytes.iter().position(|byte| *byte == 0).unwrap_or(bytes.len());
-    String::from_utf8_lossy(&bytes[..end]).into_owned()
 }
 
 fn statistic(found: &vk::PipelineExecutableStatisticKHR<'_>) -> (String, f64) {

@@ -4,6 +4,7 @@
 use super::picture::{Picture, of_frame};
 use super::state::{Image, Inputs, Side, State};
 use crate::environment::{Environment, LoadOptions};
+use crate::gpu::lock;
 use crate::metrics::{Comparison, HEADLINE, Metric};
 use crate::pipeline::{DeviceInfo, Frame, Options, Pipeline, PipelineError, Recent};
 use crate::pixels::Rgb8Image;
@@ -11,7 +12,7 @@ use crate::scene::{Camera, CameraKind, MaterialOverride, Scene};
 use crate::spelling::Listed;
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Condvar, Mutex, PoisonError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
@@ -74,7 +75,6 @@ impl Shown {
     }
 }
 
-/// State shared by both threads.
 #[derive(Default)]
 struct Post {
     state: Mutex<Option<(u64, State)>>,
@@ -87,10 +87,6 @@ struct Post {
     interrupt: Arc<AtomicBool>,
     /// Ends first pictures, too.
     is_overdue: Arc<AtomicBool>,
-}
-
-fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
-    mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// The window's side of the thread.
@@ -120,7 +116,6 @@ impl Worker {
         Ok(Self { post, thread: Some(thread) })
     }
 
-    /// Replaces the requested state.
     pub fn ask(&self, generation: u64, state: State) {
         // The renderer takes the state and lowers the flags under the same lock.
         let mut held = lock(&self.post.state);
