@@ -19,7 +19,6 @@ pub fn open_regular(path: &Path) -> Result<File> {
     File::open(path)
 }
 
-/// Reads a regular file of at most `most_bytes`.
 pub fn read_regular(path: &Path, most_bytes: u64) -> Result<Vec<u8>> {
     read_at_most(open_regular(path)?, most_bytes)
 }

@@ -89,7 +89,6 @@ macro_rules! listed {
 }
 pub(crate) use listed;
 
-/// Capitalises the first letter.
 pub fn capitalised(text: &str) -> String {
     let mut letters = text.chars();
     letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())

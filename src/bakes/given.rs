@@ -11,7 +11,6 @@ use glam::DVec2;
 use std::path::Path;
 use std::sync::Arc;
 
-/// Selects the program's own table.
 pub const OWN: &str = "own";
 /// Selects our DFG table sampled at texel centres, as engines do.
 pub const CENTRES: &str = "centres";
@@ -37,7 +36,6 @@ pub struct GivenMap {
 pub struct GivenTable {
     pub name: String,
     pub hash: String,
-    /// Texels a side.
     pub side: u32,
     /// (A, B, 0, 1), row by row.
     pub texels: Vec<[f32; 4]>,

@@ -70,7 +70,6 @@ const TABLE_WITHIN: f64 = 1e-2;
 #[derive(Clone, Debug)]
 pub struct Written {
     pub name: String,
-    /// Texels per side of a face.
     pub side: u32,
     pub alpha: f64,
     /// relMSE against its integral.
@@ -93,7 +92,6 @@ pub struct Baked {
 struct Planned {
     name: &'static str,
     levels: Vec<Vec<RgbImage>>,
-    /// Exact texels of each level.
     exact: Vec<(Directions, Vec<DVec3>)>,
     alphas: Vec<f64>,
 }

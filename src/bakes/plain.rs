@@ -178,7 +178,6 @@ impl Light<'_> {
     }
 }
 
-/// The files of a bake.
 struct Files<'a> {
     out: &'a Path,
     paths: Vec<PathBuf>,

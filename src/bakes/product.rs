@@ -100,7 +100,6 @@ impl Product {
         }
     }
 
-    /// Returns the default number of levels for faces of `side` texels.
     pub fn levels(&self, side: u32) -> u32 {
         self.level_count.unwrap_or_else(|| (side / self.last_side).max(2).ilog2() + 1)
     }

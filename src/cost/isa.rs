@@ -35,7 +35,6 @@ pub struct ShaderCounts {
     pub other_loops: usize,
 }
 
-/// The assembly cannot be parsed.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("line {line} of the assembly, {text:?}: {what}")]
 pub struct IsaFault {
@@ -143,7 +142,6 @@ struct Block {
     falls_through: bool,
 }
 
-/// Counts the instructions of a text.
 pub fn count(assembly: &str) -> Result<ShaderCounts, IsaFault> {
     let blocks = blocks(assembly)?;
     let loops = loops(assembly, &blocks)?;

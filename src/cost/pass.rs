@@ -6,7 +6,6 @@ use super::isa::{self, IsaFault, ShaderCounts};
 use crate::gpu::Executable;
 use std::path::Path;
 
-/// Compiles these jobs for a family.
 pub fn passes(program: &Path, family: &'static Family, jobs: &[Job]) -> Result<Vec<Pass>, CompileFault> {
     let compiled = compile(program, family, jobs)?;
     let pass = |(job, stages): (&Job, &Vec<Executable>)| {
@@ -17,7 +16,6 @@ pub fn passes(program: &Path, family: &'static Family, jobs: &[Job]) -> Result<V
     jobs.iter().zip(&compiled).map(pass).collect()
 }
 
-/// A compiled pass over pixels.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Pass {
     pub counts: ShaderCounts,

@@ -56,7 +56,6 @@ const LAST: [(&str, &str); 4] = [
     ("waves", "Waves per vector unit, as Mesa counts them: on RDNA waves of 32 lanes."),
 ];
 
-/// Lists the columns of the CSV with their meaning.
 pub fn columns() -> Vec<(String, String)> {
     let known =
         |columns: &[(&str, &str)]| columns.iter().map(|(name, about)| (name.to_string(), about.to_string())).collect();
@@ -67,7 +66,6 @@ pub fn columns() -> Vec<(String, String)> {
     [known(&FIRST), counted.concat(), known(&LAST)].concat()
 }
 
-/// Writes a row per pass.
 pub fn csv(passes: &[Shaded]) -> Vec<u8> {
     let names: Vec<String> = columns().into_iter().map(|(name, _)| name).collect();
     let row = |shaded: &Shaded| {

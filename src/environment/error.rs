@@ -16,7 +16,6 @@ pub enum EnvironmentError {
     Unusable { spec: String, what: String },
 }
 
-/// Makes [`EnvironmentError::Unusable`].
 pub(super) fn unusable(spec: &str, what: String) -> EnvironmentError {
     EnvironmentError::Unusable { spec: spec.to_owned(), what }
 }

@@ -10,7 +10,6 @@ use std::path::{Path, PathBuf};
 /// Decodes the bytes of the file at a path: its main image, or the named layer.
 type Reader = fn(&Path, &[u8], Option<&str>) -> Result<Decoded, PixelsError>;
 
-/// An image format for environments.
 #[derive(Debug)]
 pub struct Format {
     pub name: &'static str,
@@ -48,7 +47,6 @@ pub static FORMATS: &[Format] = &[
 pub struct LoadOptions {
     /// Sets NaN, infinite and negative channels to 0 with a warning; otherwise they are an error.
     pub clamp_invalid: bool,
-    /// Width and height of a builtin's map.
     pub builtin_size: [u32; 2],
 }
 

@@ -14,7 +14,6 @@ pub struct Placement {
 }
 
 impl Placement {
-    /// Largest index of an orientation.
     pub const ORIENTATION_MAX: u32 = 4095;
 
     /// Returns the rotation from world directions to the map's frame.

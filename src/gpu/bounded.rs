@@ -46,7 +46,6 @@ pub struct Part {
 const INTERACTIVE_SHARE: u64 = 32;
 
 impl Gpu {
-    /// Returns how many samples one submission may take.
     pub fn submission_samples(&self) -> u64 {
         let whole = if self.info().device_type == "cpu" { SAMPLES_CPU } else { SAMPLES_GPU };
         if self.shared.is_interactive { whole / INTERACTIVE_SHARE } else { whole }
@@ -80,7 +79,6 @@ impl Gpu {
         })
     }
 
-    /// Records and submits one timed pass.
     pub fn submit_pass(
         &self,
         name: &'static str,

@@ -49,7 +49,6 @@ impl Gpu {
         self.create_buffer(name, size, storage(), MemoryLocation::GpuOnly)
     }
 
-    /// Makes a storage buffer that holds `data`.
     pub fn buffer_from<T: Pod>(&self, name: &str, data: &[T]) -> Result<Buffer, GpuError> {
         self.filled(name, bytemuck::cast_slice(data), storage())
     }

@@ -14,7 +14,7 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 /// Locks a mutex. Panics cannot leave its contents half-changed: no call into Vulkan or the allocator panics.
-pub(super) fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+pub(crate) fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
@@ -123,7 +123,6 @@ impl Gpu {
         self.shared.limits.max_storage_buffer_range.into()
     }
 
-    /// Returns the largest width and height of an image.
     pub fn max_image_side(&self) -> u32 {
         self.shared.limits.max_image_dimension2_d
     }
@@ -138,7 +137,6 @@ impl Shared {
         }
     }
 
-    /// Allocates memory for one resource.
     pub(super) fn allocate(
         self: &Arc<Self>,
         name: &str,

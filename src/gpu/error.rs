@@ -1,6 +1,5 @@
 use ash::vk;
 
-/// Errors of the device and its driver.
 #[derive(Debug, thiserror::Error)]
 pub enum GpuError {
     #[error(
@@ -58,7 +57,6 @@ impl GpuError {
         }
     }
 
-    /// Whether the device ran out of memory.
     pub fn is_out_of_memory(&self) -> bool {
         matches!(self, Self::OutOfMemory { .. })
     }

@@ -14,7 +14,6 @@ use std::sync::{Arc, Mutex};
 /// Texels written at a time: 64 MiB are copied, not a whole map.
 const STAGED_TEXELS: u32 = 1 << 22;
 
-/// Texel format of an image.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Format {
     /// Four f32; sampled, stored and rendered to.
@@ -66,7 +65,6 @@ pub(super) struct Inner {
 }
 
 impl Image {
-    /// Returns width and height of level `mip`.
     pub fn mip_size(&self, mip: u32) -> [u32; 2] {
         self.inner.size.map(|side| (side >> mip).max(1))
     }

@@ -16,7 +16,6 @@ pub enum DeviceChoice {
     Radv,
 }
 
-/// How to open a device.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Options {
     pub device: DeviceChoice,

@@ -32,7 +32,6 @@ pub fn added_shader(name: &str) -> Option<Vec<u32>> {
     added.get(name).map(|code| bytemuck::pod_collect_to_vec(code))
 }
 
-/// Returns the texts of all shaders.
 pub fn shader_sources() -> Sources {
     Sources(SHADER_TEXTS.iter().map(|(path, text)| (path.to_string(), text.to_string())).collect())
 }
@@ -152,12 +151,10 @@ pub fn shader_code(name: &str) -> &'static [u8] {
     code_of(name).unwrap_or_else(|| panic!("there is no shader {name}"))
 }
 
-/// Lists all permutations of the build.
 pub fn shader_names() -> impl Iterator<Item = &'static str> {
     SHADERS.iter().map(|(name, _)| *name)
 }
 
-/// Returns one hash of all shaders.
 pub fn build_hash() -> &'static str {
     // Cached: a plan asks for it once per cell.
     static HASH: LazyLock<String> = LazyLock::new(|| {

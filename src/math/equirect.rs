@@ -14,7 +14,6 @@ pub fn uv_from_direction(d: DVec3) -> DVec2 {
     DVec2::new(u - u.floor(), v)
 }
 
-/// Maps texture coordinates to the unit direction.
 pub fn direction_from_uv(uv: DVec2) -> DVec3 {
     direction_from_angles(longitude(uv.x), polar_angle(uv.y))
 }

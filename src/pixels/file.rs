@@ -14,12 +14,10 @@ pub(crate) const ENVIRONMENT_TEXELS_MAX: u64 = 1 << 25;
 const ENVIRONMENT_TEXEL_BYTES: u64 = 58;
 /// Most pixels of an 8-bit picture (8192 x 8192).
 pub(super) const PICTURE_TEXELS_MAX: u64 = 1 << 26;
-/// Bytes per decoded texel.
 const DECODED_TEXEL_BYTES: u64 = 16;
 /// Largest file, bytes. Readers hold it in memory.
 const MAX_FILE_BYTES: u64 = 1 << 30;
 
-/// An image file that cannot be read or written.
 #[derive(Debug, thiserror::Error)]
 #[error("{}: {what}; expected {expected}", path.display())]
 pub struct PixelsError {
@@ -95,7 +93,6 @@ pub(crate) fn reserved<T>(count: usize) -> Result<Vec<T>, Fault> {
     Ok(data)
 }
 
-/// Reserves and fills.
 pub(super) fn filled<T: Clone>(count: usize, value: T) -> Result<Vec<T>, Fault> {
     let mut data = reserved(count)?;
     data.resize(count, value);

@@ -42,7 +42,6 @@ pub struct PointRange<'a> {
 }
 
 impl Points {
-    /// Uploads `count` points of a set of a sequence.
     pub fn upload(
         gpu: &Gpu,
         count: u32,

@@ -48,7 +48,6 @@ pub(super) enum Meaning {
     Direction,
 }
 
-/// The decoded textures of a file.
 pub(super) struct Maps {
     textures: Vec<Texture>,
     /// Longest side, a power of two; halved while all textures have too many texels together.

@@ -23,7 +23,6 @@ pub fn run(
     gpu.submit_pass("tonemap", |r| r.dispatch("tonemap/tonemap.comp", &[], &binds, &push, image_groups(width, height)))
 }
 
-/// Reads the packed pixels as an image.
 pub fn read(gpu: &Gpu, packed: &Buffer, size: [u32; 2]) -> Result<Rgb8Image, GpuError> {
     let words: Vec<u32> = gpu.read_buffer(packed)?;
     let rgb = words.iter().map(|word| {

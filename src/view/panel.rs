@@ -26,7 +26,6 @@ const NOTICE: Duration = Duration::from_secs(10);
 /// Delay before the window says that it is busy.
 const BUSY_AFTER: Duration = Duration::from_millis(250);
 
-/// The window's own state.
 #[derive(Default)]
 pub struct Panel {
     pub controls: Controls,
@@ -263,7 +262,6 @@ impl Panel {
     }
 }
 
-/// Says how far the reference is.
 fn progress(shown: &Shown, is_done: bool) -> String {
     let Some(truth) = &shown.truth else { return "Rendering".to_owned() };
     let error = truth.frame.convergences.iter().map(|term| term.relative_error).fold(0.0, f64::max);

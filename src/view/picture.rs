@@ -24,7 +24,6 @@ listed!(Picture, "picture", {
 });
 
 impl Picture {
-    /// Returns the colours of an error.
     pub fn scale(self) -> Option<ColorScale> {
         match self {
             Self::Image => None,

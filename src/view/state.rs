@@ -19,7 +19,6 @@ pub enum Side {
     Right,
 }
 
-/// Everything that the user chose.
 #[derive(Clone, Debug, PartialEq)]
 pub struct State {
     /// Values of every axis; the method is the left half's.
@@ -161,7 +160,6 @@ pub fn file_axis(path: &Path) -> Option<usize> {
     if is_map { Some(ENVIRONMENT) } else { scene_format(path).map(|_| SCENE) }
 }
 
-/// Whether a model has its own materials.
 pub fn has_materials(name: &str) -> bool {
     let path = Path::new(name);
     let is_obj = path.extension().is_some_and(|end| end.eq_ignore_ascii_case("obj"));

@@ -283,7 +283,6 @@ impl App {
         }
     }
 
-    /// Sends a changed state to the renderer.
     fn ask(&mut self) {
         self.state.name_files();
         // The wipe is the window's own.

@@ -10,7 +10,6 @@ use std::f64::consts::PI;
 const REACH: f64 = 4.0;
 /// Approximate number of directions in a fit.
 const DIRECTIONS: usize = 600;
-/// Highest degree of spherical harmonics in a fit.
 pub const DEGREE_MAX: usize = 320;
 /// Narrower lobes reach beyond [`DEGREE_MAX`].
 const ALPHA_MIN: f64 = 5.0 / DEGREE_MAX as f64;
@@ -18,7 +17,6 @@ const ALPHA_MIN: f64 = 5.0 / DEGREE_MAX as f64;
 const GRID: i32 = 12;
 const REFINED: u32 = 8;
 
-/// The lobe that fits a level best.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Fit {
     pub alpha: f64,

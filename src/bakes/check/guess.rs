@@ -66,7 +66,6 @@ pub fn axes(truth: &Truth, map: &Map, convention: &Convention) -> Result<Vec<Axe
     Ok(best)
 }
 
-/// Ranks every orientation of an irradiance map.
 pub fn irradiance_axes(truth: &Truth, map: &Map) -> Vec<AxesFit> {
     let light = truth.irradiance();
     ranked(truth, map, 0, |direction| light.value(direction))

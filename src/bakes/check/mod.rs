@@ -76,7 +76,6 @@ impl<'a> Truth<'a> {
         self.harmonics.convolved(&self.factors(kernel, alpha, self.harmonics.degree()))
     }
 
-    /// Evaluates each degree of the light at directions.
     fn bands(&self, directions: &[DVec3], degree: usize) -> Vec<Vec<DVec3>> {
         self.harmonics.bands(degree, directions)
     }

@@ -22,7 +22,6 @@ pub struct ShScore {
     pub errors: Errors,
     /// Largest error of a coefficient over the largest coefficient.
     pub max_error: f64,
-    /// Axes that explain the error.
     pub better: Option<Axes>,
     pub verdict: String,
 }

@@ -10,7 +10,6 @@ use crate::color::srgb_encode;
 use crate::precompute::prefilter::{Kernel, WEIGHTS};
 use glam::{DMat3, DVec3, Vec3Swizzles};
 
-/// A slip that explains a level.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Slip {
     /// The slip; if there is one, the flag or setting that corrects it.
@@ -79,7 +78,6 @@ fn log_luv(x: DVec3) -> DVec3 {
     DVec3::new(x / sum, y / sum, (log - (255.0 * log.fract()).floor() / 255.0) / 255.0)
 }
 
-/// A level with its exact values.
 pub struct Level<'a> {
     pub truth: &'a Truth<'a>,
     /// The truth of the same map, cut at 1.
@@ -110,7 +108,6 @@ impl Level<'_> {
     }
 }
 
-/// The texels that are compared.
 struct Sample<'a> {
     level: &'a Level<'a>,
     directions: Directions,
@@ -154,7 +151,6 @@ impl<'a> Sample<'a> {
         is_narrow.then(|| self.slip(fit::gain_in_words(gain), |x, _| gain * x)).into_iter()
     }
 
-    /// A gain of each channel.
     fn channel_gains(&self) -> Option<Slip> {
         let only = |texels: &[DVec3], axis: DVec3| texels.iter().map(|texel| *texel * axis).collect::<Vec<_>>();
         let gains = [DVec3::X, DVec3::Y, DVec3::Z].map(|axis| {
@@ -175,7 +171,6 @@ impl<'a> Sample<'a> {
         std::iter::once(Slip { words, left: self.left(&slipped) })
     }
 
-    /// Other weights of the kernel.
     fn weights(&self) -> impl Iterator<Item = Slip> {
         let (truth, alpha) = (self.level.truth, self.level.alpha);
         let Kernel { brdf, weight: own, masking } = truth.kernel;

@@ -109,7 +109,6 @@ fn explained(table: &RgbImage, brdf: &'static dyn Brdf, convention: &Convention,
     format!("no other convention fits better; the largest error is {:.0} steps of 8 bits", 255.0 * max_error)
 }
 
-/// Conventions of a table and their error.
 pub struct Fitting {
     pub axes: &'static TableAxes,
     pub channels: &'static TableChannels,

@@ -14,7 +14,6 @@ const POINTS: usize = 6;
 const TURBIDITIES: usize = 10;
 const ALBEDOS: usize = 2;
 
-/// A sky for one elevation of the sun, turbidity and albedo.
 pub struct Sky {
     /// A to G, I, H, by channel.
     coefficients: [[f32; COEFFICIENTS]; 3],

@@ -22,9 +22,7 @@ pub struct Parameter {
     /// Meaning and unit.
     pub about: &'static str,
     pub default: f64,
-    /// Smallest allowed value.
     pub min: f64,
-    /// Largest allowed value.
     pub max: f64,
 }
 

@@ -24,7 +24,6 @@ pub struct MapLayout {
     pub side_min: u32,
     /// Default size of a prefiltered map's first level; similar texel counts in all layouts.
     pub prefilter_size: [u32; 2],
-    /// Default size of an irradiance map.
     pub irradiance_size: [u32; 2],
     /// Size of the finest filtered level for an environment's size: about as many texels as its widest row has.
     pub finest_size: fn([u32; 2]) -> [u32; 2],

@@ -16,7 +16,6 @@ pub struct DrawCall<'a> {
     /// Number of indices, or of vertices without an index buffer.
     pub count: u32,
     pub instance_count: u32,
-    /// Whether back faces are culled.
     pub is_one_sided: bool,
 }
 
@@ -136,7 +135,6 @@ impl Recorder {
         Ok(())
     }
 
-    /// Fills a buffer with a 32-bit word.
     pub fn fill(&mut self, buffer: &Buffer, word: u32) {
         self.access_buffer(buffer, Access::FILL);
         self.emit();

@@ -64,7 +64,6 @@ impl Kernel {
         Self { brdf, weight, masking: if weight.uses_masking { masking } else { MaskingShadowing::default() } }
     }
 
-    /// Makes the kernel of the default weight.
     pub fn cosine(brdf: &'static dyn Brdf) -> Self {
         Self::new(brdf, &WEIGHTS[0], MaskingShadowing::default())
     }

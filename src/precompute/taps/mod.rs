@@ -26,7 +26,6 @@ pub use lobe::Lobe;
 pub use nodes::{SIDE, first_guess, parameters_from_node};
 pub use table::{TapTable, dielectric_share};
 
-/// The number of taps of a table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum TapCount {
     One = 1,
@@ -56,7 +55,6 @@ impl TapCount {
     }
 }
 
-/// One lookup.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tap {
     /// From the normal towards the mirror direction, radians.

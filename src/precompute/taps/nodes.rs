@@ -39,7 +39,6 @@ pub fn first_guess(count: TapCount) -> &'static [f64] {
 /// The taps of every node from the first fitted row on.
 pub struct Nodes<'a> {
     chain: &'a Chain,
-    /// The first fitted row.
     first_row: usize,
     /// Over f0, row, column.
     fits: Vec<Fit<'a>>,

@@ -28,7 +28,6 @@ fn part_count(count: TapCount) -> usize {
 }
 
 impl TapTable {
-    /// Returns width and height of a table.
     pub fn size(count: TapCount) -> [u32; 2] {
         [SIDE as u32, (F0.len() * part_count(count) * SIDE) as u32]
     }
