@@ -2,7 +2,7 @@
 //!
 //! | read | becomes | without it |
 //! |---|---|---|
-//! | `Kd` | albedo | 0.8 grey, white under a `map_Kd` |
+//! | `Kd` (three numbers) | albedo | 0.8 grey, white under a `map_Kd` |
 //! | `map_Kd` | albedo map (PNG or JPEG, sRGB); multiplies `Kd` | none |
 //! | `Pm` | metallic | 0 |
 //! | `Pr` | alpha = Pr² | from `Ns` |
@@ -12,8 +12,7 @@
 //! `Ks` is ignored: exporters rarely write a reflectance there. `Ni 1` counts as missing: exporters write it when they know no
 //! index of refraction. Values outside their range are clamped with a warning; values that are not numbers are refused.
 
-use super::add_first;
-use super::lines::{logical_lines, number, split_keyword};
+use super::statements::{Statements, check_numbers};
 use crate::brdf;
 use crate::glsl::constants::ALPHA_MIN;
 use crate::scene::SceneError;
@@ -21,175 +20,101 @@ use crate::scene::material::{DEFAULT_ALBEDO, DEFAULT_ALPHA, Material};
 use crate::scene::source::{SceneFiles, existing};
 use std::path::{Path, PathBuf};
 
-/// The material libraries of a file.
-#[derive(Debug, Default)]
-pub struct Libraries {
-    pub materials: Vec<Source>,
-    /// Albedo maps, each once.
-    pub maps: Vec<PathBuf>,
-    /// Warnings about libraries that cannot be read.
-    pub unreadable: Vec<String>,
-}
+/// Maps that cause a warning.
+const UNREAD: [&str; 9] = ["map_Pr", "map_Pm", "map_Ns", "map_d", "map_Bump", "map_bump", "bump", "norm", "disp"];
 
-/// A material's statements.
-#[derive(Debug, Default)]
+/// Largest value of a parameter, far above any real one.
+const MAX_VALUE: f32 = 1e30;
+
+/// A material whose map is not read yet.
+#[derive(Debug)]
 pub struct Source {
-    pub name: String,
+    /// Without albedo.
+    material: Material,
     kd: Option<[f32; 3]>,
-    /// Index into [`Libraries::maps`].
-    map_kd: Option<usize>,
-    pr: Option<f32>,
-    pm: Option<f32>,
-    ns: Option<f32>,
-    ni: Option<f32>,
+    map: Option<PathBuf>,
 }
 
-impl Libraries {
-    /// Adds the library at `path`, or a warning to `unreadable`.
-    pub fn add(&mut self, files: &dyn SceneFiles, path: &Path, warnings: &mut Vec<String>) -> Result<(), SceneError> {
-        let bytes = match files.read(path) {
-            Ok(bytes) => bytes,
-            Err(source) => {
-                self.unreadable.push(format!(
-                    "{}: cannot read the materials: {source}; the default material is used",
-                    path.display()
-                ));
-                return Ok(());
-            }
-        };
-        let (mut unread, mut odd) = (Vec::new(), Vec::new());
-        for (line, logical) in logical_lines(&String::from_utf8_lossy(&bytes)) {
-            let mut warn = |message: String| odd.push(format!("{}:{line}: {message}", path.display()));
-            self.statement(&logical, files, path, &mut warn, &mut unread)
-                .map_err(|message| SceneError::of_line(path, line, message))?;
+/// Reads the library at `path`; an unreadable one is empty and causes a warning.
+pub fn read(files: &dyn SceneFiles, path: &Path, warnings: &mut Vec<String>) -> Result<Vec<Source>, SceneError> {
+    let bytes = match files.read(path) {
+        Ok(bytes) => bytes,
+        Err(error) => {
+            let place = path.display();
+            warnings.push(format!("{place}: cannot read the materials: {error}; the default material is used"));
+            return Ok(Vec::new());
         }
-        add_first(warnings, odd);
-        if !unread.is_empty() {
-            warnings.push(format!("{}: {} are not read", path.display(), unread.join(", ")));
-        }
-        Ok(())
+    };
+    let statements = Statements::new(&bytes);
+    statements.check(path, |keyword, values| match keyword {
+        "Kd" => check_numbers(values, 3, MAX_VALUE),
+        "Ns" | "Ni" | "Pr" | "Pm" => check_numbers(values, 1, MAX_VALUE),
+        _ => Ok(()),
+    })?;
+    let (found, _) = statements.read(path, |text| tobj::load_mtl_buf(text))?;
+    let mut odd = Vec::new();
+    let materials = found.iter().map(|material| Source::new(material, files, path, &mut odd)).collect();
+    warnings.extend(odd.into_iter().map(|warning| format!("{}: {warning}", path.display())));
+    let unread: Vec<&str> = UNREAD.into_iter().filter(|keyword| statements.skipped.contains_key(*keyword)).collect();
+    if !unread.is_empty() {
+        warnings.push(format!("{}: {} are not read", path.display(), unread.join(", ")));
     }
-
-    fn statement(
-        &mut self,
-        logical: &str,
-        files: &dyn SceneFiles,
-        path: &Path,
-        warn: &mut dyn FnMut(String),
-        unread: &mut Vec<String>,
-    ) -> Result<(), String> {
-        let (keyword, rest) = split_keyword(logical);
-        let fault = |message: String| format!("{keyword}: {message}");
-        // Statements before the first material have no effect.
-        let mut before = Source::default();
-        let material = self.materials.last_mut().unwrap_or(&mut before);
-        match keyword {
-            "newmtl" if rest.is_empty() => return Err(fault("expected a name".to_owned())),
-            "newmtl" => self.materials.push(Source { name: rest.to_owned(), ..Source::default() }),
-            "Kd" if ["spectral", "xyz"].contains(&split_keyword(rest).0) => {
-                warn(format!("Kd {rest} is not RGB and is not read"));
-            }
-            "Kd" => {
-                let rgb = color(rest).map_err(fault)?;
-                let clamped = rgb.map(|x| x.clamp(0.0, 1.0));
-                if clamped != rgb {
-                    warn(format!("Kd {rest} is outside 0 to 1 and is clamped"));
-                }
-                material.kd = Some(clamped);
-            }
-            "Pr" | "Pm" | "Ns" | "Ni" => {
-                let value =
-                    rest.split_whitespace().next().ok_or("no value".to_owned()).and_then(number).map_err(fault)?;
-                let clamped = value.clamp(0.0, if keyword.starts_with('P') { 1.0 } else { f32::MAX });
-                if clamped != value {
-                    warn(format!("{keyword} {value} is outside its range and is read as {clamped}"));
-                }
-                let place = match keyword {
-                    "Pr" => &mut material.pr,
-                    "Pm" => &mut material.pm,
-                    "Ns" => &mut material.ns,
-                    _ => &mut material.ni,
-                };
-                *place = Some(clamped);
-            }
-            "map_Kd" => {
-                let (file, has_options) = map_file(rest).map_err(fault)?;
-                if has_options {
-                    warn("the options of map_Kd are not read".to_owned());
-                }
-                let map = existing(files, path, file);
-                material.map_kd = Some(self.maps.iter().position(|known| *known == map).unwrap_or_else(|| {
-                    self.maps.push(map);
-                    self.maps.len() - 1
-                }));
-            }
-            "map_Pr" | "map_Pm" | "map_Ns" | "map_d" | "map_Bump" | "map_bump" | "bump" | "norm" | "disp"
-                if !unread.iter().any(|known| known == keyword) =>
-            {
-                unread.push(keyword.to_owned());
-            }
-            _ => {}
-        }
-        Ok(())
-    }
-}
-
-/// Parses three numbers, or one grey.
-fn color(values: &str) -> Result<[f32; 3], String> {
-    let numbers = values.split_whitespace().take(3).map(number).collect::<Result<Vec<_>, _>>()?;
-    match numbers[..] {
-        [grey] => Ok([grey; 3]),
-        [r, g, b] => Ok([r, g, b]),
-        _ => Err(format!("{} values; expected 3", numbers.len())),
-    }
-}
-
-/// Returns the file name of a texture statement, which may contain spaces, and whether options precede it.
-fn map_file(rest: &str) -> Result<(&str, bool), String> {
-    let mut left = rest;
-    while left.starts_with('-') {
-        let (option, after) = split_keyword(left);
-        let (least, most) = match option {
-            "-mm" => (2, 2),
-            // One to three numbers.
-            "-o" | "-s" | "-t" => (1, 3),
-            _ => (1, 1),
-        };
-        left = after;
-        for i in 0..most {
-            let (word, after) = split_keyword(left);
-            if i >= least && number(word).is_err() {
-                break;
-            }
-            left = after;
-        }
-    }
-    if left.is_empty() {
-        return Err("expected a file name".to_owned());
-    }
-    Ok((left, left.len() != rest.len()))
+    Ok(materials)
 }
 
 impl Source {
-    /// Builds the material. `maps` has the texture of each of [`Libraries::maps`], `None` for unreadable ones.
-    pub fn material(&self, maps: &[Option<usize>]) -> Material {
-        let default = Material::default();
-        let albedo_map = self.map_kd.and_then(|index| maps[index]);
-        let alpha = match (self.pr, self.ns) {
+    fn new(found: &tobj::Material, files: &dyn SceneFiles, path: &Path, warnings: &mut Vec<String>) -> Self {
+        let name = &found.name;
+        let mut clamp = |parameter: &str, value: f32, most: f32| {
+            let clamped = value.clamp(0.0, most);
+            if clamped != value {
+                warnings.push(format!(
+                    "material \"{name}\": {parameter} {value} is outside its range and is read as {clamped}"
+                ));
+            }
+            clamped
+        };
+        let kd = found.diffuse.map(|rgb| rgb.map(|value| clamp("Kd", value, 1.0)));
+        let mut fraction = |parameter: &str| {
+            let value = found.unknown_param.get(parameter)?.split_whitespace().next()?;
+            Some(clamp(parameter, value.parse().ok()?, 1.0))
+        };
+        let (roughness, metallic) = (fraction("Pr"), fraction("Pm"));
+        let exponent = found.shininess.map(|value| clamp("Ns", value, f32::MAX));
+        let alpha = match (roughness, exponent) {
             (Some(roughness), _) => brdf::alpha_from_perceptual_roughness(f64::from(roughness)) as f32,
             (None, Some(exponent)) => (2.0 / (exponent + 2.0)).sqrt(),
             (None, None) => DEFAULT_ALPHA,
         };
-        let f0 = self.ni.filter(|&ior| ior > 1.0).map(|ior| [brdf::f0_from_ior(f64::from(ior)) as f32; 3]);
-        Material {
-            name: self.name.clone(),
-            albedo: self.kd.unwrap_or(if albedo_map.is_some() { [1.0; 3] } else { [DEFAULT_ALBEDO; 3] }),
-            albedo_map,
-            metallic: self.pm.unwrap_or(default.metallic),
+        let default = Material::default();
+        let f0 = found.optical_density.filter(|ior| *ior > 1.0).map(|ior| brdf::f0_from_ior(f64::from(ior)) as f32);
+        let material = Material {
+            name: name.clone(),
+            metallic: metallic.unwrap_or(default.metallic),
             // Narrower lobes, such as a mirror's (Pr 0), are not shaded.
             alpha: alpha.max(ALPHA_MIN),
-            f0: f0.unwrap_or(default.f0),
+            f0: f0.map_or(default.f0, |f0| [f0; 3]),
             ..default
-        }
+        };
+        let map = found.diffuse_texture.as_deref().map(|text| {
+            // File names may contain blanks, but not after options.
+            let options = text.starts_with('-').then(|| text.rsplit_once(char::is_whitespace)).flatten();
+            if let Some((options, _)) = options {
+                warnings.push(format!("material \"{name}\": the options {options} of map_Kd are not read"));
+            }
+            existing(files, path, options.map_or(text, |(_, file)| file))
+        });
+        Self { material, kd, map }
+    }
+
+    pub fn name(&self) -> &str {
+        &self.material.name
+    }
+
+    /// Builds the material; `read_map` returns the index of a texture, `None` for an unreadable one.
+    pub fn material(&self, read_map: impl FnOnce(&Path) -> Option<usize>) -> Material {
+        let albedo_map = self.map.as_deref().and_then(read_map);
+        let default = if albedo_map.is_some() { 1.0 } else { DEFAULT_ALBEDO };
+        Material { albedo: self.kd.unwrap_or([default; 3]), albedo_map, ..self.material.clone() }
     }
 }

@@ -53,13 +53,10 @@ fn every_form_of_a_face_gives_the_same_square() {
         format!("{QUAD}f 1 2 3 4"),
         format!("{QUAD}f -4 -3 -2 -1\n"),
         format!("{QUAD}vn 0 0 1\nf 1//1 2//1 3//1 4//1\n"),
-        format!("{QUAD}vn 0 0 1\nf 1//-1 2// 3 4//1\n"),
         format!("{QUAD}vn 0 0 7\nf 1//1 2//1 3//1 4//1 # a square\n"),
-        format!("f 1 2 3 4\n{QUAD}"),
         format!("{QUAD}f 1 2 \\\n 3 4\n"),
         format!("\u{feff}# C:\\models\\\n{QUAD}o a\ng b c\ns 1\nf 1 2 3 4\n"),
         format!("{QUAD}f 1 2 3 4\n").replace('\n', "\r\n"),
-        format!("{QUAD}f 1 2 3 4\n").replace('\n', "\r"),
         format!("{QUAD}\tf\t1  2\t3 4  \n").replace("v ", "v\t"),
         "v 0 0 0 1 0 0\nv 1. +0 0\nv 1e0 10E-1 .0 1\nv 0 1 0 0.5 0.5\nf 1 2 3 4\n".to_owned(),
     ];
@@ -68,6 +65,14 @@ fn every_form_of_a_face_gives_the_same_square() {
         assert_eq!(scene.hash, expected.hash, "{text:?}");
         assert_eq!(scene.warnings, Vec::<String>::new(), "{text:?}");
     }
+}
+
+#[test]
+fn normals_of_some_corners_are_replaced() {
+    let expected = loaded(&format!("{QUAD}f 1 2 3 4\n"));
+    let scene = loaded(&format!("{QUAD}vn 1 0 0\nf 1//-1 2// 3 4//1\n"));
+    assert_eq!(scene.hash, expected.hash);
+    assert!(scene.warnings[0].contains("1 groups of faces lack some normals"), "{:?}", scene.warnings);
 }
 
 /// Positions, faces, materials: each wrong line is reported with the expected form.
@@ -82,7 +87,7 @@ fn wrong_files_are_refused_with_the_line() {
         "v 0 0\n",
         "\n\nv 0 0 zero\n",
         "v 0 0 0\nvn 0 1\n",
-        "v 0 0 0\nf 1 1 2\n",
+        "v 0 0 0\nf 1 1 2\nv 1 0 0\n",
         "v 0 0 0\nf 1 1 0\n",
         "v 0 0 0\nf 1 1 -2\n",
         "v 0 0 0\nf 1/1 1/1 1/1\n",
@@ -100,8 +105,8 @@ fn wrong_files_are_refused_with_the_line() {
     let scenes = scenes.map(|text| (text, load_text(text)));
     let huge = format!("v 0 0 0\nf{}\n", " 1".repeat(70_000));
     let said = load_text(&huge).expect_err("a face of 70,000 corners");
-    assert!(said.contains("scene.obj:2: a face of more than 65536 corners"), "{said}");
-    let materials = ["Kd 1 1", "Kd 1 1 x", "Ns inf", "Ns 1e999", "Pr", "map_Kd -clamp on", "newmtl"];
+    assert!(said.contains("scene.obj:2: f: 70000 corners; expected 3 to 65536"), "{said}");
+    let materials = ["Kd 1 1", "Kd 1 1 x", "Kd spectral a.rfl", "Ns inf", "Ns 1e999", "Pr", "map_Kd", "newmtl"];
     let materials = materials.map(|text| (text, of_material(text)));
     let shown = scenes.into_iter().chain(materials).map(|(text, scene)| {
         let message = scene.expect_err(text);
@@ -120,7 +125,7 @@ fn materials_and_groups_keep_their_faces() {
         ("scene.obj", text.as_bytes()),
         ("two words.mtl", b"newmtl red one\nKd 1 0 0\nNs 30\n"),
         ("a.mtl", b"newmtl gold\nKd 1 2 0.5\nPr 0.5\nPm 1\nNi 1.5\n"),
-        ("b.mtl", b"newmtl unused\nKd 0.5\n"),
+        ("b.mtl", b"newmtl unused\nKd 0.5 0.5 0.5\n"),
     ])
     .expect("a readable file");
     let counts: Vec<(&str, usize)> = scene
@@ -134,8 +139,8 @@ fn materials_and_groups_keep_their_faces() {
     assert_eq!((gold.albedo, gold.alpha, gold.metallic), ([1.0, 1.0, 0.5], 0.25, 1.0));
     assert!((gold.f0[0] - 0.04).abs() < 1e-7);
     assert_eq!((default.albedo, default.alpha), ([0.8; 3], 0.25));
-    let expected =
-        ["1 x l", "missing.mtl: cannot read", "a.mtl:2: Kd 1 2 0.5 is outside", "material \"nowhere\" is not defined"];
+    let gold = "a.mtl: material \"gold\": Kd 2 is outside";
+    let expected = ["1 x l", "missing.mtl: cannot read", gold, "material \"nowhere\" is not defined"];
     assert_eq!(scene.warnings.len(), expected.len(), "{:?}", scene.warnings);
     assert!(scene.warnings.iter().zip(expected).all(|(warning, part)| warning.contains(part)), "{:?}", scene.warnings);
     // Callers put the scene's name before each warning.
@@ -210,7 +215,6 @@ fn material_parameters_become_alpha_and_f0() {
         ("Ns -5", 1.0, 0.04, 1),
         ("Ni 1.0", 0.25, 0.04, 0),
         ("Ni 2", 0.25, 1.0 / 9.0, 0),
-        ("Kd spectral a.rfl", 0.25, 0.04, 1),
         ("map_Pr r.png\nnorm n.png", 0.25, 0.04, 1),
         ("map_Kd missing.png", 0.25, 0.04, 1),
         ("map_Kd -s 1 1 -o 0.5 -clamp on missing one.png", 0.25, 0.04, 2),
