@@ -11,7 +11,7 @@
 //! exact sampler left 0.48 to 0.89 of the variance at 1.2 to 1.6 times the cost. The variance falls with the power 1.5
 //! of the count, so both take the same time to an error, mostly within 20 %; the closed form is kept.
 
-use super::{Brdf, SHORT_TAILED, Widths, g1_rational, sin2_cos2};
+use super::{Brdf, Widths, g1_rational, sin2_cos2};
 use crate::glsl::constants::TILT_MIN;
 use crate::math::erf::erf_inverse;
 use crate::math::sampling::direction_from_polar;
@@ -22,7 +22,6 @@ use std::f64::consts::PI;
 /// Largest slope, in units of alpha: `erfc` there is 4e-20.
 const SLOPE_MAX: f64 = 6.5;
 
-/// The Beckmann model with Walter's rational masking.
 #[derive(Debug)]
 pub struct Beckmann;
 
@@ -42,15 +41,6 @@ fn projected_area(stretched: f64, cos_theta: f64) -> f64 {
 impl Brdf for Beckmann {
     fn name(&self) -> &'static str {
         "beckmann"
-    }
-
-    fn over_ggx(&self) -> [f64; 2] {
-        SHORT_TAILED
-    }
-
-    /// The bound of G2/G1: the model draws its own visible normals.
-    fn vndf_weight_max(&self) -> f64 {
-        1.0
     }
 
     fn about(&self) -> &'static str {

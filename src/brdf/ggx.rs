@@ -6,22 +6,12 @@ use crate::math::sampling::direction_from_polar;
 use glam::{DVec2, DVec3};
 use std::f64::consts::PI;
 
-/// The GGX model with its exact Smith masking.
 #[derive(Debug)]
 pub struct Ggx;
-
-/// Returns the visible microfacet area along `v`, per area of surface: `n_dot_v / G1(v)`, regular at `n_dot_v = 0`.
-fn projected_area(v_local: DVec3, widths: Widths) -> f64 {
-    0.5 * (v_local.z + widths.stretched(v_local).length())
-}
 
 impl Brdf for Ggx {
     fn name(&self) -> &'static str {
         "ggx"
-    }
-
-    fn over_ggx(&self) -> [f64; 2] {
-        [1.0; 2]
     }
 
     fn about(&self) -> &'static str {
@@ -59,16 +49,6 @@ impl Brdf for Ggx {
     }
 }
 
-/// Samples visible normals by spherical caps: the normals of the visible half sphere are the half vectors of the cap
-/// that `v` reflects into \[Dupuy23\]. `xi.x = 0` is the cap's centre.
-pub(super) fn sample_visible(xi: DVec2, v_local: DVec3, widths: Widths) -> DVec3 {
-    let v_hemisphere = widths.stretched(v_local).normalize();
-    let z = (1.0 - xi.x) * (1.0 + v_hemisphere.z) - v_hemisphere.z;
-    let cap = direction_from_polar((1.0 - z * z).max(0.0).sqrt(), z, xi.y);
-    let h = cap + v_hemisphere;
-    widths.stretched(h.truncate().extend(h.z.max(0.0))).normalize()
-}
-
 /// The cap of the stretched sphere with all directions that leave above the horizon \[EtoTokuyoshi23\].
 struct BoundedCap {
     v_standard: DVec3,
@@ -95,7 +75,8 @@ impl BoundedCap {
     }
 }
 
-/// As [`sample_visible`], from the smaller cap of [EtoTokuyoshi23, listing 1]: fewer samples leave below the horizon.
+/// Samples visible normals by the half vectors of a spherical cap \[Dupuy23\], smaller by [EtoTokuyoshi23, listing 1] so that
+/// fewer samples leave below the horizon. `xi.x = 0` is the cap's centre.
 pub(super) fn sample_bounded(xi: DVec2, v_local: DVec3, widths: Widths) -> DVec3 {
     let cap = BoundedCap::new(v_local, widths);
     let depth = xi.x * cap.height();
@@ -115,12 +96,4 @@ pub(super) fn pdf_bounded_l(v_local: DVec3, h_local: DVec3, widths: Widths) -> f
         return 0.0;
     }
     widths.d(&Ggx, h_local) / (2.0 * (cap.k * v_local.z + cap.length))
-}
-
-/// Computes `G1(v) D / (4 n_dot_v)`.
-pub(super) fn pdf_visible_l(v_local: DVec3, h_local: DVec3, widths: Widths) -> f64 {
-    if v_local.dot(h_local) <= 0.0 {
-        return 0.0;
-    }
-    widths.d(&Ggx, h_local) / (4.0 * projected_area(v_local, widths))
 }

@@ -10,7 +10,6 @@
 
 use crate::spelling::{Listed, listed};
 use glam::{DVec2, DVec3};
-use std::f64::consts::E;
 
 mod anisotropy;
 mod beckmann;
@@ -56,27 +55,7 @@ pub trait Brdf: Sync + std::fmt::Debug {
     fn pdf_vndf_l(&self, v_local: DVec3, h_local: DVec3, widths: Widths) -> f64 {
         ggx::pdf_bounded_l(v_local, h_local, widths)
     }
-    /// Largest weight of [`Brdf::sample_vndf`] in constant light with exact masking, `G2 D / (4 n_dot_v pdf_l)`.
-    fn vndf_weight_max(&self) -> f64 {
-        let [d, area] = self.over_ggx();
-        d * area
-    }
-    /// Largest ratios of `D` and of the visible area to GGX's of the same alpha, which bound weights of GGX's samples.
-    fn over_ggx(&self) -> [f64; 2];
-    /// Samples a half vector by the best known sampler given `v_local` (`v_local.z >= 0`); [`Brdf::pdf_visible_l`] is
-    /// its density over `l`. The default draws the visible normals of GGX of the same alpha; each model that keeps it
-    /// documents the quality.
-    fn sample_visible(&self, xi: DVec2, v_local: DVec3, widths: Widths) -> DVec3 {
-        ggx::sample_visible(xi, v_local, widths)
-    }
-    /// Density per solid angle of `l = reflect(-v, h)` under [`Brdf::sample_visible`]; integrates to 1 over the sphere.
-    fn pdf_visible_l(&self, v_local: DVec3, h_local: DVec3, widths: Widths) -> f64 {
-        ggx::pdf_visible_l(v_local, h_local, widths)
-    }
 }
-
-/// [`Brdf::over_ggx`] of distributions without long tails: 4/e at slopes near alpha, √π at a grazing view.
-const SHORT_TAILED: [f64; 2] = [4.0 / E, 1.772_453_850_905_516];
 
 /// Every model. To add one: its file here, `shaders/brdf/<stem>.glsl` (`_` for `-` in the name), a line here.
 pub static MODELS: &[&dyn Brdf] = &[&Ggx, &Beckmann, &Phong];

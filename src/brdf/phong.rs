@@ -23,13 +23,12 @@
 //! with `k = 1/alpha² - 1` and `s = sin² θ_h`, `D / D_ggx = (1 - s)^k (1 + k s)²`, at most `4/e` (near `k s = 1`), so
 //! weights are bounded. Samples of D itself would hit only a few of the facets that a grazing view sees.
 
-use super::{Brdf, SHORT_TAILED, g1_rational, sin2_cos2};
+use super::{Brdf, g1_rational, sin2_cos2};
 use crate::math::incomplete_beta::{gamma_ratio_half, incomplete_beta_half};
 use crate::math::sampling::direction_from_polar;
 use glam::{DVec2, DVec3};
 use std::f64::consts::{PI, TAU};
 
-/// The Phong model with Walter's rational masking.
 #[derive(Debug)]
 pub struct Phong;
 
@@ -41,10 +40,6 @@ pub fn exponent_from_alpha(alpha: f64) -> f64 {
 impl Brdf for Phong {
     fn name(&self) -> &'static str {
         "phong"
-    }
-
-    fn over_ggx(&self) -> [f64; 2] {
-        SHORT_TAILED
     }
 
     fn is_stretchable(&self) -> bool {
@@ -70,7 +65,6 @@ impl Brdf for Phong {
         g1_rational(n_dot_w, alpha)
     }
 
-    /// See the module's documentation.
     fn g1_exact(&self, n_dot_w: f64, alpha: f64) -> f64 {
         if n_dot_w <= 0.0 {
             return 0.0;

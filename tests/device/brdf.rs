@@ -1,5 +1,6 @@
 //! Every function of every BRDF model against its f64 twin.
 
+use crate::brdf_twins::{pdf_visible_l, sample_visible};
 use crate::compare::{Tolerance, Worst, absolute, relative};
 use crate::harness::{Probe, rounded, rounded3, vec4, with_gpu, xyz};
 use glam::{DVec2, DVec3};
@@ -145,10 +146,10 @@ fn samples_and_their_densities() {
                 let off = |sampled: DVec3, expected: DVec3| {
                     (in_alpha(sampled) - in_alpha(expected)).length() / (1.0 + in_alpha(expected).length())
                 };
-                let (sampled, expected) = (xyz(out[3]), model.sample_visible(item.xi, item.v, item.alpha.into()));
+                let (sampled, expected) = (xyz(out[3]), sample_visible(item.xi, item.v, item.alpha.into()));
                 visible_slope.add(off(sampled, expected), 0.0, || format!("{sampled} for {expected}, {}", item.case()));
-                visible_pdf.add(out[4][0], model.pdf_visible_l(item.v, item.h, item.alpha.into()), || item.case());
-                visible_own.add(out[4][1], model.pdf_visible_l(item.v, sampled, item.alpha.into()), || item.case());
+                visible_pdf.add(out[4][0], pdf_visible_l(item.v, item.h, item.alpha.into()), || item.case());
+                visible_own.add(out[4][1], pdf_visible_l(item.v, sampled, item.alpha.into()), || item.case());
 
                 let (sampled, expected) = (xyz(out[7]), model.sample_vndf(item.xi, item.v, item.alpha.into()));
                 vndf_slope.add(off(sampled, expected), 0.0, || format!("{sampled} for {expected}, {}", item.case()));

@@ -4,6 +4,8 @@
 //! validation layer (core and synchronisation) and any message fails the test; `SPLITSUM_VALIDATION=0` turns the layer off.
 mod antialias;
 mod brdf;
+#[path = "../shared/brdf_twins.rs"]
+mod brdf_twins;
 mod coat;
 mod compare;
 mod determinism;

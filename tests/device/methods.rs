@@ -1,5 +1,6 @@
 //! Every method against f64, on a few pixels of a small frame.
 
+use crate::brdf_twins::multiple;
 use crate::compare::{Worst, relative};
 use crate::gbuffer_twin::gbuffer;
 use crate::harness::{golden_environment, render_by_seeds, request, scene, usual_tables, with_gpu, with_pipeline};
@@ -190,7 +191,7 @@ fn the_lobe_of_several_scatterings_is_integrated() {
                     [(1.0 - pair(cosine).element_sum()) * cosine / (PI * (1.0 - mean))]
                 };
                 let light = exact.integrate(lobe, &[], EXACT).value[0];
-                let expected = Compensation::KullaConty.multiple(albedo, pair(n.dot(v)), mean) * light;
+                let expected = multiple(Compensation::KullaConty, albedo, pair(n.dot(v)), mean) * light;
                 let [x, y] = sight.pixel;
                 let sigma = DVec3::from_array(both.standard_error.as_ref().unwrap().get(x, y).map(f64::from));
                 let off = (radiance(&both, sight.pixel) - radiance(&single, sight.pixel) - expected).abs();

@@ -1,6 +1,7 @@
 //! Lobes of two widths: normalisation, symmetries, samplers, the limit of one width, albedos and integrals by other code.
 
 use crate::brdf::integrate_sphere;
+use crate::brdf_twins::{pdf_visible_l, sample_visible};
 use crate::chi_square::{Random, fit_of_half_vectors};
 use glam::{DQuat, DVec2, DVec3};
 use splitsum::brdf::{Beckmann, Brdf, Ggx, MaskingShadowing, Phong, Stretch, WidthLaw, Widths, eval_without_fresnel};
@@ -81,7 +82,7 @@ fn equal_widths_are_one_width() {
             assert!((one - two).abs() <= 1e-9 * one, "{} {alpha}: {one} {two}", model.name());
             let h = (v + l).normalize();
             let pairs = [
-                (model.pdf_visible_l(v, h, alpha.into()), model.pdf_visible_l(v, h, near)),
+                (pdf_visible_l(v, h, alpha.into()), pdf_visible_l(v, h, near)),
                 (model.pdf_vndf_l(v, h, alpha.into()), model.pdf_vndf_l(v, h, near)),
                 (pdf_d_l(model, v, h, alpha.into()), pdf_d_l(model, v, h, near)),
             ];
@@ -108,7 +109,7 @@ fn samplers_of_two_widths_follow_their_densities() {
         for v in directions() {
             // Undoes the Jacobian of the reflection.
             let by_h = |h: DVec3| 4.0 * v.dot(h).abs();
-            check("visible", &|h| model.pdf_visible_l(v, h, w) * by_h(h), &|xi| model.sample_visible(xi, v, w));
+            check("visible", &|h| pdf_visible_l(v, h, w) * by_h(h), &|xi| sample_visible(xi, v, w));
             check("vndf", &|h| model.pdf_vndf_l(v, h, w) * by_h(h), &|xi| model.sample_vndf(xi, v, w));
         }
     }

@@ -1,5 +1,6 @@
 //! Irradiance from spherical harmonics by the diffuse methods, and light returned by compensation.
 
+use crate::brdf_twins::reflectance;
 use glam::{DQuat, DVec2, DVec3};
 use splitsum::brdf::{Compensation, MODELS, MaskingShadowing};
 use splitsum::math::sampling::{direction_from_polar, hammersley};
@@ -59,7 +60,7 @@ fn compensation_returns_the_lost_light() {
                 let exact = dfg(*model, MaskingShadowing::SmithExact, n_dot_v, alpha);
                 let pair = DVec2::new(exact.f0_scale, exact.f90_scale);
                 for &compensation in Compensation::all() {
-                    let all = |f0: f64| compensation.reflectance(DVec3::splat(f0), pair, mean).x;
+                    let all = |f0: f64| reflectance(compensation, DVec3::splat(f0), pair, mean).x;
                     let single = |f0: f64| f0 * pair.x + pair.y;
                     let case = format!("{} {compensation:?} {alpha} {n_dot_v}", model.name());
                     match compensation {

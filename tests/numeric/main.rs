@@ -2,6 +2,8 @@
 mod anisotropy;
 mod bakes;
 mod brdf;
+#[path = "../shared/brdf_twins.rs"]
+mod brdf_twins;
 mod chi_square;
 mod color;
 mod cost;
