@@ -1,7 +1,5 @@
 //! Importance sampling of an equirectangular map in proportion to the luminance of its *bilinear* interpolation.
 //!
-//! Long because the derivation is beside the code that it explains.
-//!
 //! # Derivation
 //!
 //! Texel centres divide the sphere into W columns (the last one crosses the seam) and H + 1 bands of constant width in
@@ -27,7 +25,7 @@
 //! # Guiding
 //!
 //! Most light is outside the lobe of one pixel. So the map is divided into [`CELL_COLUMNS`] x [`CELL_ROWS`] cells,
-//! rectangles of texels. A [`Guide`] gives each cell a weight g, such as the density of a lobe at the mean direction of
+//! rectangles of texels. A guide gives each cell a weight g, such as the density of a lobe at the mean direction of
 //! the cell's light. A cell with the share M of all light is chosen with probability `P = M g / Σ M g`, and the
 //! position inside it by p / M:
 //!
@@ -59,7 +57,7 @@
 //! guide's sums in f32, 2^-24 of all light.
 
 use crate::color;
-use crate::glsl::constants::{CELL_COLUMNS, CELL_ROWS, ENVIRONMENT_SIN_THETA_MIN};
+use crate::glsl::constants::{CELL_COLUMNS, CELL_ROWS};
 use crate::math::equirect;
 use crate::pixels::{Pixels, RgbImage};
 use glam::{DVec2, DVec3};
@@ -68,53 +66,38 @@ use std::iter;
 use std::ops::Range;
 
 /// The end of the last interval of a fixed-point distribution.
-const FIXED_ONE: u32 = u32::MAX;
+pub const FIXED_ONE: u32 = u32::MAX;
 
-const CELL_COUNT: u32 = CELL_COLUMNS * CELL_ROWS;
+pub const CELL_COUNT: u32 = CELL_COLUMNS * CELL_ROWS;
 
-/// Largest side of a map.
 pub const SIDE_MAX: u32 = 1 << 16;
 
 /// Threshold of the weights, relative to the map's mean luminance over the sphere.
 pub const COMPENSATION: f64 = 0.5;
 
-/// The sampling tables of a map, and the f64 twin of the device's sampling.
+/// The sampling tables of a map. The f64 twin of the device's sampling is `tests/shared/environment_sampling.rs`.
 #[derive(Clone, Debug)]
 pub struct EnvironmentDistribution {
     /// Luminance above the threshold, by texel.
-    weights: Pixels<f32>,
+    pub weights: Pixels<f32>,
     /// w_b of each band; all 0 if no texel is above the threshold.
-    band_weights: Vec<f64>,
+    pub band_weights: Vec<f64>,
     /// Columns and bands of a cell.
-    cell_size: [u32; 2],
-    slots: Vec<Slot>,
-    words: Vec<u32>,
-    /// The guide with weight 1 everywhere.
-    even: Guide,
+    pub cell_size: [u32; 2],
+    /// At least one.
+    pub slots: Vec<Slot>,
+    /// The buffer that `shaders/lib/environment_sampling.glsl` reads.
+    pub words: Vec<u32>,
 }
 
 /// A cell with light.
 #[derive(Clone, Copy, Debug)]
-struct Slot {
-    cell: u32,
+pub struct Slot {
+    pub cell: u32,
     /// Mean direction of its light.
-    direction: DVec3,
+    pub direction: DVec3,
     /// Its share of all light.
-    mass: f64,
-}
-
-/// Weights of the cells; see the module's documentation.
-#[derive(Clone, Debug)]
-pub struct Guide {
-    /// g of each slot.
-    weights: Vec<f64>,
-    /// Sum of mass times weight up to and including each slot.
-    ends: Vec<f64>,
-}
-
-/// Weights of four neighbouring texel centres at (s, t) = (0, 0), (1, 0), (0, 1), (1, 1).
-struct Quad {
-    corners: [f64; 4],
+    pub mass: f64,
 }
 
 /// Returns the weight of a texel of `image` by its radiance: `max(luminance - threshold, 0)`, the threshold
@@ -195,23 +178,7 @@ impl EnvironmentDistribution {
         words.extend((0..CELL_COUNT as usize).map(|slot| slots.get(slot).map_or(0, |slot| slot.cell)));
         words.extend(slot_of_cell);
         words.extend(blocks);
-        let even = Guide::new(&slots, |_| 1.0);
-        Self { weights, band_weights, cell_size, slots, words, even }
-    }
-
-    /// Returns the buffer that `shaders/lib/environment_sampling.glsl` reads.
-    pub fn words(&self) -> &[u32] {
-        &self.words
-    }
-
-    /// Whether no texel is above the threshold. Sampling then returns directions of density 0, which must not be used.
-    pub fn is_empty(&self) -> bool {
-        self.band_weights[0] == 0.0
-    }
-
-    /// Counts the cells with light, at least one.
-    pub fn slot_count(&self) -> u32 {
-        self.slots.len() as u32
+        Self { weights, band_weights, cell_size, slots, words }
     }
 
     /// Returns direction and mass of each slot, padded to the uniform block of `shaders/shade/reference.comp`.
@@ -220,116 +187,6 @@ impl EnvironmentDistribution {
         let mut texels: Vec<[f32; 4]> = self.slots.iter().map(texel).collect();
         texels.resize(CELL_COUNT as usize, [0.0; 4]);
         texels
-    }
-
-    /// Makes the guide with the weight (> 0) of each direction.
-    pub fn guide(&self, weight: impl Fn(DVec3) -> f64) -> Guide {
-        Guide::new(&self.slots, weight)
-    }
-
-    /// Returns the density (1/sr) with which [`Self::sample`] returns the unit direction `d` (environment's frame).
-    pub fn pdf(&self, d: DVec3) -> f64 {
-        self.guided_pdf(&self.even, d)
-    }
-
-    /// As [`Self::pdf`], for [`Self::guided_sample`].
-    pub fn guided_pdf(&self, guide: &Guide, d: DVec3) -> f64 {
-        let (width, height) = (self.weights.width, self.weights.height);
-        let uv = equirect::uv_from_direction(d);
-        let texel = uv * DVec2::new(f64::from(width), f64::from(height)) - 0.5;
-        let corner = texel.floor();
-        let column = (corner.x as i64).rem_euclid(i64::from(width)) as u32;
-        let band = (corner.y as i64 + 1).clamp(0, i64::from(height)) as u32;
-        let [cell_width, cell_height] = self.cell_size;
-        let cell = band / cell_height * CELL_COLUMNS + column / cell_width;
-        let slot = self.words[self.band_weights.len() + (CELL_COUNT + cell) as usize] as usize;
-        let band = band as usize;
-        self.density(self.quad(band, column).weight(texel - corner), band, d) * guide.factor(slot)
-    }
-
-    /// Returns a unit direction from `xi` in [0, 1)² and its density (1/sr): y selects cell and band, x the column.
-    pub fn sample(&self, xi: DVec2) -> (DVec3, f64) {
-        self.guided_sample(&self.even, xi)
-    }
-
-    /// As [`Self::sample`], with a guide.
-    pub fn guided_sample(&self, guide: &Guide, xi: DVec2) -> (DVec3, f64) {
-        let (width, height) = (self.weights.width, self.weights.height);
-        let (slot, fraction) = guide.invert(xi.y);
-        let [cell_width, cell_height] = self.cell_size.map(|side| side as usize);
-        let block_len = (cell_height + 1) + cell_height * (cell_width + 1);
-        let blocks = &self.words[self.band_weights.len() + 2 * CELL_COUNT as usize..];
-        let (bands, columns) = blocks[slot * block_len..][..block_len].split_at(cell_height + 1);
-        let (row, down) = invert(bands, fraction);
-        let (column, right) = invert(&columns[row * (cell_width + 1)..][..=cell_width], xi.x);
-        let cell = self.slots[slot].cell as usize;
-        let band = cell / CELL_COLUMNS as usize * cell_height + row;
-        let column = cell % CELL_COLUMNS as usize * cell_width + column;
-
-        let quad = self.quad(band, column as u32);
-        let inner = quad.invert(DVec2::new(right, down));
-        let [top, bottom] = band_limits(band, height);
-        let u = (column as f64 + 0.5 + inner.x) / f64::from(width);
-        let v = top + (bottom - top) * inner.y;
-        let d = equirect::direction_from_uv(DVec2::new(u, v));
-        (d, self.density(quad.weight(inner), band, d) * guide.factor(slot))
-    }
-
-    fn density(&self, weight: f64, band: usize, d: DVec3) -> f64 {
-        weight * self.band_weights[band] / d.x.hypot(d.z).max(f64::from(ENVIRONMENT_SIN_THETA_MIN))
-    }
-
-    fn quad(&self, band: usize, column: u32) -> Quad {
-        let [above, below] = rows_of_band(band, self.weights.height);
-        let right = (column + 1) % self.weights.width;
-        let at = |x, y| f64::from(self.weights.get(x, y));
-        Quad { corners: [at(column, above), at(right, above), at(column, below), at(right, below)] }
-    }
-}
-
-impl Guide {
-    fn new(slots: &[Slot], weight: impl Fn(DVec3) -> f64) -> Self {
-        let weights: Vec<f64> = slots.iter().map(|slot| weight(slot.direction)).collect();
-        let mut sum = 0.0;
-        let mut end = |(slot, weight): (&Slot, &f64)| {
-            sum += slot.mass * weight;
-            sum
-        };
-        Self { ends: slots.iter().zip(&weights).map(&mut end).collect(), weights }
-    }
-
-    fn sum(&self) -> f64 {
-        *self.ends.last().expect("a distribution has at least one slot")
-    }
-
-    /// Returns the ratio of guided to plain density in a slot's cell.
-    fn factor(&self, slot: usize) -> f64 {
-        if self.sum() > 0.0 { self.weights[slot] / self.sum() } else { 0.0 }
-    }
-
-    /// Returns the slot of `xi` in [0, 1), and the position inside it, in [0, 1].
-    fn invert(&self, xi: f64) -> (usize, f64) {
-        let place = xi * self.sum();
-        let slot = self.ends.partition_point(|end| *end <= place).min(self.ends.len() - 1);
-        let start = if slot > 0 { self.ends[slot - 1] } else { 0.0 };
-        let size = self.ends[slot] - start;
-        (slot, if size > 0.0 { ((place - start) / size).clamp(0.0, 1.0) } else { 0.0 })
-    }
-}
-
-impl Quad {
-    fn weight(&self, place: DVec2) -> f64 {
-        let [y00, y10, y01, y11] = self.corners;
-        let lerp = |a: f64, b: f64, x: f64| a * (1.0 - x) + b * x;
-        lerp(lerp(y00, y10, place.x), lerp(y01, y11, place.x), place.y)
-    }
-
-    /// Samples a position with density proportional to the weight, from uniform `xi`.
-    fn invert(&self, xi: DVec2) -> DVec2 {
-        let [y00, y10, y01, y11] = self.corners;
-        let t = invert_linear(y00 + y10, y01 + y11, xi.y);
-        let s = invert_linear(y00 * (1.0 - t) + y01 * t, y10 * (1.0 - t) + y11 * t, xi.x);
-        DVec2::new(s, t)
     }
 }
 
@@ -344,13 +201,13 @@ fn mean_luminance(image: &RgbImage) -> f64 {
 }
 
 /// Returns the texel rows whose centres bound a band.
-fn rows_of_band(band: usize, height: u32) -> [u32; 2] {
+pub fn rows_of_band(band: usize, height: u32) -> [u32; 2] {
     let band = band as u32;
     [band.saturating_sub(1), band.min(height - 1)]
 }
 
 /// Returns v at the upper and the lower edge of a band.
-fn band_limits(band: usize, height: u32) -> [f64; 2] {
+pub fn band_limits(band: usize, height: u32) -> [f64; 2] {
     let (band, height) = (band as f64, f64::from(height));
     [(band - 0.5).max(0.0) / height, (band + 0.5).min(height) / height]
 }
@@ -378,25 +235,4 @@ fn write_distribution(masses: &[f64], count: u32, words: &mut Vec<u32>) {
         below += mass;
     }
     words.extend(iter::repeat_n(FIXED_ONE, count as usize + 1 - masses.len()));
-}
-
-/// Returns the interval of a distribution that holds `xi` in [0, 1], and the position inside it, in [0, 1].
-fn invert(starts: &[u32], xi: f64) -> (usize, f64) {
-    let position = xi * f64::from(FIXED_ONE);
-    // The end of the last interval belongs to none.
-    let fixed = (position as u32).min(FIXED_ONE - 1);
-    let interval = starts.partition_point(|start| *start <= fixed) - 1;
-    let (start, end) = (f64::from(starts[interval]), f64::from(starts[interval + 1]));
-    (interval, ((position - start) / (end - start)).clamp(0.0, 1.0))
-}
-
-/// Inverts the distribution of x in [0, 1] whose density is linear from `p0` at 0 to `p1` at 1 (each ≥ 0, any scale).
-fn invert_linear(p0: f64, p1: f64, xi: f64) -> f64 {
-    let total = p0 + p1;
-    // No light at either end: any position will do. 0 maps to 0, even if the root would be 0/0.
-    if total <= 0.0 || xi <= 0.0 {
-        return xi;
-    }
-    let (q0, q1) = (p0 / total, p1 / total);
-    xi / (q0 + (q0 * q0 * (1.0 - xi) + q1 * q1 * xi).sqrt())
 }

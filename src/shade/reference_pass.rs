@@ -161,9 +161,9 @@ pub struct DistributionBuffers {
 impl DistributionBuffers {
     pub fn new(gpu: &Gpu, distribution: &EnvironmentDistribution) -> Result<Self, GpuError> {
         Ok(Self {
-            words: gpu.buffer_from("environment distribution", distribution.words())?,
+            words: gpu.buffer_from("environment distribution", &distribution.words)?,
             slots: gpu.uniform_from("slots of the environment distribution", &distribution.slot_texels())?,
-            slot_count: distribution.slot_count(),
+            slot_count: distribution.slots.len() as u32,
         })
     }
 }

@@ -9,6 +9,8 @@ mod brdf_twins;
 mod coat;
 mod compare;
 mod determinism;
+#[path = "../shared/environment_sampling.rs"]
+mod environment_sampling;
 mod furnace;
 mod gbuffer;
 #[path = "../shared/gbuffer.rs"]

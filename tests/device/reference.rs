@@ -1,10 +1,11 @@
 //! The points and the environment sampling of the reference against published and f64 twins.
 
+use crate::environment_sampling::Sampling;
 use crate::harness::{Probe, lobe_sphere, request, vec4, with_gpu, with_pipeline, with_submissions, xyz};
 use glam::{DVec2, DVec3};
 use sobol_burley::parts::{owen_scramble_rev, sobol_rev};
 use splitsum::environment::Environment;
-use splitsum::environment::distribution::{EnvironmentDistribution, weighted_texels};
+use splitsum::environment::distribution::weighted_texels;
 use splitsum::gpu::{Bind, Format, Sampler};
 use splitsum::math::equirect::direction_from_uv;
 use splitsum::math::sampling::hammersley;
@@ -72,11 +73,11 @@ fn environment_sampling_matches_its_twin() {
         let paths = [false, gpu.info().has_exact_filter];
         for ((width, height), exact_filter) in sizes.into_iter().flat_map(|size| paths.map(|path| (size, path))) {
             let environment = Environment::from_image("test", map(width, height));
-            let distribution = EnvironmentDistribution::new(&environment.image);
+            let distribution = Sampling::new(&environment.image);
             let image = gpu.image("environment", [width, height], 1, Format::Rgba32Float).unwrap();
             gpu.write_image(&image, 0, &weighted_texels(&environment.image)).unwrap();
-            let words = gpu.buffer_from("words", distribution.words()).unwrap();
-            let slots = gpu.uniform_from("slots", &distribution.slot_texels()).unwrap();
+            let words = gpu.buffer_from("words", &distribution.tables.words).unwrap();
+            let slots = gpu.uniform_from("slots", &distribution.tables.slot_texels()).unwrap();
             // As shaders/probe/environment_sampling.comp.
             let guide = distribution.guide(|d| 0.1 + d.x.max(0.0));
             let probe = Probe {
@@ -91,7 +92,7 @@ fn environment_sampling_matches_its_twin() {
                 ],
                 constants: &[0, u32::from(exact_filter)],
             };
-            let slot_count = f64::from(distribution.slot_count());
+            let slot_count = f64::from(distribution.tables.slots.len() as u32);
             let count = 1024;
             let directions: Vec<DVec3> = (0..count)
                 .map(|i| direction_from_uv(hammersley(i, count) + DVec2::new(0.0, 0.5 / f64::from(count))))

@@ -11,6 +11,8 @@ mod design;
 mod diffuse;
 mod disk_cache;
 mod environment;
+#[path = "../shared/environment_sampling.rs"]
+mod environment_sampling;
 mod experiment;
 #[path = "../shared/gbuffer.rs"]
 mod gbuffer_twin;
