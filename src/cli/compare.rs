@@ -49,7 +49,7 @@ fn number(axis: usize, text: &str) -> Result<f64, String> {
     AXES[axis].kind.parse_text(text).map(|value| value.number())
 }
 
-/// Most pixels of a comparison (3840 x 2160): FLIP and SSIM need 180 bytes per pixel.
+/// Most pixels of a comparison (3840 x 2160): FLIP needs up to 180 bytes per pixel.
 const COMPARED_PIXELS_MAX: u64 = 1 << 23;
 
 pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
@@ -77,7 +77,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     log(&format!("relative metrics: mean luminance {}, epsilon {:e}", epsilon.mean(), epsilon.beside_square()));
     let scores = comparison.evaluate_all();
     if arguments.json {
-        // JSON has no infinity, so PSNR of equal images is the text "inf".
+        // JSON has no infinity: the bias of a black reference is the text "inf".
         let value = |x: f64| if x.is_finite() { json!(x) } else { json!(x.to_string()) };
         let scores: serde_json::Map<String, Value> =
             scores.iter().map(|(name, x)| ((*name).to_owned(), value(*x))).collect();

@@ -1,9 +1,7 @@
 //! A test image, its reference and a mask, checked once, with shared intermediate results.
 
-use super::filter::Plane;
 use super::flip::{map as flip, view::View as FlipView};
 use super::mean::rgb_mean;
-use super::ssim::map as ssim;
 use super::{Epsilon, METRICS, Metric};
 use crate::pixels::{GrayImage, Pixels, Rgb8Image, RgbImage};
 use crate::tonemap::ToneCurve;
@@ -28,32 +26,23 @@ pub enum MetricsError {
     BinEdges { edges: Vec<f64> },
 }
 
-/// An image after the tone curve, black off the mask so that the background does not affect windows of SSIM and FLIP.
+/// An image after the tone curve, black off the mask so that the background does not affect windows of FLIP.
 #[derive(Debug)]
 pub struct Displayed {
     image: Rgb8Image,
-    ssim: OnceLock<ssim::View>,
     flip: OnceLock<FlipView>,
 }
 
 impl Displayed {
-    /// Upper bound of its memory, bytes per pixel: image, three f64 of SSIM, five f32 of FLIP.
-    pub const BYTES_PER_PIXEL: usize = 3 + 3 * 8 + 5 * 4;
+    /// Upper bound of its memory, bytes per pixel: image, five f32 of FLIP.
+    pub const BYTES_PER_PIXEL: usize = 3 + 5 * 4;
 
     fn new(image: &RgbImage, pixels: &[usize], curve: ToneCurve) -> Self {
         let mut display = Rgb8Image::filled(image.width, image.height, [0; 3]);
         for &pixel in pixels {
             display.data[pixel] = curve.apply_rgb8(image.data[pixel]);
         }
-        Self { image: display, ssim: OnceLock::new(), flip: OnceLock::new() }
-    }
-
-    pub(super) fn image(&self) -> &Rgb8Image {
-        &self.image
-    }
-
-    fn ssim(&self) -> &ssim::View {
-        self.ssim.get_or_init(|| ssim::View::new(&self.image))
+        Self { image: display, flip: OnceLock::new() }
     }
 
     fn flip(&self) -> &FlipView {
@@ -71,7 +60,6 @@ pub struct Comparison<'a> {
     relative_squares: OnceLock<Vec<f64>>,
     test_display: OnceLock<Displayed>,
     reference_display: OnceLock<Arc<Displayed>>,
-    ssim: OnceLock<Plane<f64>>,
     flip: OnceLock<GrayImage>,
 }
 
@@ -99,7 +87,6 @@ impl<'a> Comparison<'a> {
             relative_squares: OnceLock::new(),
             test_display: OnceLock::new(),
             reference_display: OnceLock::new(),
-            ssim: OnceLock::new(),
             flip: OnceLock::new(),
         })
     }
@@ -198,13 +185,6 @@ impl<'a> Comparison<'a> {
             self.test_display.get_or_init(|| Displayed::new(self.test, &self.pixels, self.curve)),
             self.reference_display(),
         ]
-    }
-
-    pub(super) fn ssim(&self) -> &Plane<f64> {
-        self.ssim.get_or_init(|| {
-            let [test, reference] = self.display().map(Displayed::ssim);
-            ssim::ssim_map(test, reference)
-        })
     }
 
     pub(super) fn flip(&self) -> &GrayImage {

@@ -1,39 +1,27 @@
-//! Separable filters of an image plane.
-
-use std::ops::{AddAssign, Mul};
+//! Separable filters of an image plane, continued by its outermost pixels.
 
 /// One number per pixel, row-major.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Plane<T> {
+pub(super) struct Plane {
     pub width: usize,
-    pub data: Vec<T>,
+    pub data: Vec<f32>,
 }
 
-/// Values beyond the image.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Border {
-    Nearest,
-    /// Skips taps without renormalising.
-    Nothing,
-}
-
-impl<T: Copy + Default + Mul<Output = T> + AddAssign> Plane<T> {
+impl Plane {
     /// Computes each pixel from its index.
-    pub fn from_fn(width: usize, len: usize, value: impl FnMut(usize) -> T) -> Self {
+    pub fn from_fn(width: usize, len: usize, value: impl FnMut(usize) -> f32) -> Self {
         Self { width, data: (0..len).map(value).collect() }
     }
 
     /// `out(x, y) = Σ taps[i] · self(x + i - r, y)`, with `2 r + 1` taps.
-    pub fn filter_rows(&self, taps: &[T], border: Border) -> Self {
+    pub fn filter_rows(&self, taps: &[f32]) -> Self {
         let radius = taps.len() / 2;
-        let mut out = vec![T::default(); self.data.len()];
-        let mut padded = vec![T::default(); self.width + 2 * radius];
+        let mut out = vec![0.0; self.data.len()];
+        let mut padded = vec![0.0; self.width + 2 * radius];
         for (row, sums) in self.data.chunks_exact(self.width).zip(out.chunks_exact_mut(self.width)) {
             padded[radius..radius + self.width].copy_from_slice(row);
-            if border == Border::Nearest {
-                padded[..radius].fill(row[0]);
-                padded[radius + self.width..].fill(row[self.width - 1]);
-            }
+            padded[..radius].fill(row[0]);
+            padded[radius + self.width..].fill(row[self.width - 1]);
             for (i, &tap) in taps.iter().enumerate() {
                 add_scaled(sums, &padded[i..], tap);
             }
@@ -42,17 +30,13 @@ impl<T: Copy + Default + Mul<Output = T> + AddAssign> Plane<T> {
     }
 
     /// `out(x, y) = Σ taps[i] · self(x, y + i - r)`, with `2 r + 1` taps.
-    pub fn filter_columns(&self, taps: &[T], border: Border) -> Self {
+    pub fn filter_columns(&self, taps: &[f32]) -> Self {
         let radius = taps.len() / 2;
-        let mut out = vec![T::default(); self.data.len()];
+        let mut out = vec![0.0; self.data.len()];
         let height = self.data.len() / self.width;
         for (y, sums) in out.chunks_exact_mut(self.width).enumerate() {
             for (i, &tap) in taps.iter().enumerate() {
-                let row = match border {
-                    Border::Nearest => (y + i).saturating_sub(radius).min(height - 1),
-                    Border::Nothing if y + i < radius || y + i >= radius + height => continue,
-                    Border::Nothing => y + i - radius,
-                };
+                let row = (y + i).saturating_sub(radius).min(height - 1);
                 add_scaled(sums, &self.data[row * self.width..], tap);
             }
         }
@@ -61,6 +45,6 @@ impl<T: Copy + Default + Mul<Output = T> + AddAssign> Plane<T> {
 }
 
 /// Adds `tap · values` as far as `sums` reaches.
-fn add_scaled<T: Copy + Mul<Output = T> + AddAssign>(sums: &mut [T], values: &[T], tap: T) {
+fn add_scaled(sums: &mut [f32], values: &[f32], tap: f32) {
     sums.iter_mut().zip(values).for_each(|(sum, &value)| *sum += tap * value);
 }

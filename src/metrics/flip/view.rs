@@ -2,7 +2,7 @@
 
 use super::PIXELS_PER_DEGREE;
 use crate::color::{Chromaticities, REC709, srgb_decode};
-use crate::metrics::filter::{Border, Plane};
+use crate::metrics::filter::Plane;
 use crate::pixels::Rgb8Image;
 use glam::{DMat3, DVec2, Mat3, Vec3};
 use std::f64::consts::PI;
@@ -22,9 +22,9 @@ const FEATURE_WIDTH: f64 = 0.082;
 pub(in crate::metrics) struct View {
     height: usize,
     /// Hunt-adjusted L*a*b* after filtering.
-    lab: [Plane<f32>; 3],
+    lab: [Plane; 3],
     /// Magnitudes of the first and second derivatives of luminance.
-    features: [Plane<f32>; 2],
+    features: [Plane; 2],
 }
 
 impl View {
@@ -32,10 +32,10 @@ impl View {
     pub fn new(image: &Rgb8Image) -> Self {
         let (width, len) = (image.width as usize, image.data.len());
         let opponent: Vec<Vec3> = image.data.iter().map(|&rgb| opponent(to_xyz(linear(rgb)))).collect();
-        let channels: [Plane<f32>; 3] = std::array::from_fn(|c| Plane::from_fn(width, len, |pixel| opponent[pixel][c]));
+        let channels: [Plane; 3] = std::array::from_fn(|c| Plane::from_fn(width, len, |pixel| opponent[pixel][c]));
         drop(opponent);
         let features = features(&channels[0]);
-        let mut lab: [Plane<f32>; 3] = std::array::from_fn(|c| seen(&channels[c], &SENSITIVITY_TAPS[c]));
+        let mut lab: [Plane; 3] = std::array::from_fn(|c| seen(&channels[c], &SENSITIVITY_TAPS[c]));
         drop(channels);
         for pixel in 0..len {
             let color = hunt_lab(Vec3::from_array(lab.each_ref().map(|plane| plane.data[pixel])));
@@ -123,8 +123,8 @@ static SENSITIVITY_TAPS: LazyLock<[Vec<Taps>; 3]> = LazyLock::new(|| {
 });
 
 /// Filters a channel by its contrast sensitivity.
-fn seen(channel: &Plane<f32>, gaussians: &[Taps]) -> Plane<f32> {
-    let blurred = |taps: &Taps| channel.filter_rows(taps, Border::Nearest).filter_columns(taps, Border::Nearest);
+fn seen(channel: &Plane, gaussians: &[Taps]) -> Plane {
+    let blurred = |taps: &Taps| channel.filter_rows(taps).filter_columns(taps);
     let mut sum = blurred(&gaussians[0]);
     for taps in &gaussians[1..] {
         sum.data.iter_mut().zip(blurred(taps).data).for_each(|(sum, value)| *sum += value);
@@ -151,12 +151,12 @@ static FEATURE_TAPS: LazyLock<[Taps; 3]> = LazyLock::new(|| {
 });
 
 /// Returns the lengths of first and second derivatives of luminance on [0, 1].
-fn features(luminance: &Plane<f32>) -> [Plane<f32>; 2] {
+fn features(luminance: &Plane) -> [Plane; 2] {
     let [smooth, first, second] = &*FEATURE_TAPS;
-    let across = luminance.filter_rows(smooth, Border::Nearest);
+    let across = luminance.filter_rows(smooth);
     [first, second].map(|derivative| {
-        let mut along_x = luminance.filter_rows(derivative, Border::Nearest).filter_columns(smooth, Border::Nearest);
-        let along_y = across.filter_columns(derivative, Border::Nearest);
+        let mut along_x = luminance.filter_rows(derivative).filter_columns(smooth);
+        let along_y = across.filter_columns(derivative);
         // 116 spans black to white; the offset cancels.
         along_x.data.iter_mut().zip(along_y.data).for_each(|(x, y)| *x = x.hypot(y) / 116.0);
         along_x

@@ -88,17 +88,6 @@ fn an_effect_is_the_ratio_to_the_first_value_of_its_axis() {
 }
 
 #[test]
-fn higher_scores_are_lower_errors() {
-    let run = finished("method = [\"sampled\", \"split-sum\"]\nsamples = [1, 4, 16]\n", |point| {
-        // In dB: sampling passes the split sum between 4 and 16 samples.
-        Some(Made::error(samples(point).map_or(35.0, |n| 20.0 + 10.0 * n.log2() / 2.0)))
-    });
-    let frame = splitsum::study::frame::Frame::new(&run, Some("psnr"));
-    let found = (splitsum::study::questions::question("break-even").unwrap().answer)(&frame).unwrap();
-    assert_eq!(numbers(&found.table, "break_even"), [16.0]);
-}
-
-#[test]
 fn ratios_on_both_sides_of_one_are_listed_along_their_axis() {
     let axes = "environment = [\"builtin:sky\", \"builtin:studio\"]\nmethod = [\"sampled\"]\nlod_bias = [0, 1]\n";
     let ratios = [(0.05, 4.0), (0.1, 2.0), (0.25, 0.5), (0.5, 0.25)];

@@ -92,11 +92,7 @@ pub fn scaled(run: &mut Finished, factor: impl Fn(&Point) -> f64) {
     for cell in &mut run.cells {
         let factor = factor(&cell.point);
         let by = |values: &MetricValues| {
-            assert!(
-                names().all(|name| values
-                    .get(name)
-                    .is_none_or(|value| value >= 0.0 || name == "bias_rel" || name == "ssim"))
-            );
+            assert!(names().all(|name| values.get(name).is_none_or(|value| value >= 0.0 || name == "bias_rel")));
             MetricValues::of(|name| values.get(name).map(|value| if name == "flip" { value } else { value * factor }))
         };
         cell.scores = cell.scores.as_ref().map(by);
