@@ -207,6 +207,7 @@ else
 fi
 
 check_in_ci scripts/check-clients.sh
+check_in_ci scripts/check-package.sh
 check_in_ci scripts/check-shaders.sh
 check_in_ci scripts/cluster-test.sh local
 # The parts that a driver can change; without arguments it runs all.
