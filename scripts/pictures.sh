@@ -1,13 +1,14 @@
 #!/bin/sh
 # Renders the pictures of the documents, with labels. Needs ImageMagick.
 #
-#     sh scripts/pictures.sh [PROGRAM]     # default: target/release/splitsum
+#     sh scripts/pictures.sh [PROGRAM [FOLDER]]     # default: target/release/splitsum docs
 #
 # docs/effect.png: one metal ball by three methods.
 # docs/front.png: metal spheres by split sums and by sampling, with the FLIP of each against the reference.
 set -eu
 cd "$(dirname "$0")/.."
 program=${1:-target/release/splitsum}
+out=${2:-docs}
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
 
@@ -34,7 +35,7 @@ ball() { # METHOD LABEL OPTION...
 ball split-sum "Split sum (textbook)"
 ball split-sum-two "Better split sum, two lookups"
 ball reference "Reference" --samples 4096
-convert "$folder/split-sum.png" "$folder/split-sum-two.png" "$folder/reference.png" +append -strip -depth 8 docs/effect.png
+convert "$folder/split-sum.png" "$folder/split-sum-two.png" "$folder/reference.png" +append -strip -depth 8 "$out/effect.png"
 
 sphere() { # NAME METHOD TEXT OPTION...: at $alpha
     name=$1 method=$2 text=$3
@@ -60,4 +61,4 @@ alpha $alpha" --samples 4096
     convert "$folder/0.png" "$folder/1.png" "$folder/2.png" "$folder/3.png" "$folder/4.png" "$folder/5.png" "$folder/6.png" \
         "$folder/7.png" +append "$folder/row$alpha.png"
 done
-convert "$folder"/row*.png -append -strip -depth 8 docs/front.png
+convert "$folder"/row*.png -append -strip -depth 8 "$out/front.png"
