@@ -14,6 +14,7 @@ mod integrate;
 #[cfg(not(feature = "view"))]
 mod later;
 mod list;
+mod manual;
 mod merge;
 mod plan;
 mod progress;
@@ -71,6 +72,7 @@ enum Command {
     Integrate(integrate::Arguments),
     Report(report::Arguments),
     Answers(answers::Arguments),
+    Manual(manual::Arguments),
     #[cfg(feature = "view")]
     View(Box<view::Arguments>),
     /// Open a window (needs a build with `--features view`).
@@ -165,6 +167,7 @@ pub fn main() -> ExitCode {
         Command::Integrate(arguments) => integrate::execute(&arguments),
         Command::Report(arguments) => report::execute(&arguments),
         Command::Answers(arguments) => answers::execute(&arguments),
+        Command::Manual(arguments) => manual::execute(&arguments, Cli::command().disable_help_subcommand(true)),
         #[cfg(feature = "view")]
         Command::View(arguments) => view::execute(&arguments),
         #[cfg(not(feature = "view"))]
