@@ -5,8 +5,8 @@ import { byId } from "report/dom";
 /**
  * @typedef {{ name: string, role: "fixed" | "scene" | "variant" | "display", values: string[], labels: string[],
  *   words: string[] }} Axis  An axis; labels and words are short texts of the values, words say what they are.
- * @typedef {{ label: string, name: string, link: string, failures: { cell: string, reason: string }[],
- *   sheets: [string, string][] }} Run
+ * @typedef {{ label: string, name: string, link: string | null,
+ *   failures: { cell: string, reason: string }[], sheets: [string, string][] }} Run
  * @typedef {{ run: number, file: string, reference: number, size: [number, number], payload: number | null,
  *   mask: number | null, clamped_count: number, light_mean: number }} Image
  * @typedef {{ run: number, name: string, columns: string[], rows: (string | number | null)[][] }} Answer
@@ -200,10 +200,11 @@ export function mask(reference) {
   return masks.get(image.mask);
 }
 
-/** Path of the complete EXR of an image. */
+/** Path of the complete EXR of an image; null in a page without the folder of its run. */
 export const exrLink = (index) => {
   const image = model.images[index];
-  return `${model.runs[image.run].link}/images/${encodeURIComponent(image.file)}`;
+  const { link } = model.runs[image.run];
+  return link && `${link}/images/${encodeURIComponent(image.file)}`;
 };
 
 const EPSILON_SHARE = 1e-2;

@@ -71,8 +71,11 @@ function thumbnail(row, mode, settings, isReference = false) {
 }
 
 /** Links to the linear EXR files, if the page has no pixels. */
-const exrList = () =>
-  h("ul", {}, model.images.map(({ file }, index) => h("li", {}, h("a", { href: exrLink(index) }, file)))); // prettier-ignore
+function exrList() {
+  const file = (name, link) => h("li", {}, link ? h("a", { href: link }, name) : name);
+  const files = model.images.map((image, index) => file(image.file, exrLink(index)));
+  return h("ul", {}, files);
+}
 
 /** Notes about the images: whose numbers they bear, omitted ones, links to the contact sheets. */
 function notesOf(hasPictures) {

@@ -127,6 +127,6 @@ export function showTables(view, state) {
     count,
     scrollBox("data-table", "Cells", h("table", {}, h("thead", {}, head), body)),
     more,
-    h("p", { class: "note" }, "All columns: ", links),
+    ...(model.runs[0].link ? [h("p", { class: "note" }, "All columns: ", links)] : []),
   );
 }

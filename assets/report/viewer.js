@@ -87,8 +87,8 @@ class Viewer {
     this.canvas.setAttribute("aria-label", `${sceneLabel(row)}: ${variantLabel(row)}. ${why}`);
     this.canvas.dataset.shown = row.cell;
     this.parts.mark.hidden = true;
-    const link = row.image === null ? "" : h("a", { href: exrLink(row.image) }, "Its linear EXR");
-    this.parts.caption.replaceChildren(why, " ", link);
+    const exr = row.image === null ? null : exrLink(row.image);
+    this.parts.caption.replaceChildren(why, " ", exr ? h("a", { href: exr }, "Its linear EXR") : "");
   }
 
   keepState() {
@@ -320,8 +320,9 @@ class Viewer {
       button.setAttribute("aria-pressed", String(isShown));
     }
     const image = model.images[row.image];
-    parts.exr.hidden = !image;
-    if (image) parts.exr.href = exrLink(row.image);
+    const exr = image ? exrLink(row.image) : null;
+    parts.exr.hidden = !exr;
+    if (exr) parts.exr.href = exr;
     const count = image?.clamped_count ?? 0;
     if (image) say(parts.caption, count > 0 ? `${count} channels above 65504 are stored as 65504` : "");
     announce(`${sceneLabel(row)}: ${variantLabel(row)}, ${headline} ${scoreText(row)}`);

@@ -10,6 +10,7 @@ mod compare;
 mod cost;
 mod devices;
 mod flags;
+mod gallery;
 mod integrate;
 #[cfg(not(feature = "view"))]
 mod later;
@@ -72,6 +73,7 @@ enum Command {
     Integrate(integrate::Arguments),
     Report(report::Arguments),
     Answers(answers::Arguments),
+    Gallery(gallery::Arguments),
     Manual(manual::Arguments),
     #[cfg(feature = "view")]
     View(Box<view::Arguments>),
@@ -167,6 +169,7 @@ pub fn main() -> ExitCode {
         Command::Integrate(arguments) => integrate::execute(&arguments),
         Command::Report(arguments) => report::execute(&arguments),
         Command::Answers(arguments) => answers::execute(&arguments),
+        Command::Gallery(arguments) => gallery::execute(&arguments),
         Command::Manual(arguments) => manual::execute(&arguments, Cli::command().disable_help_subcommand(true)),
         #[cfg(feature = "view")]
         Command::View(arguments) => view::execute(&arguments),

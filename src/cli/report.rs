@@ -54,7 +54,8 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         .iter()
         .map(|dir| answered(dir, arguments.metric.as_deref(), &arguments.weights))
         .collect::<Result<_, Failure>>()?;
-    let options = PageOptions { out, images, budget: BUDGET_BYTES, metric: arguments.metric.clone() };
+    let metric = arguments.metric.clone();
+    let options = PageOptions { out, is_alone: false, images, budget: BUDGET_BYTES, metric };
     progress::doing("writing the report");
     print(&line(&write(&options, &PageRun::of_runs(&runs))?))
 }

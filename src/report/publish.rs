@@ -1,5 +1,6 @@
 //! Publishes runs: copies their small files into a folder for git, with a page of all answers.
 
+use super::page::PageError;
 use super::record::{ANSWER_FILE, AnswerRecord, WriteError};
 use super::summary::{SHEETS_FOLDER, bold, sheet_link, sheet_title};
 use super::write::SUMMARY_FILE;
@@ -23,7 +24,7 @@ const BYTES_MAX: u64 = 1 << 20;
 const SHEET_BYTES_MAX: usize = 300_000;
 /// The user's remark on a published run, copied into the page.
 const REMARK_FILE: &str = "remark.md";
-const PAGE: &str = "README.md";
+pub const PAGE: &str = "README.md";
 
 #[derive(Debug, thiserror::Error)]
 pub enum PublishError {
@@ -33,6 +34,8 @@ pub enum PublishError {
     Run(#[from] FinishedError),
     #[error(transparent)]
     File(#[from] PixelsError),
+    #[error(transparent)]
+    Report(#[from] PageError),
     #[error("{}: {error}", path.display())]
     Io { path: PathBuf, error: std::io::Error },
     /// A wrong folder or a wrong block in a page.
@@ -42,19 +45,19 @@ pub enum PublishError {
 
 impl PublishError {
     pub fn is_misuse(&self) -> bool {
-        matches!(self, Self::Misuse(_) | Self::Run(_))
+        matches!(self, Self::Misuse(_) | Self::Run(_)) || matches!(self, Self::Report(fault) if fault.is_misuse())
     }
 }
 
-fn misuse<T>(path: &Path, what: &str) -> Result<T, PublishError> {
+pub(super) fn misuse<T>(path: &Path, what: &str) -> Result<T, PublishError> {
     Err(PublishError::Misuse(format!("{}: {what}", path.display())))
 }
 
-fn io(path: &Path) -> impl Fn(std::io::Error) -> PublishError + '_ {
+pub(super) fn io(path: &Path) -> impl Fn(std::io::Error) -> PublishError + '_ {
     move |error| PublishError::Io { path: path.to_owned(), error }
 }
 
-fn make_folder(path: &Path) -> Result<(), PublishError> {
+pub(super) fn make_folder(path: &Path) -> Result<(), PublishError> {
     std::fs::create_dir_all(path)
         .or_else(|error| misuse(path, &format!("cannot create the folder: {error}; choose another one")))
 }
@@ -170,8 +173,8 @@ fn write_provenance(dir: &Path, target: &Path) -> Result<(), PublishError> {
     Ok(write_atomically(&target.join(PROVENANCE_FILE), |writer| writer.write_all(text.as_bytes()))?)
 }
 
-/// Writes `README.md` with the answers of all published runs. Returns its path.
-pub fn write_page(into: &Path) -> Result<PathBuf, PublishError> {
+/// The published runs in a folder, with the names of their folders, sorted.
+pub(super) fn published(into: &Path) -> Result<Vec<(AnswerRecord, String)>, PublishError> {
     let mut folders: Vec<String> = std::fs::read_dir(into)
         .map_err(io(into))?
         .flatten()
@@ -179,8 +182,12 @@ pub fn write_page(into: &Path) -> Result<PathBuf, PublishError> {
         .map(|entry| entry.file_name().to_string_lossy().into_owned())
         .collect();
     folders.sort();
-    let runs = folders.into_iter().map(|folder| Ok((AnswerRecord::read(&into.join(&folder))?, folder)));
-    let runs: Vec<(AnswerRecord, String)> = runs.collect::<Result<_, PublishError>>()?;
+    folders.into_iter().map(|folder| Ok((AnswerRecord::read(&into.join(&folder))?, folder))).collect()
+}
+
+/// Writes `README.md` with the answers of all published runs. Returns its path.
+pub fn write_page(into: &Path) -> Result<PathBuf, PublishError> {
+    let runs = published(into)?;
     let mut table = MarkdownTable::new(&[("run", Align::Left), ("question", Align::Left), ("answer", Align::Left)]);
     for (run, folder) in &runs {
         let link = markdown::link(&run.name, &format!("{folder}/{SUMMARY_FILE}"));

@@ -157,10 +157,7 @@ impl Page {
 
     /// Opens a file with a hash and waits until it is interactive. Returns the milliseconds from navigation until then.
     pub fn go(&mut self, path: &Path, hash: &str) -> f64 {
-        self.call("Page.navigate", json!({ "url": "about:blank" }));
-        self.requests.clear();
-        self.call("Page.navigate", json!({ "url": format!("file://{}{hash}", path.display()) }));
-        self.wait("document.body?.dataset.ready !== undefined");
+        self.visit(path, hash, "document.body?.dataset.ready !== undefined");
         self.eval("Number(document.body.dataset.ready)").as_f64().unwrap()
     }
 
@@ -169,6 +166,14 @@ impl Page {
         let view = hash[1..].split('?').next().unwrap();
         self.eval(&format!("location.hash = {}", json!(hash)));
         self.wait(&format!("document.body.dataset.view === {}", json!(view)));
+    }
+
+    /// Opens a file and waits until an expression is true.
+    pub fn visit(&mut self, path: &Path, hash: &str, until: &str) {
+        self.call("Page.navigate", json!({ "url": "about:blank" }));
+        self.requests.clear();
+        self.call("Page.navigate", json!({ "url": format!("file://{}{hash}", path.display()) }));
+        self.wait(until);
     }
 
     /// Runs a script before the scripts of every page opened from now on.

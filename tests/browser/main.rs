@@ -5,6 +5,7 @@ mod compare;
 #[path = "../numeric/run/fake.rs"]
 mod fake;
 mod fixture;
+mod gallery;
 mod live;
 mod live_pixels;
 mod pages;

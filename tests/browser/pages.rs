@@ -16,7 +16,7 @@ const VIEWS: [&str; 6] = ["answer", "images", "compare", "live", "tables", "run"
 const AXE: &str = "target/page-tools/node_modules/axe-core/axe.min.js";
 
 /// Loads axe-core; returns `None` and prints a line if it is not installed.
-fn axe() -> Option<String> {
+pub fn axe() -> Option<String> {
     let text = std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join(AXE)).ok();
     if text.is_none() {
         eprintln!("skipped: no axe-core; `sh scripts/check-page.sh` installs it (needs npm)");
@@ -26,7 +26,7 @@ fn axe() -> Option<String> {
 }
 
 /// The faults of the shown view: rule, element and message.
-fn faults(page: &mut Page) -> Vec<String> {
+pub fn faults(page: &mut Page) -> Vec<String> {
     let found = page.eval(
         "axe.run(document, { resultTypes: ['violations'] }).then(({ violations }) => violations.flatMap((rule) => \
          rule.nodes.map((node) => `${rule.id}: ${node.html.slice(0, 160)} ${node.failureSummary}`)))",

@@ -31,6 +31,7 @@ mod paste;
 mod pixels;
 mod placement;
 mod precompute;
+mod published;
 mod reference;
 mod robustness;
 mod run;

@@ -21,6 +21,8 @@ use std::path::{Path, PathBuf};
 #[derive(Clone, Debug)]
 pub struct PageOptions {
     pub out: PathBuf,
+    /// Whether the page leaves the folder of its run: then links lead to `answers/` beside it, and none to other files.
+    pub is_alone: bool,
     pub images: Choice,
     /// Largest page, bytes.
     pub budget: usize,
@@ -33,7 +35,8 @@ pub const PAGE_FILE: &str = "report.html";
 impl PageOptions {
     /// The page of one run, in its folder.
     pub fn in_folder(dir: &Path) -> Self {
-        Self { out: dir.join(PAGE_FILE), images: Choice::Automatic, budget: images::BUDGET_BYTES, metric: None }
+        let (images, budget) = (Choice::Automatic, images::BUDGET_BYTES);
+        Self { out: dir.join(PAGE_FILE), is_alone: false, images, budget, metric: None }
     }
 }
 
@@ -43,6 +46,8 @@ pub struct Written {
     pub bytes: usize,
     /// Omissions, one sentence each.
     pub notes: Vec<String>,
+    /// The cell of the leading pictures.
+    pub cell: Option<String>,
 }
 
 /// Template, styles, modules and shaders, about, bytes.
@@ -79,7 +84,7 @@ pub fn check_out(path: &Path) -> Result<(), PageError> {
 pub fn write(options: &PageOptions, runs: &[PageRun]) -> Result<Written, PageError> {
     check_out(&options.out)?;
     let first = runs.first().ok_or(PageError::NoRun)?;
-    let here = options.out.parent().unwrap_or(Path::new(""));
+    let here = if options.is_alone { &first.finished.dir } else { options.out.parent().unwrap_or(Path::new("")) };
     let frames: Vec<Frame> = runs.iter().map(|run| Frame::new(run.finished, options.metric.as_deref())).collect();
     let axes = model::axes(runs);
     let metrics = model::metrics(runs);
@@ -93,7 +98,7 @@ pub fn write(options: &PageOptions, runs: &[PageRun]) -> Result<Written, PageErr
         json!({
             "label": page_run.label,
             "name": page_run.finished.text("/name"),
-            "link": page_run::link(here, &page_run.finished.dir),
+            "link": (!options.is_alone).then(|| page_run::link(here, &page_run.finished.dir)),
             "anchor": format!("run-{}", index + 1),
             "index": index,
             "device": page_run.device(),
@@ -108,7 +113,7 @@ pub fn write(options: &PageOptions, runs: &[PageRun]) -> Result<Written, PageErr
             "failures": page_run.finished.failures,
             "excluded": page_run.finished.provenance["excluded"],
             "input_warnings": page_run.finished.provenance["input_warnings"],
-            "sheets": page_run.sheets(here),
+            "sheets": if options.is_alone { Vec::new() } else { page_run.sheets(here) },
             "experiment": page_run.finished.experiment,
             "whole": format!("{:#}", page_run.finished.provenance),
         })
@@ -137,7 +142,8 @@ pub fn write(options: &PageOptions, runs: &[PageRun]) -> Result<Written, PageErr
     };
     write_atomically(&options.out, |writer| render::render(writer, &fixed, &model, payloads, &light))?;
     let bytes = std::fs::metadata(&options.out).map_or(0, |written| written.len() as usize);
-    Ok(Written { path: options.out.clone(), bytes, notes: images.notes })
+    let cell = fixed.pointer("/runs/0/pictures/cell").and_then(Json::as_str).map(str::to_owned);
+    Ok(Written { path: options.out.clone(), bytes, notes: images.notes, cell })
 }
 
 fn for_scripts(run: &Json) -> Json {

@@ -77,7 +77,7 @@ pub fn render(
     let imports: BTreeMap<&str, String> = MODULES.iter().map(|(name, text)| (*name, import(text))).collect();
     let context = context! {
         page => Serde(page),
-        style => safe(FONTS.map(font).concat() + STYLE),
+        style => safe(style()),
         imports => safe(in_script(&json!({ "imports": imports }))),
         shaders => safe(in_script(&json!(shaders(light)))),
         light => safe(in_script(&json!(light))),
@@ -112,6 +112,11 @@ pub fn shaders(light: &Light) -> BTreeMap<String, String> {
         })
         .chain(light.shaders.clone())
         .collect()
+}
+
+/// The style of all pages, with its fonts.
+pub fn style() -> String {
+    FONTS.map(font).concat() + STYLE
 }
 
 fn font((family, weight, bytes): (&str, u32, &[u8])) -> String {
