@@ -2,7 +2,7 @@
 
 Both are folders `answers/`. Tables have the same columns and rows; each number agrees within its own error:
 
-- a number with an interval, in its cell (`0.67 (95 % 0.54 to 0.83)`) or in columns `_lo` and `_hi`: within the interval
+- a number with an interval, in its cell (`0.67 (95 % 0.54 to 0.83)`) or in columns `_lo` and `_hi`: each number is in the other's interval
 - `error` and `rms_percent` beside `noise_floor`: the rms against two references differ by at most the rms of the difference of the
   references, sqrt(2 noise_floor)
 - unresolved ratios (`is_resolved` 0) are noise and are not compared; nor are times
@@ -43,9 +43,10 @@ def agrees_in_words(old, new):
     if len(intervals[0]) != len(intervals[1]):
         return False
     for then, now in zip(*intervals):
-        value = float(now[1].removeprefix("more than "))
-        if value < float(then[2]) or (value > float(then[4]) and not then[3]):
-            return False
+        for one, other in ((then, now), (now, then)):
+            value = float(one[1].removeprefix("more than "))
+            if value < float(other[2]) or (value > float(other[4]) and not other[3]):
+                return False
     old, new = (INTERVAL.sub("interval", text) for text in (old, new))
     numbers = zip(re.findall(NUMBER, old), re.findall(NUMBER, new))
     return re.sub(NUMBER, "#", old) == re.sub(NUMBER, "#", new) and all(is_near(float(a), float(b)) for a, b in numbers)
@@ -59,9 +60,9 @@ def agrees(column, old, new):
         noise = (2 * max(float(old["noise_floor"]), float(new["noise_floor"]))) ** 0.5
         rms = [value**0.5 if column == "error" else value / 100 for value in (then, now)]
         return abs(rms[0] - rms[1]) <= noise or is_near(then, now)
-    ends = [number(old.get(f"{column}_{end}", "")) for end in ("lo", "hi")]
+    ends = [number(row.get(f"{column}_{end}", "")) for row in (old, new) for end in ("lo", "hi")]
     if None not in ends:
-        return ends[0] <= now <= ends[1] or is_near(then, now)
+        return (ends[0] <= now <= ends[1] and ends[2] <= then <= ends[3]) or is_near(then, now)
     return then == now or is_near(then, now)
 
 
