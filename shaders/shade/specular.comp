@@ -2,7 +2,7 @@
 // with mask 0 are left alone.
 // Set 0 after lib/shaded_pixel.glsl: 5 environment with its mips; 6 its filtered levels; 7 prefiltered map with its
 // levels; 8 DFG table; 9 table of taps; 10 sample points of this dispatch (lib/sampling.glsl); 11 radiance, a vec4 a
-// pixel.
+// pixel; 12 shifts of each pixel's points as fixed point.
 
 #include "lib/compensation.glsl"
 #include "lib/sampling.glsl"
@@ -24,15 +24,21 @@ layout(std140, set = 0, binding = 10) uniform Points {
 layout(std430, set = 0, binding = 11) buffer Radiance {
     vec4 radiance[];
 };
+layout(std430, set = 0, binding = 12) readonly buffer Shifts {
+    uvec2 shifts[];
+};
 
-// Whether pixels share their points, or each scrambles them: one of PIXEL_POINTS_*.
+// Whether pixels share their points, or each scrambles or shifts them: one of PIXEL_POINTS_*.
 layout(constant_id = 4) const uint PIXEL_POINTS = PIXEL_POINTS_SHARED;
-// The keys of this pixel's scrambles.
+// The keys of this pixel's scrambles, or its shift.
 uvec2 pixel_keys;
 
 vec4 sample_point(uint i) {
     if (PIXEL_POINTS == PIXEL_POINTS_SHARED) {
         return points[i];
+    }
+    if (PIXEL_POINTS == PIXEL_POINTS_SHIFTED) {
+        return sample_point_from_xi(sobol_to_unit(uvec2(points[i].xy * exp2(32.0)) + pixel_keys));
     }
     return sample_point_from_xi(sobol_to_unit(owen_scrambled(points[i].xy, pixel_keys)));
 }
@@ -46,7 +52,9 @@ void main() {
     if (!shaded_pixel(pixel) || !surface_of_pixel(pixel, world)) {
         return;
     }
-    if (PIXEL_POINTS != PIXEL_POINTS_SHARED) {
+    if (PIXEL_POINTS == PIXEL_POINTS_SHIFTED) {
+        pixel_keys = shifts[index_of_pixel(pixel)];
+    } else if (PIXEL_POINTS != PIXEL_POINTS_SHARED) {
         uint key = sobol_key(pixel, params.seed, 0u, PIXEL_STREAM);
         pixel_keys = sobol_next_pair_key(key);
     }

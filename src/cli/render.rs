@@ -6,7 +6,7 @@ use super::{Failure, log, print, progress};
 use clap::Args;
 use splitsum::bakes::given;
 use splitsum::environment::Environment;
-use splitsum::experiment::axis::{AXES, METHOD, Point, Reference, SAMPLES, View};
+use splitsum::experiment::axis::{AXES, METHOD, Point, Reference, SAMPLES, View, motion_fault};
 use splitsum::experiment::value::{Kind, Range, Value};
 use splitsum::pixels::png;
 use splitsum::run::{RenderFault, write_radiance};
@@ -134,6 +134,7 @@ fn check_used(arguments: &Arguments, point: &Point, is_linear: bool) -> Result<(
             "--relative-error: has no effect: method {method} with diffuse {diffuse} has no reference term"
         ));
     }
+    faults.extend(motion_fault(&collapsed).map(|fault| format!("--motion: {fault}")));
     if has_reference_term && let Err(error) = pair_count(reference_samples(arguments)) {
         faults.push(format!("--samples: {error}"));
     }

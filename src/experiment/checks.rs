@@ -1,8 +1,8 @@
 //! Checks of values together: combinations, sizes, exclusions.
 
 use super::axis::{
-    ALBEDO, ALPHA, ANISOTROPY, AXES, Axis, COAT, COMPENSATION, DFG_TABLE, METALLIC, METHOD, Named, PREFILTER_SIZE,
-    PREFILTERED, Point, SAMPLES, SCENE, SIZE, index_of,
+    ALBEDO, ALPHA, ANISOTROPY, AXES, Axis, COAT, COMPENSATION, DFG_TABLE, FRAMES, METALLIC, METHOD, MOTION, Named,
+    PREFILTER_SIZE, PREFILTERED, Point, SAMPLES, SCENE, SIZE, index_of, motion_fault,
 };
 use super::config::{Config, Placed, Sweep};
 use super::fault::{Faults, Place};
@@ -11,8 +11,9 @@ use super::value::Value;
 use crate::pipeline::{BUFFER_BYTES_MAX, image_buffer_bytes};
 use crate::precompute::prefilter::harmonic;
 use crate::scene::is_design;
+use crate::shade::Method;
 use crate::shade::reference_pass::pair_count;
-use crate::spelling::{expected, suggestion};
+use crate::spelling::{Listed, expected, suggestion};
 
 /// Reports values that are valid alone but not together.
 pub fn check_combinations(config: &Config, faults: &mut Faults) {
@@ -27,11 +28,28 @@ pub fn check_combinations(config: &Config, faults: &mut Faults) {
         {
             faults.add(&config.place_of(ANISOTROPY, &point), format!("anisotropy: {what}"));
         }
+        if let Some(fault) = motion_fault(&point) {
+            faults.add(&config.place_of(MOTION, &point), format!("motion: {fault}"));
+        }
         if let Err(error) = point.method().tables(point.settings().shading.precompute).validate() {
             let partners = index_of(error.field).into_iter().chain([PREFILTER_SIZE]);
             let place = partners.map(|axis| config.place_of(axis, &point)).find(|place| *place != Place::Default);
             faults.add(&place.unwrap_or(Place::Default), error.to_string());
         }
+    }
+}
+
+/// Reports the first axis of frames if no method can have several.
+pub fn check_frames(config: &Config, faults: &mut Faults) {
+    let samples = |method: &Value| Method::by_name(method.text()).is_none_or(|method| method.uses_point_set);
+    let frames = AXES[FRAMES].name;
+    let is_of_frames = |axis: &Axis| axis.name == frames || axis.layer() == Some(frames);
+    let is_default = |sweep: &Sweep| sweep.values.iter().all(|placed| placed.value == (AXES[sweep.axis].default)());
+    let is_asked = |sweep: &&Sweep| is_of_frames(&AXES[sweep.axis]) && !is_default(sweep);
+    let asked = config.axes.iter().find(is_asked).filter(|_| !config.values(METHOD).any(|(method, _)| samples(method)));
+    if let Some(sweep) = asked {
+        let text = "no method of the experiment samples, and an image without samples is its own history; add a sampling method";
+        faults.add(&sweep.values[0].place, format!("{}: {text}", AXES[sweep.axis].name));
     }
 }
 
@@ -134,6 +152,7 @@ pub fn idle_sweeps<'p>(config: &Config, points: impl Iterator<Item = &'p Point> 
         } else {
             let user = match AXES[sweep.axis].layer() {
                 Some("coat") => "surface has a coat",
+                Some("frames") => "sampling method has several frames",
                 Some(_) => "surface is anisotropic",
                 None => "method of the experiment uses it",
             };

@@ -116,6 +116,7 @@ impl Plan {
         } else {
             checks::check_combinations(&config, &mut faults);
         }
+        checks::check_frames(&config, &mut faults);
         checks::check_sizes(&config, &mut faults);
         checks::check_exclusions(&config, &mut faults);
         faults.into_result()?;

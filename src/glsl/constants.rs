@@ -72,6 +72,8 @@ constants! {
     PIXEL_POINTS_SHARED: u32 = 0;
     /// Scrambled by a hash of the pixel.
     PIXEL_POINTS_OWEN: u32 = 1;
+    /// Shifted on the torus by the buffer of shifts.
+    PIXEL_POINTS_SHIFTED: u32 = 2;
     /// Compensations; in the order of `brdf::Compensation`.
     COMPENSATION_NONE: u32 = 0;
     /// Scales single scattering.

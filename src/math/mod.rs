@@ -1,5 +1,6 @@
 //! f64 mathematics without rendering: frames, the equirectangular mapping, point sets, quadrature, spherical harmonics.
 
+pub mod blue_noise;
 pub mod design;
 pub mod equirect;
 pub mod equirect_quadrature;

@@ -3,6 +3,7 @@
 //! Set 0 is the plain sequence if there is one; set k > 0 is a randomised copy. Sets of one sequence are repetitions
 //! that separate bias from variance. No coordinate is 0 or 1, where lobes and level formulas are singular.
 
+use super::blue_noise;
 use super::sampling::hammersley;
 use crate::spelling::listed;
 use glam::{DVec2, DVec3};
@@ -79,6 +80,62 @@ pub fn scrambled(point: DVec2, [x, y]: [u32; 2], set: u32) -> DVec2 {
         let fixed = (f64::from(coordinate) * 2f64.powi(32)) as u32;
         scramble_reversed(fixed.reverse_bits(), key).reverse_bits()
     }))
+}
+
+/// How the points of a pixel change from frame to frame of a sequence.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum FramePoints {
+    /// Each pixel and frame scrambles the set by its own keys: white noise in space and time.
+    #[default]
+    Owen,
+    /// Each pixel continues R2 from frame to frame, from its own random point.
+    R2,
+    /// Each pixel and frame shifts the set on the torus by a mask of blue noise.
+    Blue,
+}
+
+listed!(FramePoints, "kind of frame points", { "owen": Owen, "r2": R2, "blue": Blue });
+
+/// Steps of R2 in fixed point, in whole cells: then the points of successive frames are bit by bit the points of one set.
+const R2_CELLS: [u32; 2] = [((R2.x * CELLS) as u32) << 9, ((R2.y * CELLS) as u32) << 9];
+
+/// The points of a frame that continues R2, before their shift.
+pub static R2_OF_FRAMES: Sequence = Sequence {
+    name: "r2-of-frames",
+    about: "R2 from 0 in steps of whole cells",
+    point: |i, _, _| centre(R2_CELLS.map(|step| step.wrapping_mul(i))),
+};
+
+/// Returns the shift of the points of the pixel at column x and row y in a frame of `samples` points, as fixed point;
+/// 0 for scrambled points.
+pub fn frame_shift(points: FramePoints, [x, y]: [u32; 2], frame: u32, samples: u32, set: u32) -> [u32; 2] {
+    match points {
+        FramePoints::Owen => [0; 2],
+        FramePoints::R2 => {
+            let first = hash(x.wrapping_add(hash(y.wrapping_add(hash(set.wrapping_add(1))))));
+            let steps = R2_CELLS.map(|step| step.wrapping_mul(frame.wrapping_mul(samples)));
+            [first.wrapping_add(steps[0]), hash(first.wrapping_add(1)).wrapping_add(steps[1])]
+        }
+        FramePoints::Blue => blue_pair([x, y], frame, set).map(|value| (value * 2f64.powi(32)) as u32),
+    }
+}
+
+/// Returns two values of a pixel in a frame: the second from another place of the mask. Every 32 frames both move
+/// to other places, by R2; so does each set.
+fn blue_pair([x, y]: [u32; 2], frame: u32, set: u32) -> [f64; 2] {
+    let cycle = frame / blue_noise::DEPTH as u32 + set.wrapping_mul(1 << 12);
+    [0.0, 0.5].map(|half| {
+        let [right, down] =
+            ((f64::from(cycle) + half) * R2).fract().to_array().map(|part| (part * blue_noise::SIDE as f64) as u32);
+        blue_noise::value([x.wrapping_add(right), y.wrapping_add(down)], frame)
+    })
+}
+
+/// Returns a point that is shifted on the torus.
+pub fn shifted(point: DVec2, shift: [u32; 2]) -> DVec2 {
+    // f32, as in the table on the device.
+    let [x, y] = point.as_vec2().to_array().map(|coordinate| (f64::from(coordinate) * 2f64.powi(32)) as u32);
+    centre([x.wrapping_add(shift[0]), y.wrapping_add(shift[1])])
 }
 
 /// Steps of the R2 sequence: 1/g and 1/g² for the root g of g³ = g + 1.

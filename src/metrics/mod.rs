@@ -25,6 +25,7 @@ pub use comparison::{Comparison, Displayed, MetricsError};
 pub use epsilon::Epsilon;
 pub use flip::PIXELS_PER_DEGREE;
 pub use noise::{ReferenceNoise, Verdict, noise_floor, verdict};
+pub use tone_mapped::curve as tone_mapped_curve;
 pub use weight::{Part, Pooling, Weight};
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -40,6 +40,7 @@ pub static TONE_MAPPED: Metric = Metric {
 const NODE: f64 = 1.341_640_786_499_874;
 const NODE_WEIGHT: f64 = 5.0 / 18.0;
 
-fn curve(epsilon: Epsilon) -> ToneCurve {
+/// Returns the tone curve under a light.
+pub fn curve(epsilon: Epsilon) -> ToneCurve {
     ToneCurve { exposure: (EXPOSURE / epsilon.mean()) as f32, ..ToneCurve::default() }
 }

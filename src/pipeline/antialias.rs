@@ -16,10 +16,10 @@ use std::sync::Arc;
 pub(super) const POINTS_PER_SIDE: u32 = 4;
 const POINTS: usize = (POINTS_PER_SIDE * POINTS_PER_SIDE) as usize;
 /// Points that differ more belong to different surfaces: normals 37 degrees apart, or a step of a pixel's width.
-const UNLIKE: f32 = 0.2;
+pub(super) const UNLIKE: f32 = 0.2;
 
 /// Position and normal at a point; `None` if nothing is hit.
-type Point = Option<(Vec3, Vec3)>;
+pub(super) type Point = Option<(Vec3, Vec3)>;
 
 /// The pixels that several surfaces share, each with the pixels that its points take their radiance from.
 pub(super) struct Edges(Vec<(usize, [usize; POINTS])>);
@@ -28,19 +28,7 @@ impl Edges {
     /// Compares the centre of each pixel, in `pixels`, with its `points`.
     pub(super) fn find(pixels: &Gbuffer<f32>, points: &Gbuffer<f32>, camera: &Camera) -> Self {
         let [width, height] = [pixels.position_mask.width, pixels.position_mask.height];
-        let [_, half_height] = camera.extent(f64::from(width) / f64::from(height));
-        let step = (2.0 * half_height / f64::from(height)) as f32;
-        let (eye, forward) = (camera.eye.as_vec3(), camera.forward.as_vec3());
-        let is_perspective = matches!(camera.projection, Projection::Perspective { .. });
-        // 0 for points on one plane.
-        let difference = |a: Point, b: Point| match (a, b) {
-            (None, None) => 0.0,
-            (Some((place, normal)), Some((other, other_normal))) => {
-                let width = if is_perspective { step * (place - eye).dot(forward) } else { step };
-                1.0 - normal.dot(other_normal) + UNLIKE * (place - other).dot(other_normal).abs() / width
-            }
-            _ => f32::INFINITY,
-        };
+        let difference = difference(camera, [width, height]);
         let edge = |index: usize| {
             let (x, y) = (index as u32 % width, index as u32 / width);
             let own = point(pixels, x, y);
@@ -83,7 +71,24 @@ impl Edges {
     }
 }
 
-fn point(gbuffer: &Gbuffer<f32>, x: u32, y: u32) -> Point {
+/// Returns the difference of two points in an image of a camera: 0 on one plane, [`UNLIKE`] and more on different
+/// surfaces.
+pub(super) fn difference(camera: &Camera, [width, height]: [u32; 2]) -> impl Fn(Point, Point) -> f32 + Sync + use<> {
+    let [_, half_height] = camera.extent(f64::from(width) / f64::from(height));
+    let step = (2.0 * half_height / f64::from(height)) as f32;
+    let (eye, forward) = (camera.eye.as_vec3(), camera.forward.as_vec3());
+    let is_perspective = matches!(camera.projection, Projection::Perspective { .. });
+    move |a, b| match (a, b) {
+        (None, None) => 0.0,
+        (Some((place, normal)), Some((other, other_normal))) => {
+            let width = if is_perspective { step * (place - eye).dot(forward) } else { step };
+            1.0 - normal.dot(other_normal) + UNLIKE * (place - other).dot(other_normal).abs() / width
+        }
+        _ => f32::INFINITY,
+    }
+}
+
+pub(super) fn point(gbuffer: &Gbuffer<f32>, x: u32, y: u32) -> Point {
     let ([px, py, pz, mask], [nx, ny, nz, _]) = (gbuffer.position_mask.get(x, y), gbuffer.normal_alpha.get(x, y));
     (mask == 1.0).then(|| (Vec3::new(px, py, pz), Vec3::new(nx, ny, nz)))
 }

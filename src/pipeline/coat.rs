@@ -2,7 +2,7 @@
 //!
 //! So every method and the reference serve a coat, squared errors add, and a reference of the base serves all coats.
 
-use super::request::{Frame, FrameTimings};
+use super::request::Frame;
 use super::{Pipeline, PipelineError, RenderRequest};
 use crate::brdf::{Compensation, alpha_from_perceptual_roughness, perceptual_roughness_from_alpha};
 use crate::glsl::constants::COSINE_MIN;
@@ -59,12 +59,9 @@ impl Pipeline {
             }
             _ => None,
         };
-        let FrameTimings { mut precompute, mut frame, wall_ms } = whole.timings;
-        precompute.extend(over.timings.precompute);
-        frame.extend(over.timings.frame);
-        let timings = FrameTimings { precompute, frame, wall_ms: wall_ms + over.timings.wall_ms };
-        let convergences = [whole.convergences, over.convergences].concat();
-        Ok(Frame { radiance, standard_error, convergences, timings, mask: whole.mask, n_dot_v: whole.n_dot_v })
+        let convergences = [&whole.convergences[..], &over.convergences].concat();
+        let timings = whole.timings.clone().and(over.timings);
+        Ok(Frame { radiance, standard_error, convergences, timings, ..whole })
     }
 
     /// Returns the shares of each pixel; `over` is the frame of the request `coat`.

@@ -50,6 +50,8 @@ pub(super) fn key(request: &RenderRequest) -> Option<SharedKey> {
         sequence: _,
         point_set: _,
         pixel_points: _,
+        frames: _,
+        frame: _,
         lod_bias: _,
         // Layers are kept each by itself.
         widths,

@@ -8,6 +8,7 @@ mod cache;
 mod coat;
 mod disk_cache;
 mod fit;
+pub mod frames;
 mod inputs;
 mod kept_reference;
 mod ladder;
@@ -187,8 +188,11 @@ impl Pipeline {
         }
     }
 
-    /// Renders one radiance image.
+    /// Renders one radiance image, or the last one of a sequence.
     pub fn render(&mut self, request: &RenderRequest) -> Result<Frame, PipelineError> {
+        if request.is_sequence() {
+            return self.render_frames(request);
+        }
         let frame = if request.scene.has_coat() { self.render_coated(request)? } else { self.render_points(request)? };
         if !request.is_antialiased() {
             return Ok(frame);
@@ -213,6 +217,7 @@ impl Pipeline {
                 convergences,
                 mask,
                 n_dot_v,
+                steadiness: None,
                 timings: FrameTimings::default(),
             });
         }
@@ -236,6 +241,7 @@ impl Pipeline {
             convergences,
             mask: prepared.target.mask.clone(),
             n_dot_v: prepared.target.n_dot_v.clone(),
+            steadiness: None,
             timings: FrameTimings {
                 precompute: prepared.precompute.passes,
                 frame: report.passes,
@@ -258,9 +264,10 @@ impl Pipeline {
         })
     }
 
-    /// Times the passes of a frame, tone curve included: `warmup` rounds that do not count, then `rounds`.
+    /// Times the passes of a frame, tone curve included: `warmup` rounds that do not count, then `rounds`. Of a sequence
+    /// it times one frame.
     pub fn time(&mut self, request: &RenderRequest, warmup: u32, rounds: u32) -> Result<TimingSamples, PipelineError> {
-        let layers = request.layers();
+        let layers = if request.is_sequence() { request.of_frame(0).layers() } else { request.layers() };
         let prepared = layers.iter().map(|layer| self.prepare(layer)).collect::<Result<Vec<_>, _>>()?;
         let packed = tonemap::pass::packed(&self.gpu, request.size)?;
         let (curve, radiance) = (ToneCurve::default(), &prepared[0].target.radiance);

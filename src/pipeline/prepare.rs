@@ -62,13 +62,10 @@ impl Resources {
             Some(count) => self.tap_table(maker, TapTableInputs::of(request, count), storage)?,
             None => self.blank_image.clone(),
         };
-        let points = self.points(
-            gpu,
-            samples_per_pixel,
-            request.shading.sequence,
-            request.shading.point_set,
-            request.shading.pixel_points,
-        )?;
+        let (sequence, set, of_pixel) = request.shading.point_table();
+        let points = self.points(gpu, samples_per_pixel, sequence, set, of_pixel)?;
+        let shifts = request.point_shifts().map(|shifts| gpu.buffer_from("shifts", &shifts)).transpose()?;
+        let shifts = shifts.unwrap_or_else(|| self.blank_buffer.clone());
         let (scene, target) = self.view(gpu, request)?;
         let tangents = match request.scene.has_anisotropy() {
             true => {
@@ -80,7 +77,7 @@ impl Resources {
         let lobes = request.reference_lobes();
         let reference = if lobes.is_empty() { None } else { Some(self.reference_data(gpu, request)?) };
         Ok(Prepared {
-            tables: Tables { environment, filtered, prefiltered, dfg, tap_table, irradiance_map, sh9, points },
+            tables: Tables { environment, filtered, prefiltered, dfg, tap_table, irradiance_map, sh9, points, shifts },
             scene,
             target,
             tangents,

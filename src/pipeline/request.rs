@@ -127,6 +127,15 @@ impl RenderRequest {
     }
 }
 
+/// How steady a sequence is, over the pixels of the mask.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Steadiness {
+    /// `relmse` of the accumulated sequence without noise against its last frame.
+    pub lag_bias: f64,
+    /// Variance over the last frames, after the tone curve, of the result less the result without noise.
+    pub flicker: f64,
+}
+
 /// A rendered radiance image.
 #[derive(Clone, Debug)]
 pub struct Frame {
@@ -140,6 +149,8 @@ pub struct Frame {
     pub mask: Arc<GrayImage>,
     /// Cosine between normal and view; 0 if nothing is hit.
     pub n_dot_v: Arc<GrayImage>,
+    /// Of a sequence of frames, how steady it is.
+    pub steadiness: Option<Steadiness>,
     pub timings: FrameTimings,
 }
 
@@ -160,6 +171,15 @@ pub struct FrameTimings {
     pub frame: Vec<PassTime>,
     /// Host time of the submissions of `frame`, ms.
     pub wall_ms: f64,
+}
+
+impl FrameTimings {
+    /// Adds the times of another frame.
+    pub(super) fn and(mut self, other: Self) -> Self {
+        self.precompute.extend(other.precompute);
+        self.frame.extend(other.frame);
+        Self { wall_ms: self.wall_ms + other.wall_ms, ..self }
+    }
 }
 
 /// Repeated times of the passes of a frame, or of the precompute passes.

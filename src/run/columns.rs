@@ -28,7 +28,18 @@ pub const ERRORS: &[Column] = &[
         "The headline metric against its noise floor: `resolved`, `reference-limited` below ten standard errors, `equal-within-noise` \
          below two, `no-noise-floor`, or `failed`.",
     ),
+    column(
+        "lag_bias",
+        "With an axis of frames only: `relmse` that moving frames leave without noise, against the last frame; 0 if still.",
+    ),
+    column(
+        "flicker",
+        "With an axis of frames only: variance over the last eight frames after the tone curve of `tone_mapped_mse`, without the motion.",
+    ),
 ];
+
+/// The columns of sequences of frames, the last ones of [`ERRORS`].
+pub const STEADINESS: &[Column] = ERRORS.split_at(4).1;
 
 /// `errors_by_n_dot_v.csv`, besides the cell, its axes and the metrics.
 pub const BINS: &[Column] = &[

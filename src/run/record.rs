@@ -75,6 +75,9 @@ pub struct CellRecord {
     pub scores: Scores,
     /// Expected scores of an exact image, if the reference's standard error is known.
     pub noise_floors: Scores,
+    /// Of a sequence of frames, by column of `columns::STEADINESS`.
+    #[serde(default, skip_serializing_if = "Scores::is_empty")]
+    pub steadiness: Scores,
     #[serde(default)]
     pub reference: Option<ReferenceStop>,
     pub verdict: String,
@@ -185,6 +188,7 @@ pub struct KeptCell {
     pub scores: Box<[Option<f64>]>,
     /// In the order of [`linear_metrics`].
     pub noise_floors: Box<[Option<f64>]>,
+    pub steadiness: Scores,
     pub reference: Option<ReferenceStop>,
     pub verdict: Box<str>,
 }
@@ -197,6 +201,7 @@ impl KeptCell {
         Self {
             scores: all(&record.scores, METRICS),
             noise_floors: all(&record.noise_floors, &linear_metrics()),
+            steadiness: record.steadiness.clone(),
             reference: record.reference.clone(),
             verdict: record.verdict.as_str().into(),
         }

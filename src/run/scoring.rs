@@ -1,5 +1,6 @@
 //! Scores images into the record of a cell, on the host, several cells at a time.
 
+use super::columns::STEADINESS;
 use super::images::{self, STANDARD_ERROR_LAYER};
 use super::renderer::RenderFault;
 use super::store::{BinRecord, CellRecord, Exact, ReferenceStop, Scores, Spent, StepRecord, Store, StoreError};
@@ -245,11 +246,15 @@ impl Rendered<'_> {
             let flip = FLIP_ERROR.image(&comparison.flip_map(), mask);
             files.extend([keep(store, images::flip_name(cell), |path| png::write_rgb8(path, &flip))?]);
         }
+        let steadiness = self.frame.steadiness.into_iter().flat_map(|own| {
+            STEADINESS.iter().zip([own.lag_bias, own.flicker]).map(|(column, x)| (column.name.to_owned(), Exact(x)))
+        });
         Ok(CellRecord {
             cell: cell.id.clone(),
             axes: plan.columns_of(cell).iter().map(|(n, v)| (n.to_string(), v.to_string())).collect(),
             verdict: verdict_name(&scores, &noise_floors),
             noise_floors,
+            steadiness: steadiness.collect(),
             reference: reference.stop.clone(),
             scores,
             bins,

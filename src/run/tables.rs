@@ -2,12 +2,12 @@
 
 pub use crate::metrics::{DISPLAY_HEADLINE, HEADLINE};
 
-use super::columns::{BINS, CELL, Column, ERRORS, FAILED, STEP_NUMBERS, STEPS, TIMINGS};
+use super::columns::{BINS, CELL, Column, ERRORS, FAILED, STEADINESS, STEP_NUMBERS, STEPS, TIMINGS};
 use super::statistics::{median, median_interval};
 use super::store::{BinRecord, CellRecord, FailureRecord, KeptCell, Scores, StepRecord, Store, StoreError};
 use super::timing::TimingRecord;
 use crate::experiment::axis::named::{columns, fields};
-use crate::experiment::axis::{AXES, SIZE};
+use crate::experiment::axis::{AXES, FRAMES, SIZE};
 use crate::experiment::plan::{Cell, Plan};
 use crate::metrics::{METRICS, Pooling, linear_metrics};
 use crate::spelling::Listed;
@@ -70,11 +70,16 @@ pub fn errors(plan: &Plan, results: &Results) -> (Vec<String>, impl Iterator<Ite
     let numbers = metric_names().into_iter().map(str::to_owned).chain(floors);
     let numbers: Vec<String> = numbers.collect();
     let number_count = numbers.len();
-    let names = columns.names(numbers.into_iter().chain(names_of(ERRORS)));
+    let steadiness = if plan.columns.contains(&FRAMES) { STEADINESS } else { &[] };
+    let others = &ERRORS[..ERRORS.len() - STEADINESS.len() + steadiness.len()];
+    let names = columns.names(numbers.into_iter().chain(names_of(others)));
     let row = move |cell: &Cell| {
         let mut own: Vec<Field> = Vec::new();
+        let mut steady = vec![Field::Missing; steadiness.len()];
         let (stop, verdict) = match results.get(&cell.id)? {
             CellResult::Done(kept) => {
+                let number = |column: &Column| kept.steadiness.get(column.name).map(|number| number.0).into();
+                steady = steadiness.iter().map(number).collect();
                 let numbers = kept.scores.iter().chain(&kept.noise_floors);
                 own.extend(numbers.map(|number| Field::from(*number)));
                 (kept.reference.as_ref(), &*kept.verdict)
@@ -88,6 +93,7 @@ pub fn errors(plan: &Plan, results: &Results) -> (Vec<String>, impl Iterator<Ite
             stop.map(|stop| stop.stopped_by.name()).into(),
             verdict.into(),
         ]);
+        own.extend(steady);
         Some(Ok(columns.row(cell, own.into_iter())))
     };
     (names, plan.cells.iter().filter_map(row))

@@ -11,7 +11,7 @@
 
 use crate::scene::{Mesh, Scene, Sphere};
 use crate::spelling::listed;
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 
 /// Vertical field of view of the perspective camera, degrees.
 pub const PERSPECTIVE_FOV_DEG: f64 = 32.0;
@@ -244,6 +244,20 @@ impl Camera {
             Projection::Ortho { .. } => (self.eye + offset, self.forward),
             Projection::Perspective { .. } => (self.eye, (self.forward + offset).normalize()),
         }
+    }
+
+    /// Returns column and row of a position, the inverse of [`Camera::ray`]: whole numbers at the centres of pixels.
+    pub fn pixel_of(&self, position: DVec3, size: [u32; 2]) -> DVec2 {
+        let [width, height] = size.map(f64::from);
+        let [extent_x, extent_y] = self.extent(width / height);
+        let offset = position - self.eye;
+        let distance = match self.projection {
+            Projection::Ortho { .. } => 1.0,
+            Projection::Perspective { .. } => offset.dot(self.forward),
+        };
+        let s = offset.dot(self.right) / (extent_x * distance);
+        let t = offset.dot(self.up) / (extent_y * distance);
+        DVec2::new(0.5 * (s + 1.0) * width, 0.5 * (1.0 - t) * height) - 0.5
     }
 
     /// Returns the unit vector from `position` to the viewer.

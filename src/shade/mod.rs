@@ -3,6 +3,7 @@
 pub mod bend;
 pub mod coat;
 pub mod diffuse;
+pub mod frames;
 pub mod method;
 #[cfg(feature = "gpu")]
 pub mod pass;

@@ -24,6 +24,8 @@ pub struct Tables {
     pub irradiance_map: Image,
     pub sh9: Buffer,
     pub points: Points,
+    /// Shift of each pixel's points, as fixed point; read only in sequences of frames.
+    pub shifts: Buffer,
 }
 
 /// Inputs of one frame's passes, and the radiance that each adds to.
@@ -96,7 +98,7 @@ impl<'a> Passes<'a> {
             lod_bias: shading.lod_bias,
             pad0: 0,
             flags: if shading.method.is_none() { SHADE_FLAG_NO_SPECULAR } else { 0 },
-            seed: shading.point_set,
+            seed: shading.point_seed(),
             pair_count: 0,
             point_count: 0,
             slot_count: 0,
@@ -121,17 +123,20 @@ impl<'a> Passes<'a> {
     pub fn specular(&self, recorder: &mut Recorder, points: PointRange<'a>, part: Part) -> Result<(), GpuError> {
         let Shading { method, brdf, precompute, .. } = *self.shading;
         let shader = specular_shader(precompute.layout, method, brdf);
-        let Tables { environment, filtered, prefiltered, dfg, tap_table, .. } = self.tables;
-        let rest = [
+        let Tables { environment, filtered, prefiltered, dfg, tap_table, shifts, .. } = self.tables;
+        let binds = [
             Bind::Sample(environment, Sampler::MAP),
             Bind::Sample(filtered, Sampler::MAP),
             Bind::Sample(prefiltered, Sampler::MAP),
             Bind::Sample(dfg, TABLE),
             Bind::Sample(tap_table, TABLE),
             points.bind(),
+            Bind::ReadWrite(self.radiance),
+            Bind::Read(shifts),
         ];
         let params = ShadeParams { point_count: points.count, ..self.params(part.first_row) };
-        self.dispatch(recorder, &shader, self.shading.constants(), &rest, &params.to_bytes(), part)
+        let constants = self.with_widths(self.shading.constants());
+        recorder.dispatch(&shader, &constants, &self.binds(&binds), &params.to_bytes(), part.groups)
     }
 
     /// Adds the diffuse image-based radiance.

@@ -2,10 +2,12 @@
 
 use super::bend::{BENDS, Bend};
 use super::coat::{COAT_RENDERERS, CoatLayering, CoatRenderer};
+use super::frames::Frames;
 use super::{Diffuse, Method, NONE};
 use crate::brdf::{Brdf, Compensation, Ggx, MaskingShadowing, WidthLaw};
 use crate::environment::Placement;
-use crate::math::sequence::{PixelPoints, SEQUENCES, Sequence};
+use crate::glsl::constants::PIXEL_POINTS_SHIFTED;
+use crate::math::sequence::{FramePoints, PixelPoints, R2_OF_FRAMES, SEQUENCES, Sequence};
 use crate::precompute::PrecomputeSettings;
 use crate::spelling::Listed;
 
@@ -26,6 +28,10 @@ pub struct Shading {
     /// Set of the sequence: 0 is plain, k > 0 are randomised copies.
     pub point_set: u32,
     pub pixel_points: PixelPoints,
+    /// The sequence of frames that the image ends.
+    pub frames: Frames,
+    /// The index of the image in a sequence, which then assigns the points; `None` for an image alone.
+    pub frame: Option<u32>,
     /// Added to the mip level of a filtered method.
     pub lod_bias: f32,
     pub precompute: PrecomputeSettings,
@@ -52,6 +58,8 @@ impl Default for Shading {
             sequence: &SEQUENCES[0],
             point_set: 0,
             pixel_points: PixelPoints::default(),
+            frames: Frames::default(),
+            frame: None,
             lod_bias: 0.0,
             precompute: PrecomputeSettings::default(),
             widths: WidthLaw::default(),
@@ -72,9 +80,30 @@ impl Shading {
     pub fn constants(&self) -> [u32; 9] {
         let mut constants = self.table_constants(self.masking_shadowing);
         constants[2] = (self.precompute.level_mapping.bend as f32).to_bits();
-        constants[4] = self.pixel_points as u32;
+        constants[4] = match self.frame.map(|_| self.frames.points) {
+            None => self.pixel_points as u32,
+            Some(FramePoints::Owen) => PixelPoints::Owen as u32,
+            Some(_) => PIXEL_POINTS_SHIFTED,
+        };
         constants[8] = self.bend.code();
         constants
+    }
+
+    /// Returns the table of points: sequence, set, and its kind.
+    pub fn point_table(&self) -> (&'static Sequence, u32, PixelPoints) {
+        match self.frame.map(|_| self.frames.points) {
+            None => (self.sequence, self.point_set, self.pixel_points),
+            Some(FramePoints::Owen) => (self.sequence, self.point_set, PixelPoints::Owen),
+            Some(FramePoints::R2) => (&R2_OF_FRAMES, 0, PixelPoints::Owen),
+            Some(FramePoints::Blue) => (self.sequence, 0, PixelPoints::Owen),
+        }
+    }
+
+    /// Returns the seed of the scrambles of pixels; the first frame has the set's own.
+    pub fn point_seed(&self) -> u32 {
+        /// 2^32 over the golden ratio: no two frames of near sets have one seed.
+        const STEP: u32 = 0x9e37_79b9;
+        self.point_set.wrapping_add(self.frame.unwrap_or(0).wrapping_mul(STEP))
     }
 
     /// Returns the specialization constants of passes that read no map of the lobe.

@@ -4,6 +4,7 @@
 use super::picture::{Picture, of_frame};
 use super::state::{Image, Inputs, Side, State};
 use crate::environment::{Environment, LoadOptions};
+use crate::experiment::axis::motion_fault;
 use crate::gpu::lock;
 use crate::metrics::{Comparison, HEADLINE, Metric};
 use crate::pipeline::{DeviceInfo, Frame, Options, Pipeline, PipelineError, Recent};
@@ -231,6 +232,9 @@ impl<'a> Renderer<'a> {
 
     fn show(&mut self, state: &State) -> Result<(), Stop> {
         let inputs = &self.inputs(state)?;
+        if let Some(fault) = motion_fault(&state.point.collapsed()) {
+            return Err(Stop::Refused(format!("motion: {fault}")));
+        }
         self.pipeline.interrupt_by(Some(self.post.is_overdue.clone()));
         let counts = state.counts();
         if self.shown.truth.as_ref().is_some_and(|shot| !counts.iter().any(|&count| state.truth(count) == shot.image)) {

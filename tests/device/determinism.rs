@@ -172,6 +172,7 @@ fn the_reference_reads_no_memory_before_writing_it() {
             irradiance_map: blank,
             sh9: gpu.buffer("blank", 256).unwrap(),
             points: Points::upload(gpu, 1, request.shading.sequence, 0, PixelPoints::Shared).unwrap(),
+            shifts: gpu.buffer("blank", 256).unwrap(),
         };
         let gbuffer = GbufferImages::new(gpu, size).unwrap();
         let scene = SceneData::new(gpu, &request.scene).unwrap();

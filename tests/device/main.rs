@@ -11,6 +11,7 @@ mod compare;
 mod determinism;
 #[path = "../shared/environment_sampling.rs"]
 mod environment_sampling;
+mod frames;
 mod furnace;
 mod gbuffer;
 #[path = "../shared/gbuffer.rs"]

@@ -14,6 +14,7 @@ mod environment;
 #[path = "../shared/environment_sampling.rs"]
 mod environment_sampling;
 mod experiment;
+mod frames;
 #[path = "../shared/gbuffer.rs"]
 mod gbuffer_twin;
 #[path = "../shared/gltf.rs"]

@@ -8,7 +8,7 @@ use crate::shade::bend::Bend;
 use crate::shade::coat::{CoatLayering, CoatRenderer};
 use crate::spelling::Listed;
 
-const LAYER: Axis = Axis { is_layer: true, ..PLAIN };
+pub(super) const LAYER: Axis = Axis { is_layer: true, ..PLAIN };
 
 pub(super) const LAYER_AXES: &[Axis] = &[
     Axis {

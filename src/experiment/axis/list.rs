@@ -1,5 +1,7 @@
-//! The list of all axes except the axes of layers ([`super::layers`]) and of tables ([`super::tables`]).
+//! The list of all axes except the axes of layers ([`super::layers`]), of frames ([`super::frames`]) and of tables
+//! ([`super::tables`]).
 
+use super::frames::FRAME_AXES;
 use super::layers::LAYER_AXES;
 use super::plain::{ALPHA_KIND, LEVELS, PLAIN, ROUGHNESS, first};
 use super::tables::{DFG, IRRADIANCE, MIPS, PREFILTER, SH9, TABLE_AXES};
@@ -7,7 +9,7 @@ use super::{Axis, Part, Sheet, Symbol};
 use crate::brdf::{self, Compensation, MaskingShadowing};
 use crate::environment::Placement;
 use crate::experiment::value::{IMAGE_SIZE, Kind, Range, Value};
-use crate::math::sequence::{PixelPoints, Sequence};
+use crate::math::sequence::{FramePoints, PixelPoints, Sequence};
 use crate::shade::{Diffuse, Method, REFERENCE};
 use crate::spelling::Listed;
 
@@ -15,11 +17,13 @@ use crate::spelling::Listed;
 pub static AXES: &[Axis] = LIST;
 
 const LIST: &[Axis] = &{
-    let mut list = [PLAIN; IMAGE_AXES.len() + LAYER_AXES.len() + TABLE_AXES.len()];
+    let mut list = [PLAIN; IMAGE_AXES.len() + LAYER_AXES.len() + FRAME_AXES.len() + TABLE_AXES.len()];
     let (image, rest) = list.split_at_mut(IMAGE_AXES.len());
-    let (layers, tables) = rest.split_at_mut(LAYER_AXES.len());
+    let (layers, rest) = rest.split_at_mut(LAYER_AXES.len());
+    let (frames, tables) = rest.split_at_mut(FRAME_AXES.len());
     image.copy_from_slice(IMAGE_AXES);
     layers.copy_from_slice(LAYER_AXES);
+    frames.copy_from_slice(FRAME_AXES);
     tables.copy_from_slice(TABLE_AXES);
     list
 };
@@ -131,7 +135,7 @@ const IMAGE_AXES: &[Axis] = &[
         plural: "sequences",
         kind: Kind::one_of::<Sequence>(),
         default: first::<Sequence>,
-        used: |u| u.method.uses_point_set,
+        used: |u| u.method.uses_point_set && u.frames.is_none_or(|frames| frames.points != FramePoints::R2),
         apply: |s, v| s.shading.sequence = Sequence::listed(v.text()),
         ..PLAIN
     },
@@ -157,7 +161,7 @@ const IMAGE_AXES: &[Axis] = &[
         is_compared: true,
         kind: Kind::one_of::<PixelPoints>(),
         default: first::<PixelPoints>,
-        used: |u| u.method.uses_point_set,
+        used: |u| u.method.uses_point_set && u.frames.is_none(),
         apply: |s, v| s.shading.pixel_points = *PixelPoints::listed(v.text()),
         ..PLAIN
     },
@@ -326,6 +330,8 @@ indices! {
     ALBEDO = "albedo";
     COAT = "coat";
     ANISOTROPY = "anisotropy";
+    FRAMES = "frames";
+    MOTION = "motion";
     METALLIC = "metallic";
     EXPOSURE = "exposure";
     CONTRAST = "contrast";

@@ -1,6 +1,7 @@
 //! Axes (sweepable parameters) and points (one value for each axis). A new axis is one entry in `list.rs`,
-//! `layers.rs` or `tables.rs`.
+//! `layers.rs`, `frames.rs` or `tables.rs`.
 
+mod frames;
 mod layers;
 mod list;
 pub mod named;
@@ -10,6 +11,8 @@ mod tables;
 
 pub use crate::shade::REFERENCE;
 use crate::spelling::Listed;
+use frames::FRAME_AXES;
+pub use frames::motion_fault;
 pub use list::*;
 pub use named::{Named, Spelling};
 pub use settings::{Reference, Settings, Terms, View};
@@ -21,6 +24,7 @@ use crate::brdf::Compensation;
 use crate::environment::layout::{LAYOUTS, MapLayout};
 use crate::precompute::PrefilterBy;
 use crate::scene::{MaterialOverride, SCENES};
+use crate::shade::frames::Frames;
 use crate::shade::{DIFFUSE, Diffuse, METHODS, Method, Shading};
 use crate::tonemap::ToneCurve;
 use std::ops::{Index, IndexMut};
@@ -146,6 +150,8 @@ pub struct Used {
     pub has_coat: bool,
     /// Whether a lobe may have two widths.
     pub has_anisotropy: bool,
+    /// Of an image that ends a sequence, the sequence.
+    pub frames: Option<Frames>,
     /// Whether the filtered tables are sampled.
     pub has_sampled_tables: bool,
     /// Whether the prefiltered map and the DFG table are made by splitsum.
@@ -180,7 +186,9 @@ impl Used {
 impl Axis {
     /// Returns the axis without which this one means nothing: `coat` of `coat_alpha`.
     pub fn layer(&self) -> Option<&'static str> {
-        ["coat", "anisotropy"].into_iter().find(|layer| self.name.starts_with(&format!("{layer}_")))
+        let of_surface = ["coat", "anisotropy"].into_iter().find(|layer| self.name.starts_with(&format!("{layer}_")));
+        let is_of_frames = FRAME_AXES.iter().skip(1).any(|axis| axis.name == self.name);
+        of_surface.or(is_of_frames.then_some(FRAME_AXES[0].name))
     }
 
     /// Whether another value means another linear image.
@@ -267,6 +275,8 @@ impl Point {
         let is_built_in = SCENES.iter().any(|entry| entry.name == self[SCENE].text());
         let may_have = |axis: usize| self[axis] != Value::Number(0.0) && !(self[axis] == Value::Unset && is_built_in);
         let (has_coat, has_anisotropy) = (may_have(COAT), may_have(ANISOTROPY));
+        let frames = self.settings().shading.frames;
+        let frames = Some(frames).filter(|frames| frames.count > 1 && method.uses_point_set);
         // Compensation may add a diffuse term to any surface.
         let has_diffuse_surface = has_diffuse_surface || compensation.is_diffuse();
         let used = Used {
@@ -277,6 +287,7 @@ impl Point {
             has_dielectric,
             has_coat,
             has_anisotropy,
+            frames,
             has_sampled_tables,
             has_own,
         };

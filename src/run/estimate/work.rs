@@ -4,8 +4,10 @@
 use crate::experiment::axis::{AXES, DFG, IRRADIANCE, MIPS, PREFILTER, Point, SH9};
 use crate::experiment::plan::{Cell, Plan};
 use crate::experiment::value::Value;
+use crate::pipeline::frames::CONVERGED_SAMPLES;
 use crate::precompute::PrefilterBy;
 use crate::run::timing::{FRAME, TimingJob};
+use crate::shade::frames::Motion;
 use std::collections::{BTreeMap, BTreeSet, HashSet};
 
 /// First word of the kinds of timed frames and tables, before the kind of the same work untimed.
@@ -159,7 +161,12 @@ fn amount(plan: &Plan, point: &Point) -> Amount {
     let [width, height] = settings.size.map(f64::from);
     let specular = if settings.shading.method.uses_samples { settings.shading.samples } else { 1 };
     let diffuse = if settings.shading.diffuse.is_integrated() { plan.config.reference.samples } else { 0 };
-    Amount { pixels: width * height, samples: width * height * (f64::from(specular) + f64::from(diffuse)) }
+    let samples = f64::from(specular) + f64::from(diffuse);
+    // A moving frame is rendered without noise, too.
+    let frames = settings.shading.frames;
+    let more = if frames.motion == Motion::Still { 0.0 } else { f64::from(CONVERGED_SAMPLES) };
+    let (pixels, more) = (width * height * f64::from(frames.count), if frames.count > 1 { more } else { 0.0 });
+    Amount { pixels, samples: pixels * (samples + more) }
 }
 
 fn method(point: &Point) -> &'static str {

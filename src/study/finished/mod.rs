@@ -81,6 +81,8 @@ pub struct FinishedCell {
     pub scores: Option<MetricValues>,
     /// Expected scores of an exact image, from the reference's noise.
     pub noise_floors: MetricValues,
+    /// Of a sequence of frames: lag bias and flicker (`run::columns::STEADINESS`).
+    pub steadiness: Option<[f64; 2]>,
     pub reference: Option<ReferenceStop>,
     pub bins: Arc<Vec<Bin>>,
     /// With `[ladder]`: steps in order, over all n·v and then band by band.

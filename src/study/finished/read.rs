@@ -7,7 +7,7 @@ use crate::experiment::inputs::load_methods;
 use crate::experiment::value::Value;
 use crate::files::read_regular;
 use crate::metrics::Weight;
-use crate::run::columns::FAILED;
+use crate::run::columns::{FAILED, STEADINESS};
 use crate::run::frozen::EXPERIMENT_FILE;
 use crate::run::provenance::{self, EXPERIMENT_FOLDER, PROVENANCE_FILE, ProvenanceError, SET_FOLDER};
 use crate::run::store::{
@@ -114,6 +114,7 @@ fn cells(errors: &mut TableRows, images: &mut HashMap<String, CellImages>) -> Re
             point,
             scores: (!is_failed).then(|| metrics(&row, "")),
             noise_floors: metrics(&row, "_noise_floor"),
+            steadiness: row.number(STEADINESS[0].name).zip(row.number(STEADINESS[1].name)).map(Into::into),
             reference: stop(&row),
             bins: Arc::default(),
             steps: Vec::new(),

@@ -1,5 +1,5 @@
-//! Error over sample count: one curve per sampling method and case. A *case* is one setting of everything but method, sample count, point
-//! set and tone curve.
+//! Error over sample or frame count ([`Frame::along`]): one curve per sampling method and case. A *case* is one setting of everything but
+//! method, that count, point set and tone curve.
 
 use super::estimate::geometric_mean;
 use super::{Frame, Key, Row, by, distinct_in_order, fits};
@@ -12,14 +12,14 @@ pub struct Curve<'r, 'f> {
     pub method: Value,
     /// Values on the axes of cases.
     pub key: Key,
-    /// Ascending by sample count; at least one.
+    /// Ascending by count; at least one.
     pub points: Vec<CurvePoint<'r, 'f>>,
 }
 
-/// The point sets of one sample count.
+/// The point sets of one count.
 #[derive(Clone, Debug)]
 pub struct CurvePoint<'r, 'f> {
-    pub samples: u32,
+    pub count: u32,
     /// Geometric mean over the point sets.
     pub error: f64,
     /// Whether the errors of all point sets are resolved.
@@ -33,16 +33,16 @@ impl<'r, 'f> Curve<'r, 'f> {
         self.points[0].rows[0]
     }
 
-    /// Smallest and largest sample count.
+    /// Smallest and largest count.
     pub fn tried(&self) -> [u32; 2] {
-        [&self.points[0], &self.points[self.points.len() - 1]].map(|point| point.samples)
+        [&self.points[0], &self.points[self.points.len() - 1]].map(|point| point.count)
     }
 }
 
 /// The curves of these images, without the reference method, which may be rendered for its times.
 pub fn curves<'r, 'f>(frame: &Frame, images: &[&'r Row<'f>], axes: &[usize]) -> Vec<Curve<'r, 'f>> {
     let is_tested = |row: &Row| row.text(METHOD) != frame.shape.reference_method;
-    let sampled = images.iter().copied().filter(|row| row.samples().is_some() && is_tested(row));
+    let sampled = images.iter().copied().filter(|row| row.count(frame.along).is_some() && is_tested(row));
     let sampled: Vec<&Row> = sampled.collect();
     let with_method: Vec<usize> = axes.iter().copied().chain([METHOD]).collect();
     let groups = by(&sampled, &with_method).into_iter();
@@ -59,14 +59,14 @@ pub fn without_samples<'r, 'f>(images: &[&'r Row<'f>]) -> Vec<&'r Row<'f>> {
 }
 
 fn points<'r, 'f>(frame: &Frame, rows: &[&'r Row<'f>]) -> Vec<CurvePoint<'r, 'f>> {
-    let mut counts: Vec<u32> = distinct_in_order(rows.iter().filter_map(|row| row.samples()));
+    let mut counts: Vec<u32> = distinct_in_order(rows.iter().filter_map(|row| row.count(frame.along)));
     counts.sort_unstable();
-    let point = |samples: u32| {
-        let is_own = |row: &&Row| row.samples() == Some(samples) && frame.error(row).is_some();
+    let point = |count: u32| {
+        let is_own = |row: &&Row| row.count(frame.along) == Some(count) && frame.error(row).is_some();
         let rows: Vec<&'r Row<'f>> = rows.iter().copied().filter(is_own).collect();
         let errors: Vec<f64> = rows.iter().filter_map(|row| frame.error(row)).collect();
         let is_resolved = rows.iter().all(|row| frame.is_resolved(row));
-        (!rows.is_empty()).then(|| CurvePoint { samples, error: geometric_mean(&errors), is_resolved, rows })
+        (!rows.is_empty()).then(|| CurvePoint { count, error: geometric_mean(&errors), is_resolved, rows })
     };
     counts.into_iter().filter_map(point).collect()
 }

@@ -47,6 +47,8 @@ pub struct Frame<'f> {
     pub names: Names,
     /// The axis of the rows of a digest, if the experiment names one.
     pub by: Option<usize>,
+    /// The axis along which curves have their points: samples, or frames.
+    pub along: usize,
     /// Whether no other frame of the run comes before it, under another weight of views.
     pub leads: bool,
 }
@@ -57,12 +59,21 @@ impl<'f> Frame<'f> {
         let own = run.config.as_ref().map_or(HEADLINE, |config| config.metric);
         let metric = Metric::listed(metric_name.unwrap_or(own));
         let rows = distinct(run);
-        Self { shape: Shape::of_rows(run, &rows), run, rows, metric, names: Names::of(run), by: None, leads: true }
+        Self {
+            shape: Shape::of_rows(run, &rows),
+            run,
+            rows,
+            metric,
+            names: Names::of(run),
+            by: None,
+            along: SAMPLES,
+            leads: true,
+        }
     }
 
     /// A frame of another run or metric with the same rows of digests.
     pub fn like<'g>(&self, run: &'g Finished, metric: &str) -> Frame<'g> {
-        Frame { by: self.by, leads: self.leads, ..Frame::new(run, Some(metric)) }
+        Frame { by: self.by, along: self.along, leads: self.leads, ..Frame::new(run, Some(metric)) }
     }
 
     /// The axis of the rows of digests and the steps of figures: alpha, unless the experiment names another one.
@@ -105,10 +116,10 @@ impl<'f> Frame<'f> {
         (0..AXES.len()).filter(|&i| parts.contains(&AXES[i].part) && self.shape.is_swept(i)).collect()
     }
 
-    /// Swept axes that distinguish cases: all but method, samples, point sets and the tone curve.
+    /// Swept axes that distinguish cases: all but method, points of a curve, point sets and the tone curve.
     pub fn case_axes(&self) -> Vec<usize> {
-        let own = self.swept(&[Part::Case, Part::Parameter, Part::Table, Part::Method]);
-        own.into_iter().filter(|axis| *axis != METHOD).collect()
+        let own = self.swept(&[Part::Case, Part::Parameter, Part::Table, Part::Method, Part::Count]);
+        own.into_iter().filter(|axis| ![METHOD, self.along].contains(axis)).collect()
     }
 
     /// The axes of answer tables: axes of cases, and the most important axes even with one value.
@@ -205,10 +216,12 @@ impl Row<'_> {
 
     /// Samples per pixel of a sampled method.
     pub fn samples(&self) -> Option<u32> {
-        match self.point[SAMPLES] {
-            Value::Count(count) => Some(count),
-            _ => None,
-        }
+        self.count(SAMPLES)
+    }
+
+    /// A count on an axis, if its method uses the axis.
+    pub fn count(&self, axis: usize) -> Option<u32> {
+        if let Value::Count(count) = self.point[axis] { Some(count) } else { None }
     }
 
     /// Whether the tone curve is the default.

@@ -16,24 +16,30 @@ use super::{FIXED, SAMPLED};
 use crate::metrics::Space;
 use crate::run::tables::DISPLAY_HEADLINE;
 use crate::study::frame::curve::{Beside, beside, without_samples};
+use crate::study::table::Column;
+
+pub(super) const METRIC: Column = column("metric", "The score of the errors.");
+pub(super) const LO: Column = column(
+    "break_even_lo",
+    "Lower end of its 95 % interval over environments, rounded up to a tried count; empty if above the largest one, or with fewer than six environments.",
+);
+pub(super) const HI: Column = column("break_even_hi", super::UPPER);
+pub(super) const N: Column = column("n", "Number of environments.");
 
 pub const QUESTION: Question = Question {
     name: "break-even",
     asks: "How many samples per pixel does sampling need to beat a method without samples?",
     columns: &[
-        column("metric", "The score of the errors."),
+        METRIC,
         FIXED,
         SAMPLED,
         column(
             "break_even",
             "Sample count from which sampling errs less, median over environments; empty if above the largest tried count.",
         ),
-        column(
-            "break_even_lo",
-            "Lower end of its 95 % interval over environments, rounded up to a tried count; empty if above the largest one, or with fewer than six environments.",
-        ),
-        column("break_even_hi", super::UPPER),
-        column("n", "Number of environments."),
+        LO,
+        HI,
+        N,
         column("largest_tried", "Largest sample count tried in every case."),
     ],
     lacks,
@@ -51,14 +57,16 @@ fn lacks(shape: &Shape) -> Option<&'static str> {
 }
 
 /// The median of a pair under a condition.
-struct Pair {
-    metric: &'static str,
+pub(super) struct Pair {
+    pub(super) metric: &'static str,
     /// On the axes of [`conditions`].
-    key: Key,
-    sampled: String,
-    fixed: String,
-    crossing: Estimate,
-    tried: Vec<u32>,
+    pub(super) key: Key,
+    pub(super) sampled: String,
+    pub(super) fixed: String,
+    pub(super) crossing: Estimate,
+    pub(super) tried: Vec<u32>,
+    /// Error over the other method's, lag bias and flicker at each case's largest count; NaN if unknown.
+    pub(super) last: [f64; 3],
 }
 
 impl Pair {
@@ -79,8 +87,9 @@ impl Pair {
 }
 
 /// The axes whose values have their own answers: the row axis, the surface, and parameters of methods and tables.
-fn conditions(frame: &Frame) -> Vec<usize> {
-    let ways = frame.swept(&[Part::Method, Part::Parameter, Part::Table]).into_iter().filter(|of| *of != METHOD);
+pub(super) fn conditions(frame: &Frame) -> Vec<usize> {
+    let ways = frame.swept(&[Part::Method, Part::Parameter, Part::Table, Part::Count]).into_iter();
+    let ways = ways.filter(|of| ![METHOD, frame.along].contains(of));
     let all = std::iter::once(frame.row_axis()).chain(SURFACE).chain(ways);
     distinct_in_order(all.filter(|of| frame.shape.is_swept(*of)))
 }
@@ -89,7 +98,7 @@ fn conditions(frame: &Frame) -> Vec<usize> {
 fn tried(cases: &[&Beside]) -> Vec<u32> {
     let ends = cases.iter().map(|case| case.curve.tried());
     let [least, largest] = ends.fold([0, u32::MAX], |[a, b], [from, to]| [a.max(from), b.min(to)]);
-    let all = cases.iter().flat_map(|case| &case.curve.points).map(|point| point.samples);
+    let all = cases.iter().flat_map(|case| &case.curve.points).map(|point| point.count);
     let mut counts = distinct_in_order(all.filter(|count| (least..=largest).contains(count)));
     counts.sort_unstable();
     counts
@@ -100,16 +109,16 @@ fn crossing(case: &Beside, tried: &[u32]) -> f64 {
     let points = &case.curve.points;
     let wins = points.iter().rev().take_while(|point| point.error < case.error).count();
     let Some(after) = points.iter().rev().take(wins).next_back() else { return f64::INFINITY };
-    let count = f64::from(after.samples);
+    let count = f64::from(after.count);
     let Some(before) = points.iter().rev().nth(wins) else { return count };
-    let [x0, x1] = [before, after].map(|point| f64::from(point.samples).ln());
+    let [x0, x1] = [before, after].map(|point| f64::from(point.count).ln());
     let [y0, y1] = [before, after].map(|point| (point.error / case.error).ln());
     let crossing = (x0 + y0 / (y0 - y1) * (x1 - x0)).exp();
     if up(crossing, tried) == count { crossing } else { count }
 }
 
 /// Pair by pair, each by condition, ascending.
-fn pairs(frame: &Frame) -> Vec<Pair> {
+pub(super) fn pairs(frame: &Frame) -> Vec<Pair> {
     let (images, axes, of) = (frame.images(), frame.case_axes(), conditions(frame));
     let all = beside(frame, &images, &axes).into_iter().filter(|case| case.curve.points.len() > 1);
     let condition = |case: &Beside| -> Key {
@@ -133,10 +142,24 @@ fn pairs(frame: &Frame) -> Vec<Pair> {
             let crossings = own.iter().map(|case| (case.fixed.point[ENVIRONMENT].clone(), crossing(case, &tried)));
             let Some(crossing) = estimate(&crossings.collect::<Vec<_>>(), Middle::Median) else { continue };
             let (metric, sampled, fixed) = (frame.metric_name(), sampled.clone(), fixed.clone());
-            found.extend((!tried.is_empty()).then_some(Pair { metric, key, sampled, fixed, crossing, tried }));
+            let last = [0, 1, 2].map(|place| median_of(&own, |case| last(case, place)));
+            found.extend((!tried.is_empty()).then_some(Pair { metric, key, sampled, fixed, crossing, tried, last }));
         }
     }
     found
+}
+
+/// Ratio of errors, lag bias and flicker of the first image at the largest count of a case.
+fn last(case: &Beside, place: usize) -> Option<f64> {
+    let point = case.curve.points.last()?;
+    if place == 0 { Some(point.error / case.error) } else { Some(point.rows[0].cell.steadiness?[place - 1]) }
+}
+
+/// The median of a number over environments; NaN if a case has none.
+fn median_of(cases: &[&Beside], number: impl Fn(&Beside) -> Option<f64>) -> f64 {
+    let all = cases.iter().map(|case| Some((case.fixed.point[ENVIRONMENT].clone(), number(case)?)));
+    let all = all.collect::<Option<Vec<_>>>().and_then(|all| estimate(&all, Middle::Median));
+    all.map_or(f64::NAN, |all| all.value)
 }
 
 fn answer(frame: &Frame) -> Option<Finding> {
@@ -144,9 +167,22 @@ fn answer(frame: &Frame) -> Option<Finding> {
     let of_pictures = has_flip.then(|| frame.like(frame.run, DISPLAY_HEADLINE));
     let all: Vec<Pair> = std::iter::once(frame).chain(&of_pictures).flat_map(pairs).collect();
     let axes = conditions(frame);
-    let columns = distinct_in_order(SURFACE.into_iter().chain(axes.iter().copied()));
-    let mut table = Table::new(&columns, QUESTION.columns);
-    for own in &all {
+    let table = table(frame, &axes, QUESTION.columns, &all, |_| Vec::new());
+    let figure = by_lookups::figure(of_pictures.as_ref().unwrap_or(frame));
+    Some(Finding { sentence: sentence(frame, &axes, &all)?, digest: Some(digest(frame, &axes, &all)), table, figure })
+}
+
+/// One row per pair and condition, and `more` cells of each.
+pub(super) fn table(
+    frame: &Frame,
+    axes: &[usize],
+    columns: &[Column],
+    all: &[Pair],
+    more: impl Fn(&Pair) -> Vec<Cell>,
+) -> Table {
+    let of = distinct_in_order(SURFACE.into_iter().chain(axes.iter().copied()));
+    let mut table = Table::new(&of, columns);
+    for own in all {
         let value = |of: &usize| match axes.iter().position(|axis| axis == of) {
             Some(place) => own.key[place].clone(),
             None => frame.shape.values[*of].first().cloned().unwrap_or(Value::Unset),
@@ -155,19 +191,19 @@ fn answer(frame: &Frame) -> Option<Finding> {
         let [lo, hi] = own.crossing.interval.map_or([None; 2], |ends| ends.map(count));
         let head = cells![own.metric, own.fixed.as_str(), own.sampled.as_str()];
         let numbers = cells![count(own.crossing.value), lo, hi, own.crossing.n, own.tried.last().copied()];
-        table.row([axis_cells(&columns, &columns.iter().map(value).collect::<Key>()), head, numbers].concat());
+        let key: Key = of.iter().map(value).collect();
+        table.row([axis_cells(&of, &key), head, numbers, more(own)].concat());
     }
-    let figure = by_lookups::figure(of_pictures.as_ref().unwrap_or(frame));
-    Some(Finding { sentence: sentence(frame, &axes, &all)?, digest: Some(digest(frame, &axes, &all)), table, figure })
+    table
 }
 
 /// The next tried count; infinity above them.
-fn up(n: f64, tried: &[u32]) -> f64 {
+pub(super) fn up(n: f64, tried: &[u32]) -> f64 {
     tried.iter().map(|count| f64::from(*count)).find(|count| *count >= n).unwrap_or(f64::INFINITY)
 }
 
 /// "16"; "at most 4" if no fewer were tried; "more than 256".
-fn counted(n: f64, tried: &[u32]) -> String {
+pub(super) fn counted(n: f64, tried: &[u32]) -> String {
     let (least, largest) = (tried[0], tried[tried.len() - 1]);
     match up(n, tried) {
         n if n.is_infinite() => format!("more than {largest}"),
@@ -177,7 +213,7 @@ fn counted(n: f64, tried: &[u32]) -> String {
 }
 
 /// The least and the largest of these medians.
-fn ends<'p>(own: &[&'p Pair]) -> Option<[&'p Pair; 2]> {
+pub(super) fn ends<'p>(own: &[&'p Pair]) -> Option<[&'p Pair; 2]> {
     let least = own.iter().copied().reduce(|a, b| if b.crossing.value < a.crossing.value { b } else { a })?;
     let most = own.iter().copied().reduce(|a, b| if b.crossing.value > a.crossing.value { b } else { a })?;
     Some([least, most])
@@ -226,7 +262,7 @@ fn sentence(frame: &Frame, axes: &[usize], all: &[Pair]) -> Option<String> {
 }
 
 /// One row per metric, condition and pair, one column per value of [`Frame::row_axis`].
-fn digest(frame: &Frame, axes: &[usize], all: &[Pair]) -> Table {
+pub(super) fn digest(frame: &Frame, axes: &[usize], all: &[Pair]) -> Table {
     let of = frame.row_axis();
     let others: Vec<usize> = (0..axes.len()).filter(|place| axes[*place] != of).collect();
     let width = |own: &Pair| axes.iter().position(|axis| *axis == of).map(|place| own.key[place].clone());

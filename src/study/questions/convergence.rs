@@ -52,11 +52,11 @@ impl Fall<'_, '_> {
     fn of<'r, 'f>(curve: Curve<'r, 'f>) -> Fall<'r, 'f> {
         let resolved: Vec<&CurvePoint> = curve.points.iter().filter(|point| point.is_resolved).collect();
         let logs: Vec<[f64; 2]> =
-            resolved.iter().map(|point| [f64::from(point.samples).ln(), point.error.ln()]).collect();
+            resolved.iter().map(|point| [f64::from(point.count).ln(), point.error.ln()]).collect();
         let is_flat =
             |ends: &[[f64; 2]]| (ends[1][1] - ends[0][1]) / (ends[1][0] - ends[0][0]) > (1.0 - GAIN_MIN).log2();
         let flat = logs.windows(2).rev().take_while(|ends| is_flat(ends)).count();
-        let stops_at = (flat > 0).then(|| resolved[resolved.len() - 1 - flat].samples);
+        let stops_at = (flat > 0).then(|| resolved[resolved.len() - 1 - flat].count);
         Fall { line: Line::of(&logs), stops_at, curve }
     }
 }
@@ -72,7 +72,7 @@ fn answer(frame: &Frame) -> Option<Finding> {
         let mut row = fall.curve.first().cells(&columns);
         row.extend(cells![
             &fall.curve.method,
-            point.samples,
+            point.count,
             point.error,
             frame.noise_floor(point.rows[0]),
             point.is_resolved
@@ -212,7 +212,7 @@ fn figure(frame: &Frame, axes: &[usize], falls: &[Fall], fixed: &[&Row]) -> Opti
                 let row = point.rows[0];
                 let label = frame.names.label(axes, &fall.curve.key);
                 let tip = format!("{}: {} · {label}", frame.way(row), number(point.error));
-                dot([f64::from(point.samples), point.error], index(&row.text(METHOD)), tip, row)
+                dot([f64::from(point.count), point.error], index(&row.text(METHOD)), tip, row)
             });
             marks.extend(joined(dots.collect()));
         }
@@ -249,7 +249,7 @@ fn figure(frame: &Frame, axes: &[usize], falls: &[Fall], fixed: &[&Row]) -> Opti
 fn summed(own: &[&Fall], index: &dyn Fn(&str) -> usize) -> Vec<Mark> {
     let of_method = |(method, falls): (Value, Vec<&&Fall>)| {
         let points = || falls.iter().flat_map(|fall| fall.curve.points.iter().map(|point| (fall.curve.first(), point)));
-        let by_count = grouped(points(), |(_, point)| point.samples);
+        let by_count = grouped(points(), |(_, point)| point.count);
         let dots = by_count.into_iter().flat_map(|(samples, own)| {
             let errors = own.iter().map(|(row, point)| (*row, point.error)).filter(|(_, error)| *error > 0.0);
             let name = format!("{method} {samples}");

@@ -41,6 +41,7 @@ macro_rules! questions {
 
 questions! {
     break_even,
+    frames,
     convergence,
     error,
     effect,

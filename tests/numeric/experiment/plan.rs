@@ -188,9 +188,17 @@ fn the_reference_inherits_the_axes_of_cases_alone() {
         };
         // Sample counts matter if the tables are sampled.
         let by = if axis.name == "prefilter" { "" } else { "prefilter = [\"sampled\"]\n" };
-        let layer = axis.layer().map_or(String::new(), |layer| format!("{layer} = [1]\n"));
+        let layer = axis
+            .layer()
+            .map_or(String::new(), |layer| format!("{layer} = [{}]\n", if layer == "frames" { 2 } else { 1 }));
+        // These depend on another value, too.
+        let more = match axis.name {
+            "ema_factor" => "accumulation = [\"ema\"]\n",
+            "motion_deg" => "motion = [\"light\"]\n",
+            _ => "",
+        };
         let plan = plan(&format!(
-            "name = \"x\"\n[axes]\n{by}{layer}{} = [{values}]\nmethod = [\"sampled\", \"split-sum\", \"split-sum-bent\"]\nsamples = [4]\n\
+            "name = \"x\"\n[axes]\n{by}{layer}{more}{} = [{values}]\nmethod = [\"sampled\", \"split-sum\", \"split-sum-bent\"]\nsamples = [4]\n\
                  diffuse = [\"irradiance-map\"]\n",
             axis.name
         ));

@@ -129,6 +129,7 @@ impl Renderer for Fake {
             standard_error,
             mask: Arc::new(mask),
             n_dot_v: Arc::new(n_dot_v),
+            steadiness: None,
             // A cached frame has no passes; this one was rendered.
             timings: FrameTimings { frame: vec![PassTime { pass: "gbuffer", ms: 1.0 }], ..FrameTimings::default() },
         })

@@ -40,6 +40,7 @@ fn cell_of(id: String, point: Point) -> FinishedCell {
         point,
         scores: None,
         noise_floors: none,
+        steadiness: None,
         reference,
         bins: bins.into(),
         steps: Vec::new(),

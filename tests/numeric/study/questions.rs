@@ -16,7 +16,7 @@ use std::sync::OnceLock;
 
 /// Experiments that together serve every question: the name, the text before the axes, the axes and the text after
 /// them. Seven environments are enough for intervals.
-const EXPERIMENTS: [[&str; 3]; 8] = [
+const EXPERIMENTS: [[&str; 3]; 9] = [
     [
         "methods",
         REFERENCE,
@@ -95,6 +95,17 @@ f0 = [0.04, 1]
 alpha = [0.1, 0.5]
 diffuse = ["none"]
 compensation = ["turquin"]"#,
+    ],
+    [
+        "frames",
+        REFERENCE,
+        r#"environment = ["builtin:constant", "builtin:sky", "builtin:studio", "builtin:checker", "builtin:cap", "builtin:gradient"]
+method = ["split-sum", "split-sum-two", "sampled"]
+samples = [1, 4]
+frames = [1, 4, 16]
+motion = ["still", "light"]
+alpha = [0.1, 0.5]
+diffuse = ["none"]"#,
     ],
     [
         "furnace",

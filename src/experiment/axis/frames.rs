@@ -1,0 +1,105 @@
+//! The axes of sequences of frames. Methods without points have sequences of one frame.
+
+use super::layers::LAYER;
+use super::plain::first;
+use super::{Axis, MOTION, Part, Point, SCENE, Symbol};
+use crate::experiment::value::{Kind, Range, Value};
+use crate::math::sequence::FramePoints;
+use crate::scene::is_design;
+use crate::shade::frames::{Accumulation, Frames, History, Motion};
+use crate::spelling::Listed;
+
+const FRAME: Axis = Axis { part: Part::Parameter, used: |u| u.frames.is_some(), ..LAYER };
+
+/// Longest sequence.
+const FRAMES_MAX: u32 = 4096;
+
+/// The first is the count, without which the others mean nothing.
+pub(super) const FRAME_AXES: &[Axis] = &[
+    Axis {
+        name: "frames",
+        about: "frames of a sequence, which add up to the image; `samples` is for each",
+        plural: "frame counts",
+        symbol: Symbol::After("frames", "frames"),
+        kind: Kind::Count { min: 1, max: FRAMES_MAX },
+        default: || Value::Count(1),
+        used: |u| u.method.uses_point_set,
+        reference: |_, _| Value::Count(1),
+        apply: |s, v| s.shading.frames.count = v.count(),
+        ..FRAME
+    },
+    Axis {
+        name: "accumulation",
+        about: "how frames add up: mean, or exponential moving average (ema)",
+        plural: "accumulations",
+        kind: Kind::one_of::<Accumulation>(),
+        default: first::<Accumulation>,
+        apply: |s, v| s.shading.frames.accumulation = *Accumulation::listed(v.text()),
+        ..FRAME
+    },
+    Axis {
+        name: "ema_factor",
+        label: "Newest frame",
+        about: "weight of the newest frame in a long exponential moving average",
+        plural: "factors",
+        symbol: Symbol::Before("factor"),
+        kind: Kind::Number(Range::above(0.0, 1.0)),
+        default: || Value::Number(Frames::default().ema_factor),
+        used: |u| u.frames.is_some_and(|frames| frames.accumulation == Accumulation::Ema),
+        apply: |s, v| s.shading.frames.ema_factor = v.number(),
+        ..FRAME
+    },
+    Axis {
+        name: "motion",
+        about: "what turns from frame to frame; the last frame has the pose of an image alone",
+        plural: "motions",
+        kind: Kind::one_of::<Motion>(),
+        default: first::<Motion>,
+        apply: |s, v| s.shading.frames.motion = *Motion::listed(v.text()),
+        ..FRAME
+    },
+    Axis {
+        name: "motion_deg",
+        label: "Turn a frame (°)",
+        about: "turn of the light or the camera about +y per frame, degrees",
+        plural: "speeds",
+        symbol: Symbol::After("deg a frame", "degrees a frame"),
+        kind: Kind::Number(Range::closed(-360.0, 360.0)),
+        default: || Value::Number(Frames::default().motion_deg),
+        used: |u| u.frames.is_some_and(|frames| frames.motion != Motion::Still),
+        apply: |s, v| s.shading.frames.motion_deg = v.number(),
+        ..FRAME
+    },
+    Axis {
+        name: "frame_points",
+        about: "points of each pixel and frame: scrambled (owen), continued (r2), or shifted by blue noise (blue)",
+        plural: "kinds of frame points",
+        symbol: Symbol::After("frame points", "frame points"),
+        kind: Kind::one_of::<FramePoints>(),
+        default: first::<FramePoints>,
+        apply: |s, v| s.shading.frames.points = *FramePoints::listed(v.text()),
+        ..FRAME
+    },
+    Axis {
+        name: "history",
+        about: "what a pixel does with its history; docs/frames.md",
+        plural: "histories",
+        symbol: Symbol::After("history", "history"),
+        kind: Kind::one_of::<History>(),
+        default: first::<History>,
+        apply: |s, v| s.shading.frames.history = *History::listed(v.text()),
+        ..FRAME
+    },
+];
+
+/// Returns why a point cannot move, if it cannot.
+pub fn motion_fault(point: &Point) -> Option<String> {
+    let motion = &point[MOTION];
+    let is_moving = ![&Value::Unset, &first::<Motion>()].contains(&motion);
+    (is_moving && is_design(point[SCENE].text())).then(|| {
+        format!(
+            "{motion} on the scene design, whose pixels are unrelated views: none has a history at another pixel; \
+             expected still, or another scene"
+        )
+    })
+}
