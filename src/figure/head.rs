@@ -1,10 +1,8 @@
-//! The head of a figure: title, note, legend, colour bar.
+//! The head of a figure: title, note, legend.
 
-use super::labels::Labels;
 use super::layout::{Layout, PAD, ends_room};
-use super::scale::Axis;
 use super::text::{AXIS, Font, MIDDLE, NOTE, TITLE, stack};
-use super::{Figure, Ramp, Scale, ScaleKind, Shape};
+use super::{Figure, Shape};
 
 const TITLE_LINES: usize = 4;
 const NOTE_LINES: usize = 6;
@@ -16,21 +14,12 @@ const MARKER: f64 = 9.0;
 const SWATCH_GAP: f64 = 6.0;
 const ENTRY_GAP: f64 = 16.0;
 const ENTRY_HEIGHT: f64 = 18.0;
-/// Size of the colour bar, pixels.
-const BAR: [f64; 2] = [220.0, 10.0];
-
-pub fn ramp_scale(ramp: &Ramp) -> Scale {
-    Scale { label: ramp.label.clone(), kind: ScaleKind::Log { lo: ramp.lo, hi: ramp.hi } }
-}
 
 impl Layout {
     pub fn head(&mut self, figure: &Figure) {
         self.paragraph(&figure.title, TITLE, TITLE_LINES);
         self.paragraph(&figure.note, NOTE, NOTE_LINES);
         self.legend(figure);
-        if let Some(ramp) = &figure.ramp {
-            self.ramp(ramp);
-        }
     }
 
     /// Text over the whole width.
@@ -47,7 +36,7 @@ impl Layout {
             return;
         }
         let mut marks = figure.marks().filter(|mark| mark.series.is_some());
-        let is_small = |shape: &Shape| matches!(shape, Shape::Dot(_) | Shape::Whisker(..) | Shape::Tile { .. });
+        let is_small = |shape: &Shape| matches!(shape, Shape::Dot(_) | Shape::Whisker(..));
         self.swatch = if marks.all(|mark| is_small(&mark.shape)) { MARKER } else { SWATCH };
         let indent = self.swatch + SWATCH_GAP;
         let (mut x, mut y) = (PAD, self.height + GAP + ENTRY_HEIGHT / 2.0 - 4.0);
@@ -62,18 +51,5 @@ impl Layout {
             x += wide + ENTRY_GAP;
             self.height = y + ENTRY_HEIGHT / 2.0;
         }
-    }
-
-    fn ramp(&mut self, ramp: &Ramp) {
-        self.height += GAP - 2.0;
-        self.paragraph(&ramp.label, AXIS, 1);
-        let (scale, wide) = (ramp_scale(ramp), BAR[0].min(self.width - 3.0 * PAD));
-        let axis = Axis::new(&scale.kind, PAD, PAD + wide);
-        let labels = Labels::below(&scale, wide, [0.0; 2], &[]);
-        let places = labels.values().into_iter().map(|value| axis.at(value)).collect();
-        self.bar = Some(([PAD, self.height, wide, BAR[1]], places));
-        self.height += BAR[1];
-        self.words.extend(labels.words_below(&axis, self.height, [PAD, PAD + wide]));
-        self.height += labels.depth;
     }
 }

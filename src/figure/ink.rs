@@ -1,13 +1,11 @@
-//! Colours of a figure: CSS custom properties for light and dark grounds, and colours of tiles.
+//! Colours of a figure: CSS custom properties for light and dark grounds.
 
-use super::{Figure, Ramp};
-use crate::color::{luminance, srgb_decode};
-use crate::table::colormap::Palette;
+use super::Figure;
 
 /// Class, CSS property, custom property, and colours on a light and a dark ground.
 type Ink = (&'static str, &'static str, &'static str, [&'static str; 2]);
 
-pub const INKS: [Ink; 9] = [
+pub const INKS: [Ink; 8] = [
     (".fig-ground", "fill", "--fig-ground", ["#fafaf8", "#101214"]),
     (".fig-ink", "fill", "--fig-ink", ["#15171a", "#edeeee"]),
     (".fig-muted", "fill", "--fig-muted", ["#575b62", "#a6acb3"]),
@@ -16,7 +14,6 @@ pub const INKS: [Ink; 9] = [
     (".fig-plain", "color", "--fig-muted", ["#575b62", "#a6acb3"]),
     (".fig-d,.fig-o", "stroke", "--fig-ground", ["#fafaf8", "#101214"]),
     (".fig-b", "fill", "--fig-ground", ["#fafaf8", "#101214"]),
-    (".fig-none", "fill", "--fig-none", ["#eeeeeb", "#202428"]),
 ];
 
 /// Colours of series on a light and a dark ground, with a contrast of at least 4.5:1. The first four are for methods:
@@ -77,41 +74,4 @@ pub fn style() -> String {
     };
     let dark = rules(1);
     format!("{}{}@media(prefers-color-scheme:dark){{{dark}}}", SHAPES.replace("\n", ""), rules(0))
-}
-
-/// The used part of one-sided colours, without black and near white.
-const SEQUENTIAL: [f64; 2] = [0.12, 0.97];
-
-impl Ramp {
-    /// The place of a value on the palette, from 0 to 1.
-    fn place(&self, value: f64) -> f64 {
-        let f = |value: f64| value.max(f64::MIN_POSITIVE).ln();
-        let [lo, hi, value] = [self.lo, self.hi, value].map(f);
-        let place = match self.middle.map(f) {
-            Some(middle) => 0.5 + 0.5 * (value - middle) / (hi - middle).max(middle - lo),
-            None => (value - lo) / (hi - lo),
-        };
-        if place.is_nan() { 0.5 } else { place.clamp(0.0, 1.0) }
-    }
-
-    /// The sRGB-encoded colour.
-    pub fn color(&self, value: f64) -> [u8; 3] {
-        let place = self.place(value);
-        match self.middle {
-            Some(_) => Palette::BlueRed.color(place),
-            None => Palette::Magma.color(SEQUENTIAL[0] + place * (SEQUENTIAL[1] - SEQUENTIAL[0])),
-        }
-    }
-}
-
-pub fn hex([r, g, b]: [u8; 3]) -> String {
-    format!("#{r:02x}{g:02x}{b:02x}")
-}
-
-/// The class of black or white words on a colour, whichever has more contrast (WCAG 2).
-pub fn words_on(color: [u8; 3]) -> &'static str {
-    /// Luminance at which both have the same contrast.
-    const EVEN: f64 = 0.179;
-    let luminance = luminance(color.map(|code| srgb_decode(f32::from(code) / 255.0)));
-    if luminance > EVEN { "fig-dark" } else { "fig-pale" }
 }

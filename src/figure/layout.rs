@@ -4,7 +4,7 @@ use super::dodge::{Dodge, PITCH};
 use super::ink::class;
 use super::labels::{Labels, OFF};
 use super::scale::Axis;
-use super::text::{AXIS, LABEL, MIDDLE, NAME, TILE, Words, stack};
+use super::text::{AXIS, LABEL, MIDDLE, NAME, Words, stack};
 use super::{Figure, Mark, Panel, Scale, ScaleKind, Shape};
 
 /// Margin, pixels.
@@ -23,11 +23,9 @@ const NAMES_MOST: f64 = 300.0;
 /// Height of a panel over its width, and its limits in pixels.
 const ASPECT: f64 = 0.68;
 const HEIGHTS: [f64; 2] = [140.0, 320.0];
-/// Least height of a row of marks and of tiles, and margin of a row, pixels.
+/// Least height and margin of a row, pixels.
 const ROW: f64 = 20.0;
-const TILE_ROW: f64 = 25.0;
 const ROW_MARGIN: f64 = 7.0;
-const TILE_MARGIN: f64 = 4.0;
 /// Most lines of a title.
 const LINES: usize = 3;
 /// With more rows of panels, each has its own labels.
@@ -48,7 +46,6 @@ pub struct Frame {
     /// Grid lines along x and y.
     pub lines: [Vec<f64>; 2],
     pub dodge: Dodge,
-    pub has_tile_words: bool,
 }
 
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -60,8 +57,6 @@ pub struct Layout {
     /// Series, and left middle of its mark in the legend.
     pub entries: Vec<(usize, [f64; 2])>,
     pub swatch: f64,
-    /// Left, top, width, height and ticks of the colour bar.
-    pub bar: Option<([f64; 4], Vec<f64>)>,
     pub frames: Vec<Frame>,
 }
 
@@ -162,7 +157,7 @@ impl Grid<'_> {
         // Level names are easier to read than upright ones.
         let words = names.iter().flat_map(|name| name.split_whitespace()).map(|word| LABEL.width(word) + OFF);
         let lanes = self.dodges[index].count as f64 * PITCH;
-        let step = words.fold(STEP_LEAST, f64::max).max(tile_width(panel)).max(lanes);
+        let step = words.fold(STEP_LEAST, f64::max).max(lanes);
         (names.len() as f64 * step).max(NARROWEST * 0.75)
     }
 
@@ -182,10 +177,8 @@ impl Grid<'_> {
     }
 
     fn row_height(&self, index: usize, labels: &Labels) -> f64 {
-        let has_tiles = self.panels()[index].marks.iter().any(|mark| matches!(mark.shape, Shape::Tile { .. }));
-        let least = if has_tiles { TILE_ROW } else { ROW };
         let lanes = if self.dodges[index].is_y { self.dodges[index].count as f64 * PITCH } else { 0.0 };
-        least.max(labels.row().max(lanes) + ROW_MARGIN)
+        ROW.max(labels.row().max(lanes) + ROW_MARGIN)
     }
 
     /// The words above a panel: its name, and the title of y unless that is common.
@@ -271,16 +264,14 @@ impl Grid<'_> {
         if self.titles[0].is_none() {
             end = title_below(layout, &panel.x.label, [left, right + side], end);
         }
-        // Grid lines behind bars and tiles are useless.
-        let is_filled =
-            panel.marks.iter().any(|mark| matches!(mark.shape, Shape::HorizontalBar { .. } | Shape::Tile { .. }));
+        // Grid lines behind bars are useless.
+        let is_filled = panel.marks.iter().any(|mark| matches!(mark.shape, Shape::HorizontalBar { .. }));
         let lines = |axis: &Axis, labels: &Labels| match axis.has_steps() && is_filled {
             true => Vec::new(),
             false => labels.values().into_iter().map(|value| axis.at(value)).collect(),
         };
         let frame = Frame {
             lines: [lines(&x, &below), lines(&y, beside)],
-            has_tile_words: tile_width(panel) <= x.step(),
             dodge: self.dodges[index].clone(),
             x,
             y,
@@ -329,12 +320,4 @@ fn title_below(layout: &mut Layout, title: &str, [left, right]: [f64; 2], top: f
     let at = [(left + right) / 2.0, top + AXIS.line()];
     layout.words.extend(stack(&lines, title, at, AXIS, "middle"));
     top + lines.len() as f64 * AXIS.line() + OFF / 2.0
-}
-
-fn tile_width(panel: &Panel) -> f64 {
-    let words = panel.marks.iter().filter_map(|mark| match &mark.shape {
-        Shape::Tile { text, .. } => Some(text),
-        _ => None,
-    });
-    TILE.widest(words) + TILE_MARGIN
 }

@@ -1,10 +1,10 @@
 //! Draws marks. A value outside of the domain becomes an open arrow at the border; NaN is not drawn.
 
 use super::element::{dash, line, path, rectangle};
-use super::ink::{class, hex, words_on};
+use super::ink::class;
 use super::layout::Frame;
 use super::scale::Axis;
-use super::text::{MIDDLE, TILE, escape, px};
+use super::text::escape;
 use super::{Figure, Mark, Shape};
 
 /// Half the caps of a whisker, pixels.
@@ -12,8 +12,6 @@ const CAP: f64 = 3.0;
 const ARROW: f64 = 4.5;
 /// Height of a bar over its row.
 const BAR: f64 = 0.66;
-/// Between tiles.
-const TILE_GAP: f64 = 1.0;
 
 /// Outlines of markers by ink, from the middle, of similar area.
 const MARKERS: [&str; 8] = [
@@ -31,7 +29,7 @@ pub fn marker(ink: Option<usize>, at: [f64; 2]) -> String {
     line(&[at]) + MARKERS[ink.unwrap_or(0) % MARKERS.len()]
 }
 
-/// Draws a panel from the ground up: tiles, bars, axes, rules, lines, intervals, dots.
+/// Draws a panel from the ground up: bars, axes, rules, lines, intervals, dots.
 pub fn draw(figure: &Figure, index: usize, frame: &Frame) -> String {
     let panel = &figure.panels[index];
     let mut order: Vec<usize> = (0..panel.marks.len()).collect();
@@ -49,10 +47,10 @@ pub fn draw(figure: &Figure, index: usize, frame: &Frame) -> String {
     format!("<g role=\"group\"{name}>\n{filled}{border}\n{others}</g>\n")
 }
 
-/// Filled shapes are below the axes, dots on top.
+/// Bars are below the axes, dots on top.
 fn layer(shape: &Shape) -> u8 {
     match shape {
-        Shape::Tile { .. } | Shape::HorizontalBar { .. } => 0,
+        Shape::HorizontalBar { .. } => 0,
         Shape::HorizontalRule(_) | Shape::VerticalRule(_) => 1,
         Shape::Line(_) => 2,
         Shape::Whisker(..) => 3,
@@ -104,7 +102,6 @@ impl Pen<'_> {
             Shape::Whisker(a, b) => self.whisker(*a, *b),
             Shape::HorizontalRule(y) => self.rule(&self.frame.y, *y, |y| [[left, y], [right, y]]),
             Shape::VerticalRule(x) => self.rule(&self.frame.x, *x, |x| [[x, top], [x, bottom]]),
-            Shape::Tile { x, y, value, text } => Some(self.tile([*x, *y], *value, text)),
         }
     }
 
@@ -158,24 +155,5 @@ impl Pen<'_> {
             }
         }
         Some(path("fig-l fig-thin", "", &data) + &start + &end + &self.hit(&line(&[from, to])))
-    }
-
-    fn tile(&self, [x, y]: [usize; 2], value: f64, text: &str) -> String {
-        let (across, down) = (&self.frame.x, &self.frame.y);
-        let (middle, level) = (across.at(x as f64), down.at(y as f64));
-        let (width, height) = (across.step() - TILE_GAP, down.step() - TILE_GAP);
-        let data = rectangle([middle - width / 2.0, level - height / 2.0, width, height]);
-        let ramp = self.figure.ramp.as_ref();
-        let color = ramp.filter(|_| !value.is_nan()).map(|ramp| ramp.color(value));
-        let drawn = match color {
-            Some(color) => path("fig-o", &format!(" fill=\"{}\"", hex(color)), &data),
-            None => path("fig-none fig-o", "", &data),
-        };
-        if !self.frame.has_tile_words || text.is_empty() {
-            return drawn;
-        }
-        let class = color.map_or("fig-muted fig-gap", words_on);
-        let (x, y, text) = (px(middle), px(level + TILE.size * MIDDLE), escape(text));
-        format!("{drawn}<text class=\"{class}\" x=\"{x}\" y=\"{y}\">{text}</text>")
     }
 }

@@ -19,8 +19,6 @@ pub struct Figure {
     pub note: String,
     pub panels: Vec<Panel>,
     pub series: Vec<Series>,
-    /// The colours of [`Shape::Tile`] marks.
-    pub ramp: Option<Ramp>,
 }
 
 #[derive(Clone, Debug, PartialEq)]
@@ -61,16 +59,6 @@ pub enum ScaleKind {
     Steps(Vec<String>),
 }
 
-/// The logarithmic colour scale of tiles.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Ramp {
-    pub label: String,
-    pub lo: f64,
-    pub hi: f64,
-    /// The value at which colours diverge, such as 1 for a ratio; `None` for one-sided colours.
-    pub middle: Option<f64>,
-}
-
 #[derive(Clone, Debug, PartialEq)]
 pub struct Mark {
     pub shape: Shape,
@@ -98,13 +86,6 @@ pub enum Shape {
     HorizontalRule(f64),
     /// Across the panel at an x.
     VerticalRule(f64),
-    /// A step of x and of y, coloured by a value, with a short text.
-    Tile {
-        x: usize,
-        y: usize,
-        value: f64,
-        text: String,
-    },
 }
 
 impl Figure {

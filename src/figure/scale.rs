@@ -60,14 +60,6 @@ impl Axis {
         }
     }
 
-    /// The inverse of [`Axis::share`].
-    pub fn value(&self, share: f64) -> f64 {
-        match self.is_log {
-            true => (self.lo.ln() + share * (self.hi.ln() - self.lo.ln())).exp(),
-            false => self.lo + share * (self.hi - self.lo),
-        }
-    }
-
     /// Pixels, clamped to the ends; NaN for NaN.
     pub fn at(&self, value: f64) -> f64 {
         self.from + self.share(value).clamp(0.0, 1.0) * (self.to - self.from)

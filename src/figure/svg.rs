@@ -1,19 +1,17 @@
 //! Writes the SVG of a figure. It has no ids, so that a page can hold many.
 //!
 //! Colours are custom properties with fallbacks for light and dark. A page may set `--fig-ground`, `--fig-ink`, `--fig-muted`, `--fig-grid`,
-//! `--fig-axis`, `--fig-none`, `--fig-s0` to `--fig-s7`, and `--fig-font`.
+//! `--fig-axis`, `--fig-s0` to `--fig-s7`, and `--fig-font`.
 //!
 //! A mark with a tip is a `<g class="mark">` with the words in `aria-label`, `data-tip` and `<title>`, its cell in `data-cell`, and the indices
 //! of panel and series in `data-panel` and `data-series`.
 
 use super::element::{dash, line, path, rectangle, words};
-use super::head::ramp_scale;
-use super::ink::{class, hex, style};
+use super::ink::{class, style};
 use super::layout::{Frame, Layout, layout};
 use super::marks::{draw, marker};
-use super::scale::Axis;
 use super::text::{escape, px};
-use super::{Figure, Ramp, Shape};
+use super::{Figure, Shape};
 
 /// Widths of figures for a file, a desktop and a phone, pixels.
 pub const FILE_WIDTH: u32 = 760;
@@ -24,10 +22,7 @@ pub fn svg(figure: &Figure, width: u32) -> String {
     let layout = layout(figure, f64::from(width.max(NARROWEST)));
     let (width, height) = (px(layout.width), px(layout.height.ceil()));
     let (title, note, style) = (escape(&figure.title), escape(&figure.note), style());
-    let bar = figure.ramp.as_ref().zip(layout.bar.as_ref());
-    let bar = bar.map_or_else(String::new, |(ramp, (area, ticks))| bar_of(ramp, *area, ticks));
     let body = std::iter::once(legend(figure, &layout))
-        .chain([bar])
         .chain(layout.frames.iter().map(grid))
         .chain(layout.words.iter().map(words))
         .chain(layout.frames.iter().enumerate().map(|(index, frame)| draw(figure, index, frame)));
@@ -56,21 +51,6 @@ fn legend(figure: &Figure, layout: &Layout) -> String {
         format!("<g class=\"{}\" data-series=\"{index}\">{drawn}</g>\n", class(ink))
     };
     layout.entries.iter().map(entry).collect()
-}
-
-fn bar_of(ramp: &Ramp, [left, top, width, height]: [f64; 4], ticks: &[f64]) -> String {
-    /// Whole pixels avoid seams.
-    const PART: f64 = 2.0;
-    let axis = Axis::new(&ramp_scale(ramp).kind, 0.0, 1.0);
-    let part = |i: usize| {
-        let start = i as f64 * PART;
-        let wide = PART.min(width - start);
-        let color = hex(ramp.color(axis.value((start + wide / 2.0) / width)));
-        format!("<path fill=\"{color}\" d=\"{}\"/>", rectangle([left + start, top, wide, height]))
-    };
-    let parts: String = (0..(width / PART).ceil() as usize).map(part).collect();
-    let ticks: String = ticks.iter().map(|x| line(&[[*x, top + height], [*x, top + height + 3.0]])).collect();
-    format!("{parts}\n{}\n", path("fig-axis", "", &ticks))
 }
 
 fn grid(frame: &Frame) -> String {

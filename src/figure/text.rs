@@ -37,7 +37,6 @@ pub const TITLE: Font = Font { size: 15.0, is_bold: true, class: "fig-ink fig-ti
 pub const NAME: Font = Font { size: 12.0, is_bold: true, class: "fig-ink fig-name" };
 pub const AXIS: Font = Font { size: 12.0, is_bold: false, class: "fig-ink fig-note" };
 pub const NOTE: Font = Font { class: "fig-muted fig-note", ..AXIS };
-pub const TILE: Font = Font { size: 10.0, ..LABEL };
 pub const LABEL: Font = Font { size: 11.0, is_bold: false, class: "fig-muted" };
 
 impl Font {

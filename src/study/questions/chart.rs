@@ -1,10 +1,10 @@
-//! Figures of questions: panels with common scales, and maps of tiles.
+//! Figures of questions: panels with common scales.
 
 use super::numbers::{Numbers, is_formula};
 use super::words::count;
 use crate::experiment::axis::{AXES, ENVIRONMENT};
 use crate::experiment::value::Value;
-use crate::figure::{Figure, Mark, Panel, Ramp, Scale, Series, Shape as Form};
+use crate::figure::{Figure, Mark, Panel, Scale, Series, Shape as Form};
 use crate::study::frame::{Frame, Row};
 
 /// Most panels of a figure.
@@ -63,7 +63,6 @@ impl Chart<'_> {
             note: self.note,
             panels: self.panels.into_iter().map(panel).collect(),
             series: self.series.into_iter().map(|name| Series { name, is_dashed: false, ink: None }).collect(),
-            ramp: None,
         })
     }
 }
@@ -77,7 +76,6 @@ fn reach(mark: &Mark) -> [Vec<f64>; 2] {
         Form::HorizontalBar { y, base, to } => [vec![*base, *to], vec![*y]],
         Form::HorizontalRule(y) => [Vec::new(), vec![*y]],
         Form::VerticalRule(x) => [vec![*x], Vec::new()],
-        Form::Tile { .. } => [Vec::new(), Vec::new()],
     }
 }
 
@@ -119,45 +117,4 @@ pub fn joined(dots: Vec<Mark>) -> Vec<Mark> {
 /// The index of a value; NaN, which is not drawn, if it is missing.
 pub fn step<T: PartialEq>(steps: &[T], value: &T) -> f64 {
     steps.iter().position(|step| step == value).map_or(f64::NAN, |place| place as f64)
-}
-
-/// One number at a step of x and a step of y.
-pub struct Tile {
-    pub panel: String,
-    pub at: [usize; 2],
-    pub value: f64,
-    pub text: String,
-    pub tip: String,
-    pub cell: Option<String>,
-}
-
-/// Tiles by panel, coloured by their logarithm; the colours diverge at `middle`.
-pub fn tiles(
-    title: &str,
-    note: String,
-    [x, y]: [(&str, Vec<String>); 2],
-    tiles: Vec<Tile>,
-    (label, middle): (&str, Option<f64>),
-) -> Option<Figure> {
-    let values = || tiles.iter().map(|tile| tile.value).filter(|value| *value > 0.0).chain(middle);
-    let (lo, hi) = (values().reduce(f64::min)?, values().reduce(f64::max)?);
-    let mark = |tile: Tile| {
-        let [x, y] = tile.at;
-        let shape = Form::Tile { x, y, value: tile.value, text: tile.text };
-        Mark { cell: tile.cell, ..Mark::neutral(shape).tip(tile.tip) }
-    };
-    let panels = crate::study::frame::grouped(tiles, |tile| tile.panel.clone());
-    let panel = |(title, own): (String, Vec<Tile>)| Panel {
-        title,
-        x: Scale::steps(x.0, x.1.clone()),
-        y: Scale::steps(y.0, y.1.clone()),
-        marks: own.into_iter().map(mark).collect(),
-    };
-    Some(Figure {
-        title: title.to_owned(),
-        note,
-        panels: panels.into_iter().map(panel).collect(),
-        series: Vec::new(),
-        ramp: Some(Ramp { label: label.to_owned(), lo, hi, middle }),
-    })
 }

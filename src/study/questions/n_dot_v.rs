@@ -99,7 +99,7 @@ fn answer(frame: &Frame) -> Option<Finding> {
         sentence: sentence(frame, &all)?,
         table,
         digest: Some(digest(frame, &all, &bins)),
-        figure: figure(frame, &all, &bins),
+        figure: figure(frame, &all),
     })
 }
 
@@ -145,28 +145,30 @@ fn digest(frame: &Frame, all: &[Place], bins: &[[f64; 2]]) -> Table {
     table
 }
 
-/// One panel per method: n·v over [`Frame::row_axis`].
-fn figure(frame: &Frame, all: &[Place], bins: &[[f64; 2]]) -> Option<Figure> {
+/// One panel per method, one line per value of [`Frame::row_axis`]: the error over n·v.
+fn figure(frame: &Frame, all: &[Place]) -> Option<Figure> {
     let (of, names) = (frame.row_axis(), &frame.names);
     let widths = ascending(distinct_in_order(all.iter().map(|place| place.width.clone())));
-    let tile = |place: &Place| {
+    let mark = |place: &Place, series: usize| {
         let Place { method, width, bin, error, rows } = place;
-        let x = bins.iter().position(|known| known == bin)?;
-        let y = widths.iter().position(|known| known == width)?;
         let tip = format!("{method} · {} · {}: {}", names.one(of, width), view(*bin), with_interval(error));
-        let (value, cell) = (error.value, only(rows));
-        Some(Tile { panel: method.clone(), at: [x, y], value, text: number(value), tip, cell })
+        let dot = Mark::new(Form::Dot([0.5 * (bin[0] + bin[1].min(1.0)), error.value]), series).tip(tip);
+        Mark { cell: only(rows), ..dot }
+    };
+    let panel = |(method, own): (String, Vec<&Place>)| {
+        let line = |(series, width): (usize, &Value)| {
+            joined(own.iter().filter(|place| place.width == *width).map(|place| mark(place, series)).collect())
+        };
+        (method, widths.iter().enumerate().flat_map(line).collect())
     };
     let rest = if frame.swept(&[Part::Case]).len() > 1 { ", median over the rest" } else { "" };
-    let steps = [
-        ("n·v", bins.iter().map(|bin| bin[0].to_string()).collect()),
-        (names.name(of), widths.iter().map(|width| names.short(of, width)).collect()),
-    ];
-    tiles(
-        &format!("Error by n·v and {}", names.name(of)),
-        format!("{}{rest}; bins by their least n·v", frame.metric_name()),
-        steps,
-        all.iter().filter_map(tile).collect(),
-        (frame.metric_name(), None),
-    )
+    let chart = Chart {
+        title: &format!("Error by n·v and {}", names.name(of)),
+        note: format!("{}{rest}", frame.metric_name()),
+        x: Along::Linear("n·v"),
+        y: Along::Log(frame.metric_name()),
+        panels: grouped(all, |place| place.method.clone()).into_iter().map(panel).collect(),
+        series: widths.iter().map(|width| names.one(of, width)).collect(),
+    };
+    chart.figure()
 }

@@ -1,6 +1,6 @@
 //! Common imports of the questions.
 
-pub use super::chart::{Along, Chart, INTERVAL, Tile, dot, joined, light_panels, only, step, tiles};
+pub use super::chart::{Along, Chart, INTERVAL, dot, joined, light_panels, only, step};
 pub use super::numbers::{ALL, Numbers, all_head, by_light, from_usual, sides};
 pub use super::words::*;
 pub use super::{Finding, Question, SEEN_FROM, SEEN_TO};

@@ -151,24 +151,34 @@ fn digest(methods: &[Vec<Curve>]) -> Table {
     table
 }
 
-/// One panel per method: exposure over contrast.
+/// One panel per method, one line per contrast: FLIP over exposure.
 fn figure(frame: &Frame, methods: &[Vec<Curve>]) -> Option<Figure> {
-    let steps = DISPLAY.map(|axis| tried(methods, axis));
-    let tile = |one: &Curve| {
+    let contrasts = tried(methods, CONTRAST);
+    let mark = |one: &Curve, series: usize| {
         let Curve { method, key, rows, flips } = one;
-        let place = |i: usize| steps[i].iter().position(|value| *value == key[i]);
         let (value, seen) = (one.middle(), one.visible_count());
         let curve = frame.names.label(&DISPLAY, key);
         let tip = format!("{method} · {curve}: mean FLIP {}, visible in {seen} of {}", number(value), flips.len());
-        let cell = only(rows);
-        Some(Tile { panel: method.clone(), at: [place(0)?, place(1)?], value, text: number(value), tip, cell })
+        let dot = Mark::new(Form::Dot([key[0].size().unwrap_or(f64::NAN), value]), series).tip(tip);
+        Mark { cell: only(rows), ..dot }
     };
-    let names = |i: usize| (AXES[DISPLAY[i]].name, steps[i].iter().map(Value::to_string).collect());
-    tiles(
-        "The difference after the tone curve",
-        format!("mean FLIP, median over the rest; a difference from {VISIBLE_FROM} counts as visible (a convention)"),
-        [0, 1].map(names),
-        methods.iter().flatten().filter_map(tile).collect(),
-        ("mean FLIP", Some(VISIBLE_FROM)),
-    )
+    let panel = |own: &Vec<Curve>| {
+        let line = |(series, contrast): (usize, &Value)| {
+            joined(own.iter().filter(|one| one.key[1] == *contrast).map(|one| mark(one, series)).collect())
+        };
+        let rule = Mark::neutral(Form::HorizontalRule(VISIBLE_FROM));
+        let lines = contrasts.iter().enumerate().flat_map(line);
+        (own[0].method.clone(), std::iter::once(rule).chain(lines).collect())
+    };
+    let chart = Chart {
+        title: "The difference after the tone curve",
+        note: format!(
+            "mean FLIP, median over the rest; a difference from {VISIBLE_FROM} counts as visible (a convention)"
+        ),
+        x: Along::Log(AXES[EXPOSURE].name),
+        y: Along::Log("mean FLIP"),
+        panels: methods.iter().map(panel).collect(),
+        series: contrasts.iter().map(|contrast| frame.names.one(CONTRAST, contrast)).collect(),
+    };
+    chart.figure()
 }

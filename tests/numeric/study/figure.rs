@@ -58,7 +58,7 @@ fn a_mark_is_drawn_where_its_numbers_say() {
 }
 
 #[test]
-fn lines_whiskers_bars_and_tiles_end_where_their_numbers_say() {
+fn lines_whiskers_and_bars_end_where_their_numbers_say() {
     let [x, y] = [ScaleKind::Log { lo: 1.0, hi: 100.0 }, ScaleKind::Linear { lo: 0.0, hi: 2.0 }];
     let steps = kinds().remove(2).0;
     let first_path = |shape: Shape, x: &ScaleKind, y: &ScaleKind| -> ([f64; 4], Vec<f64>) {
@@ -83,10 +83,6 @@ fn lines_whiskers_bars_and_tiles_end_where_their_numbers_say() {
     let ([left, top, right, bottom], found) = first_path(bar, &y, &steps);
     let (wide, step) = (right - left, (bottom - top) / 5.0);
     close(&[found[0], found[1] + found[3] / 2.0, found[2]], &[left + wide / 4.0, top + 1.5 * step, wide / 2.0]);
-    let tile = Shape::Tile { x: 4, y: 2, value: 0.5, text: String::new() };
-    let ([left, top, right, bottom], found) = first_path(tile, &steps, &steps);
-    let (step, row) = ((right - left) / 5.0, (bottom - top) / 5.0);
-    close(&[found[0] + found[2] / 2.0, found[1] + found[3] / 2.0], &[left + 4.5 * step, top + 2.5 * row]);
 }
 
 #[test]
@@ -242,8 +238,7 @@ fn an_svg_is_the_same_each_time_short_and_of_few_digits() {
 
 #[test]
 fn empty_and_degenerate_figures_are_drawn() {
-    let empty =
-        Figure { title: String::new(), note: String::new(), panels: Vec::new(), series: Vec::new(), ramp: None };
+    let empty = Figure { title: String::new(), note: String::new(), panels: Vec::new(), series: Vec::new() };
     let odd = [
         ScaleKind::Log { lo: 0.0, hi: 1.0 },
         ScaleKind::Log { lo: 1.0, hi: 1.0 },

@@ -1,6 +1,7 @@
 //! Errors by view, tone curve and light, for runs with known numbers.
 
 use super::paper::{F64, Paper, bins, column, numbers, only};
+use splitsum::figure::Shape;
 use splitsum::run::tables::HEADLINE;
 use splitsum::study::finished::MetricValues;
 
@@ -22,6 +23,9 @@ fn a_bin_has_the_median_over_its_environments() {
     let expected = [0.2, 0.4, 0.6, 2.0, 4.0, 6.0];
     assert!(found.len() == 6 && found.iter().zip(expected).all(|(a, b)| (a - b).abs() < F64), "{found:?}");
     assert!(numbers(&split, "n").iter().all(|n| *n == 1.0) && numbers(&split, "error_lo").iter().all(|lo| lo.is_nan()));
+    let panel = &finding.figure.as_ref().unwrap().panels[0];
+    let dots = panel.marks.iter().filter_map(|mark| if let Shape::Dot(at) = mark.shape { Some(at[1]) } else { None });
+    assert_eq!((panel.title.as_str(), dots.collect::<Vec<_>>()), ("split-sum", found));
     let counts = column(&only(&finding.table, &[("method", "sampled")]), "samples");
     assert!(counts.len() == 6 && counts.iter().all(|n| n == "16"), "{counts:?}");
 }
@@ -44,6 +48,10 @@ fn visible_differences_are_listed_by_exposure_and_contrast() {
     assert_eq!(["most at exposure", "contrast", "mean FLIP there"].map(shown), ["1", "5", "2"]);
     assert_eq!(shown("visible at contrast 1"), "exposure 1", "the median of the three is 0.04 at 0.1");
     assert_eq!(shown("visible at contrast 5"), "every tried exposure");
+    let marks = &finding.figure.as_ref().unwrap().panels[0].marks;
+    let dots = marks.iter().filter_map(|mark| if let Shape::Dot(at) = mark.shape { Some(at) } else { None });
+    let expected = [[0.1, 0.04], [1.0, 0.2], [500.0, 0.01], [0.1, 0.4], [1.0, 2.0], [500.0, 0.1]];
+    assert_eq!(dots.collect::<Vec<_>>(), expected, "FLIP over exposure, a line per contrast");
     let dark = only(&finding.table, &[("exposure", "0.1"), ("contrast", "1")]);
     assert_eq!(
         (numbers(&dark, "visible"), numbers(&dark, "n")),

@@ -2,20 +2,14 @@
 
 use crate::study::questions;
 use roxmltree::{Document, Node, NodeId};
-use splitsum::figure::{Figure, Mark, Panel, Ramp, Scale, ScaleKind, Series, Shape};
+use splitsum::figure::{Figure, Mark, Panel, Scale, ScaleKind, Series, Shape};
 
 /// Dots of the first series.
 pub fn dots([x, y]: [ScaleKind; 2], points: &[[f64; 2]]) -> Figure {
     let scale = |kind: ScaleKind, label: &str| Scale { label: label.to_owned(), kind };
     let marks = points.iter().enumerate().map(|(i, at)| Mark::new(Shape::Dot(*at), 0).tip(format!("dot {i}")));
     let panel = Panel { title: String::new(), x: scale(x, "x"), y: scale(y, "y"), marks: marks.collect() };
-    Figure {
-        title: "Dots".to_owned(),
-        note: "made".to_owned(),
-        panels: vec![panel],
-        series: series(&["a", "b", "c"]),
-        ramp: None,
-    }
+    Figure { title: "Dots".to_owned(), note: "made".to_owned(), panels: vec![panel], series: series(&["a", "b", "c"]) }
 }
 
 fn series(names: &[&str]) -> Vec<Series> {
@@ -23,10 +17,6 @@ fn series(names: &[&str]) -> Vec<Series> {
         .iter()
         .map(|name| Series { name: (*name).to_owned(), is_dashed: name.ends_with("floor"), ink: None })
         .collect()
-}
-
-fn owned(names: &[&str]) -> Vec<String> {
-    names.iter().map(|name| (*name).to_owned()).collect()
 }
 
 /// A pseudo-random number in [0, 1).
@@ -43,9 +33,9 @@ const SCENES: [&str; 6] = [
     "royal_esplanade_4k_without_a_place_to_break",
 ];
 
-/// Long names, many rows, tiles, bars, intervals; and the figures of answers.
+/// Long names, many rows, bars, intervals; and the figures of answers.
 pub fn hard() -> Vec<Figure> {
-    let made = [rows(), tiles(false), tiles(true), long(), shared()];
+    let made = [rows(), long(), shared()];
     made.into_iter().chain(questions::figures()).collect()
 }
 
@@ -64,28 +54,7 @@ fn rows() -> Figure {
 
 fn dots_of_nothing(title: &str) -> Figure {
     let note = "relMSE: mean of (image − reference)² / (reference² + 0.01), without a unit; 0 is equal. Whiskers: 95 %";
-    Figure { title: title.to_owned(), note: note.to_owned(), panels: Vec::new(), series: Vec::new(), ramp: None }
-}
-
-/// Four heat maps; signed ones have a middle.
-fn tiles(is_signed: bool) -> Figure {
-    let bins: Vec<String> =
-        (0..10).map(|i| format!("{:.1}–{:.1}", f64::from(i) / 10.0, f64::from(i + 1) / 10.0)).collect();
-    let panel = |p: usize| {
-        let tile = |i: usize| {
-            let value = (i % 17 != 3).then(|| 10f64.powf(-3.0 + 4.0 * noise(i + p * 50)));
-            let text = value.map_or("–".to_owned(), |value| format!("{value:.3}"));
-            Mark::neutral(Shape::Tile { x: i % 10, y: i / 10, value: value.unwrap_or(f64::NAN), text })
-                .tip(format!("tile {i}"))
-        };
-        let y = Scale::steps("alpha", owned(&["0.0016", "0.01", "0.04", "0.16", "0.64"]));
-        let x = Scale::steps("n·v: grazing to facing the viewer", bins.clone());
-        Panel { title: SCENES[p].to_owned(), x, y, marks: (0..50).map(tile).collect() }
-    };
-    let label =
-        "error of split-sum over error of dominant direction, median over everything else that is swept".to_owned();
-    let ramp = Ramp { label, lo: 1e-3, hi: 10.0, middle: is_signed.then_some(1.0) };
-    Figure { panels: (0..4).map(panel).collect(), ramp: Some(ramp), ..dots_of_nothing("Tiles") }
+    Figure { title: title.to_owned(), note: note.to_owned(), panels: Vec::new(), series: Vec::new() }
 }
 
 /// Three methods with the same numbers.
@@ -110,7 +79,7 @@ fn long() -> Figure {
     let steps = || Scale::steps(&name(99), (0..6).map(name).collect());
     let panel = Panel { title: name(7), x: steps(), y: steps(), marks: marks.collect() };
     let series = (0..6).map(|i| Series { name: name(i), is_dashed: false, ink: None }).collect();
-    Figure { title: name(1), note: name(2), panels: vec![panel.clone(), panel], series, ramp: None }
+    Figure { title: name(1), note: name(2), panels: vec![panel.clone(), panel], series }
 }
 
 /// Words that would end a text, an attribute, an element or a section.
@@ -125,14 +94,12 @@ pub fn hostile() -> Figure {
         Shape::Whisker([0.0, 0.0], [0.0, 1.0]),
         Shape::HorizontalRule(1.0),
         Shape::VerticalRule(1.0),
-        Shape::Tile { x: 1, y: 0, value: 0.5, text: name("<") },
     ];
     let mark = |(i, shape): (usize, Shape)| Mark::new(shape, 0).tip(name(&format!("tip {i}"))).cell(name("cell"));
     let marks = shapes.into_iter().enumerate().map(mark).collect();
     let panel = Panel { title: name("panel"), x: steps("x"), y: steps("y"), marks };
-    let ramp = Some(Ramp { label: name("ramp"), lo: 1e-3, hi: 1.0, middle: None });
     let series = vec![Series { name: name("series"), is_dashed: false, ink: None }];
-    Figure { title: name("title"), note: name("note"), panels: vec![panel.clone(), panel], series, ramp }
+    Figure { title: name("title"), note: name("note"), panels: vec![panel.clone(), panel], series }
 }
 
 /// The number of a label.

@@ -5,7 +5,7 @@ use crate::table;
 use roxmltree::Node;
 use splitsum::figure::ink::{INKS, SERIES};
 use splitsum::figure::svg::{WIDTHS, svg};
-use splitsum::figure::text::{ASCENT, AXIS, DESCENT, Font, LABEL, NAME, NOTE, TILE, TITLE};
+use splitsum::figure::text::{ASCENT, AXIS, DESCENT, Font, LABEL, NAME, NOTE, TITLE};
 use splitsum::figure::{Mark, ScaleKind, Series, Shape};
 use splitsum::report::write::drawing;
 
@@ -14,16 +14,9 @@ const WORDS_LEAST: f64 = 4.5;
 
 fn font(node: &Node) -> Font {
     let class = node.attribute("class").unwrap_or_default();
-    let is_tile = ["fig-dark", "fig-pale", "fig-gap"].iter().any(|name| class.contains(name));
     let known = [TITLE, NAME, AXIS, NOTE].into_iter().find(|font| font.class == class);
     let is_name = class.starts_with("fig-n ");
-    known.unwrap_or(if is_name {
-        NAME
-    } else if is_tile {
-        TILE
-    } else {
-        LABEL
-    })
+    known.unwrap_or(if is_name { NAME } else { LABEL })
 }
 
 /// Left, top, right and bottom of a text.
@@ -31,13 +24,10 @@ fn area(node: &Node) -> [f64; 4] {
     let number = |key: &str| node.attribute(key).and_then(|value| value.parse::<f64>().ok()).unwrap();
     let font = font(node);
     let words = node.children().find(|child| child.is_text()).and_then(|child| child.text()).unwrap_or_default();
-    let is_tile =
-        ["fig-dark", "fig-pale", "fig-gap"].iter().any(|name| node.attribute("class").unwrap().contains(name));
     let width = font.width(words);
     let before = match node.attribute("text-anchor") {
         Some("middle") => width / 2.0,
         Some("end") => width,
-        _ if is_tile => width / 2.0,
         _ => 0.0,
     };
     let (x, y, up, down) = (number("x"), number("y"), font.size * ASCENT, font.size * DESCENT);
@@ -117,25 +107,6 @@ fn series_and_words_have_contrast_on_both_grounds() {
         let colors: std::collections::BTreeSet<&str> = SERIES.iter().map(|series| series[side]).collect();
         assert_eq!(colors.len(), SERIES.len());
     }
-}
-
-#[test]
-fn words_on_tiles_have_contrast() {
-    let mut count = 0;
-    for figure in hard().iter().filter(|figure| figure.ramp.is_some()) {
-        let drawn = Drawn::new(&svg(figure, WIDTHS[0]));
-        for mark in drawn.marks() {
-            let mark = drawn.document().get_node(mark).unwrap();
-            let fill = mark.children().find_map(|node| node.attribute("fill"));
-            let class =
-                mark.children().find(|node| node.tag_name().name() == "text").and_then(|text| text.attribute("class"));
-            let (Some(fill), Some(class)) = (fill, class) else { continue };
-            let ink = if class == "fig-dark" { "#000000" } else { "#ffffff" };
-            assert!(contrast(ink, fill) >= WORDS_LEAST, "{class} on {fill}");
-            count += 1;
-        }
-    }
-    assert!(count > 300, "{count} tiles have words");
 }
 
 /// Every figure of methods, whichever it shows and in whichever order, gives a method the same colour.
