@@ -58,7 +58,7 @@ fn after_help() -> String {
         [ ] exposure; + - 0 and arrows the camera; shift+arrows the light; 1 to 9 the left method; f the whole screen; ctrl+S saves.\n\n\
         Open an environment (.hdr, .exr) or a model ({}) with the buttons Open, or drop it on the window. Saving makes a folder view-N \
         with the picture, linear images, and the `view` and `render` commands.\n\n\
-        Exit codes: 2 no display or bad input; 75 the device, the window or the display was lost.\n\n\
+        Exit codes: 2 no display or bad input; 75 the device or the window was lost.\n\n\
         Examples:\n  splitsum view --environment studio.hdr --scene teapot.obj\n  sh view-1/view.sh",
         pictures.join(", "),
         scene_extensions(),
@@ -88,18 +88,10 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let (device, load) = (arguments.seen.device.choice(), arguments.seen.inputs.options());
     let options = Options { device, validation: arguments.validation, ..Options::default() };
     #[cfg(target_os = "linux")]
-    if let Some(why) = splitsum::gpu::x11::missing_library() {
+    if let Some(why) = missing_library() {
         return Err(Failure::input(why));
     }
-    #[cfg(target_os = "linux")]
-    splitsum::gpu::x11::when_server_ends(|| {
-        let Failure { code, text } = server_ended();
-        super::log(&text);
-        code
-    });
     match open(state, options, load, arguments.out.clone()) {
-        #[cfg(target_os = "linux")]
-        Windowed::Lost(_) if splitsum::gpu::x11::has_server_ended() => Err(server_ended()),
         Windowed::Closed => Ok(()),
         Windowed::NoDisplay(why) => Err(Failure::input(why)),
         Windowed::Lost(why) => Err(Failure::passing(why)),
@@ -107,9 +99,21 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     }
 }
 
+/// Names a library that winit loads and panics without.
 #[cfg(target_os = "linux")]
-fn server_ended() -> Failure {
-    Failure::passing("the display was lost: the X server has ended")
+fn missing_library() -> Option<String> {
+    let is_set = |name: &str| std::env::var_os(name).is_some_and(|value| !value.is_empty());
+    let is_x11 = is_set("DISPLAY") && !is_set("WAYLAND_DISPLAY") && !is_set("WAYLAND_SOCKET");
+    let (library, package) = if xkbcommon_dl::xkbcommon_option().is_none() {
+        ("libxkbcommon", "libxkbcommon0")
+    } else if is_x11 && xkbcommon_dl::x11::xkbcommon_x11_option().is_none() {
+        ("libxkbcommon-x11", "libxkbcommon-x11-0")
+    } else {
+        return None;
+    };
+    Some(format!(
+        "the window needs the library {library}: install the package {package} (its name on Debian and Ubuntu)"
+    ))
 }
 
 fn parse_samples(text: &str) -> Result<u32, String> {

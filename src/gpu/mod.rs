@@ -1,9 +1,9 @@
-//! Vulkan: device, memory, pipelines, recording, timestamps; the end of an X server. The only unsafe code.
+//! Vulkan: device, memory, pipelines, recording, timestamps. The only unsafe code.
 //!
 //! Buffers and images are handles that share a Vulkan object and free it with the last clone. Pipelines and samplers
 //! are made on first use and live as long as the device. A [`Recorder`] keeps what it records alive and derives
 //! barriers and layouts from the tracked access of each buffer and mip level. `submit` waits.
-#![allow(unsafe_code, reason = "Vulkan and Xlib are C interfaces")]
+#![allow(unsafe_code, reason = "Vulkan is a C interface")]
 
 mod bounded;
 mod buffer;
@@ -20,8 +20,6 @@ mod recorder;
 mod shader;
 mod slot;
 mod sync;
-#[cfg(all(feature = "view", target_os = "linux"))]
-pub mod x11;
 
 pub use crate::pixels::lookup::Wrap;
 pub use bounded::{Groups, Part, face_groups, image_groups};

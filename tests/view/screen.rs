@@ -2,7 +2,7 @@
 
 use serde_json::Value;
 use splitsum::pixels::Rgb8Image;
-use std::cell::{Cell, RefCell};
+use std::cell::Cell;
 use std::io::{BufRead, BufReader, Read};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
@@ -18,7 +18,7 @@ const PATIENCE: Duration = Duration::from_secs(300);
 static TURN: Mutex<()> = Mutex::new(());
 
 pub struct Screen {
-    server: RefCell<Child>,
+    server: Child,
     manager: Child,
     display: String,
     frames: TempDir,
@@ -62,7 +62,7 @@ impl Screen {
             assert!(ended.is_none() && begun.elapsed() < PATIENCE, "the window manager is not there: {ended:?}");
             std::thread::sleep(Duration::from_millis(50));
         }
-        Some(Self { server: RefCell::new(server), manager, display, frames, _turn: turn })
+        Some(Self { server, manager, display, frames, _turn: turn })
     }
 
     pub fn window(&self, arguments: &[&str]) -> Win<'_> {
@@ -105,11 +105,6 @@ impl Screen {
         String::from_utf8(output.stdout).unwrap()
     }
 
-    /// Ends the X server, as a crash would.
-    pub fn end(&self) {
-        self.server.borrow_mut().kill().unwrap();
-    }
-
     /// Pixels of the display: the file in which Xvfb keeps them, in the format of xwd.
     fn pixels(&self) -> Rgb8Image {
         let bytes = std::fs::read(self.frames.path().join("Xvfb_screen0")).unwrap();
@@ -125,7 +120,7 @@ impl Screen {
 
 impl Drop for Screen {
     fn drop(&mut self) {
-        for child in [&mut self.manager, self.server.get_mut()] {
+        for child in [&mut self.manager, &mut self.server] {
             let _ = child.kill();
             let _ = child.wait();
         }
