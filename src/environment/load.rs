@@ -32,7 +32,7 @@ pub static FORMATS: &[Format] = &[
     Format {
         name: "radiance",
         extension: "hdr",
-        about: "Radiance RGBE or XYZE, run-length coded or flat, any orientation; EXPOSURE is divided out",
+        about: "Radiance RGBE, run-length coded or flat, any orientation; EXPOSURE is divided out",
         read: radiance::read_bytes,
     },
     Format {

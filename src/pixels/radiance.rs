@@ -4,9 +4,7 @@
 //! to the mantissa; most software does not, and a stored 0 should stay 0.) `EXPOSURE` and `COLORCORR`, which multiply,
 //! are divided out.
 //!
-//! `32-bit_rle_rgbe` is Rec.709 unless PRIMARIES says otherwise. `32-bit_rle_xyze` is converted with the RGB space of
-//! the Radiance programs (white at equal energy), the inverse of `ra_xyze`, so grey stays grey. XYZE is photometric:
-//! 179 (lm/W) times RGBE; it stays in the file's unit, with a warning.
+//! Colours are Rec.709 unless PRIMARIES says otherwise. `32-bit_rle_xyze` is refused; `ra_xyze -r` converts it.
 
 use super::file::{ENVIRONMENT_TEXELS_MAX, Fault, check_claim, filled};
 use super::{Decoded, PixelsError, RgbImage};
@@ -18,6 +16,8 @@ use std::path::Path;
 const MAX_TEXELS_PER_BYTE: u64 = 1 << 12;
 /// Scanline lengths with the newer run-length form.
 const NEW_RLE_LENGTHS: std::ops::RangeInclusive<usize> = 8..=0x7fff;
+/// The format that is read.
+const FORMAT: &str = "32-bit_rle_rgbe";
 /// 128 of the format, and 8 bits of mantissa.
 const EXPONENT_BIAS: i32 = 136;
 
@@ -42,7 +42,6 @@ struct Layout {
 }
 
 struct Header {
-    xyz: bool,
     /// Factor on the pixels, per channel.
     exposure: DVec3,
     primaries: Option<Chromaticities>,
@@ -95,10 +94,6 @@ fn decode(bytes: &[u8]) -> Result<Decoded, Fault> {
 
 /// Returns the matrix to Rec.709, if one is needed.
 fn conversion(header: &Header, warnings: &mut Vec<String>) -> Option<DMat3> {
-    if header.xyz {
-        warnings.push("XYZE holds photometric values, 179 times as large as in an RGBE file of the same scene.".into());
-        return RADIANCE.to_xyz().map(|to_xyz| to_xyz.inverse());
-    }
     let is_foreign = |p: &Chromaticities| !p.is_close_to(&REC709) && !p.is_close_to(&RADIANCE);
     header.primaries.filter(is_foreign)?.to_rec709_with_warning("PRIMARIES", warnings)
 }
@@ -109,7 +104,7 @@ fn read_header(input: &mut Input) -> Result<Header, Fault> {
     if !matches!(first.trim_end(), "#?RADIANCE" | "#?RGBE") {
         return Err(Fault::new(format!("the first line is {:?}", shorten(&first)), magic()));
     }
-    let (mut xyz, mut exposure, mut primaries) = (false, DVec3::ONE, None);
+    let (mut exposure, mut primaries) = (DVec3::ONE, None);
     loop {
         let end =
             || Fault::new("the header has no end", "a blank line and then a resolution such as \"-Y 512 +X 1024\"");
@@ -123,14 +118,10 @@ fn read_header(input: &mut Input) -> Result<Header, Fault> {
         }
         // Ignores unknown and indented lines; the latter are copied from a program's input.
         if let Some(value) = line.strip_prefix("FORMAT=") {
-            xyz = match value.trim() {
-                "32-bit_rle_rgbe" => false,
-                "32-bit_rle_xyze" => true,
-                other => {
-                    let what = format!("FORMAT is {:?}", shorten(other));
-                    return Err(Fault::new(what, "32-bit_rle_rgbe or 32-bit_rle_xyze"));
-                }
-            };
+            if value.trim() != FORMAT {
+                let what = format!("FORMAT is {:?}", shorten(value.trim()));
+                return Err(Fault::new(what, format!("{FORMAT}; `ra_xyze -r` converts XYZE")));
+            }
         } else if let Some(value) = line.strip_prefix("EXPOSURE=") {
             exposure *= DVec3::splat(factors::<1>("EXPOSURE", value)?[0]);
         } else if let Some(value) = line.strip_prefix("COLORCORR=") {
@@ -146,7 +137,7 @@ fn read_header(input: &mut Input) -> Result<Header, Fault> {
     let line = input.line().ok_or_else(|| Fault::new("the file ends after the header", resolution))?;
     let layout = parse_resolution(&line)
         .ok_or_else(|| Fault::new(format!("the resolution line is {:?}", shorten(&line)), resolution))?;
-    Ok(Header { xyz, exposure, primaries, layout })
+    Ok(Header { exposure, primaries, layout })
 }
 
 /// Parses `N` finite numbers above 0.
