@@ -1,13 +1,12 @@
 //! `splitsum answers`.
 
 use super::report::{answered, known_metric, line};
-use super::{Failure, log, print, progress};
+use super::{Failure, print, progress};
 use clap::Args;
 use splitsum::report::blocks::fill_pages;
 use splitsum::report::page::{PageOptions, PageRun, is_page, write};
 use splitsum::report::publish::{PublishError, check, publish, write_page};
 use splitsum::report::write::Written;
-use splitsum::study::finished::notes;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
@@ -54,9 +53,6 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     }
     let mut published = BTreeMap::new();
     for dir in &arguments.dirs {
-        for note in notes(dir) {
-            log(&format!("warning: {note}"));
-        }
         progress::doing(format!("answering the questions of {}", dir.display()));
         let (run, answers) = answered(dir, arguments.metric.as_deref(), &arguments.weights)?;
         let written = Written::new(&run, &answers).map_err(Failure::failed)?;

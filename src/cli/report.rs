@@ -1,12 +1,12 @@
 //! `splitsum report`.
 
-use super::{Failure, log, print, progress, shared};
+use super::{Failure, print, progress, shared};
 use clap::Args;
 use splitsum::metrics::Metric;
 use splitsum::report::page::images::{BUDGET_BYTES, Choice};
 use splitsum::report::page::{PAGE_FILE, PageError, PageOptions, PageRun, Written, check_out, write};
 use splitsum::spelling::Listed;
-use splitsum::study::finished::{Finished, notes};
+use splitsum::study::finished::Finished;
 use splitsum::study::frame::Frame;
 use splitsum::study::questions::{Answer, answers};
 use std::path::{Path, PathBuf};
@@ -45,9 +45,6 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         shared::check_out("--out", out, &["html", "htm"], [])?;
     }
     check_out(&out)?;
-    for note in arguments.dirs.iter().flat_map(|dir| notes(dir)) {
-        log(&format!("warning: {note}"));
-    }
     progress::doing("answering the questions");
     let runs: Vec<(Finished, Vec<Answer>)> = arguments
         .dirs

@@ -28,20 +28,6 @@ fn hostile_names_reach_neither_markdown_nor_terminal() {
 }
 
 #[test]
-fn a_damaged_frozen_experiment_is_reported() {
-    let root = tempfile::tempdir().unwrap();
-    let dir = published(root.path(), "run");
-    for command in ["answers", "report"] {
-        assert!(!stderr(&splitsum(root.path(), &[command, "run"])).contains("experiment.toml"));
-    }
-    std::fs::write(dir.join("experiment.toml"), "name = ").unwrap();
-    for command in ["answers", "report"] {
-        let message = stderr(&splitsum(root.path(), &[command, "run"]));
-        assert!(message.contains("warning: run/experiment.toml: was edited or damaged after the run"), "{message}");
-    }
-}
-
-#[test]
 fn a_folder_where_a_file_belongs_is_bad_input() {
     let root = tempfile::tempdir().unwrap();
     std::fs::write(root.path().join("x.toml"), "name = \"x\"\n[axes]\nalpha = [0.5]\n").unwrap();

@@ -1,10 +1,8 @@
 //! A finished run as typed data, read from its folder, published or not.
 
-mod notes;
 mod read;
 mod weighted;
 
-pub use notes::notes;
 pub use read::{FinishedError, provenance};
 pub use weighted::check_weight;
 

@@ -234,7 +234,7 @@ fn unfinished(dir: &Path, provenance: &Json) -> FinishedError {
 }
 
 /// The last command that worked on the run.
-pub(super) fn last_command(provenance: &Json) -> Option<String> {
+fn last_command(provenance: &Json) -> Option<String> {
     let words = provenance["sessions"].as_array()?.last()?["command_line"].as_array()?;
     let words: Vec<&str> = words.iter().filter_map(serde_json::Value::as_str).collect();
     Some(words.join(" ")).filter(|command| !command.is_empty())
@@ -302,7 +302,7 @@ fn check_errors(
 const MAX_FILE_BYTES: u64 = 1 << 30;
 
 /// The text of a file; `None` if it does not exist.
-pub(super) fn text(path: &Path) -> Result<Option<String>, FinishedError> {
+fn text(path: &Path) -> Result<Option<String>, FinishedError> {
     match read_regular(path, MAX_FILE_BYTES).and_then(|bytes| String::from_utf8(bytes).map_err(std::io::Error::other)) {
         Ok(text) => Ok(Some(text)),
         Err(error) if error.kind() == std::io::ErrorKind::NotFound => Ok(None),

@@ -5,7 +5,7 @@ use super::whole::EXPERIMENT;
 use splitsum::experiment::Plan;
 use splitsum::run::store::Store;
 use splitsum::run::{MakeRenderer, RenderFault, Renderer, RunError, RunOptions, run, timing};
-use splitsum::study::finished::{Finished, notes};
+use splitsum::study::finished::Finished;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 
@@ -147,12 +147,9 @@ fn a_timing_record_under_another_name_is_ignored() {
     assert_eq!(counted(), jobs.len() - 1);
     std::fs::copy(path(&jobs[0].id), path("0123456789abcdef")).unwrap();
     assert_eq!(counted(), jobs.len() - 1);
-    let noted: Vec<String> = notes(dir).collect();
-    let words = format!("2 of {} timing records are unusable", jobs.len() + 1);
-    assert!(noted.len() == 1 && noted[0].contains(&words), "{noted:?}");
     std::fs::remove_file(path("0123456789abcdef")).unwrap();
     bench.again().unwrap();
-    assert!(store.has_timing(&jobs[1].id) && notes(dir).next().is_none());
+    assert!(store.has_timing(&jobs[1].id));
 }
 
 #[test]
@@ -243,12 +240,11 @@ fn a_folder_that_is_not_a_run_is_refused() {
 #[test]
 fn the_frozen_experiment_of_a_finished_run_is_restored() {
     let bench = Bench::finished(EXPERIMENT);
-    let (path, dir) = (bench.path("experiment.toml"), bench.dir.path());
+    let path = bench.path("experiment.toml");
     let (whole, provenance) = (read(&path), bench.read("provenance.json"));
-    for (content, what) in [(Some(&whole[..20]), "was edited or damaged after the run"), (None, "is missing")] {
+    for content in [Some(&whole[..20]), None] {
         std::fs::remove_file(&path).unwrap();
         content.into_iter().for_each(|content| std::fs::write(&path, content).unwrap());
-        assert!(notes(dir).next().unwrap().contains(what));
         let (notes, renders) = bench.again().unwrap();
         assert!(notes.len() == 1 && notes[0].contains("experiment.toml was missing or edited"), "{notes:?}");
         assert!(renders.is_empty() && read(&path) == whole && bench.read("provenance.json") == provenance);
@@ -258,7 +254,7 @@ fn the_frozen_experiment_of_a_finished_run_is_restored() {
     assert_eq!(plan.hash, bench.plan.hash);
     let other = Bench { plan, ..bench };
     other.again().unwrap();
-    assert!(read(&path).starts_with(b"# A comment") && notes(other.dir.path()).next().is_none());
+    assert!(read(&path).starts_with(b"# A comment"));
 }
 
 #[test]
