@@ -53,15 +53,6 @@ pub fn run_of(dir: &Path, axes: &str, rest: &str, log: Log) -> PathBuf {
     options.dir
 }
 
-/// The text of the file that a button saves; `button` is a JavaScript expression.
-pub fn saved(page: &mut Page, button: &str) -> String {
-    let script = format!(
-        "(() => {{ const make = URL.createObjectURL; let saved; URL.createObjectURL = (blob) => {{ saved = blob; return 'data:,'; }}; \
-         {button}.click(); URL.createObjectURL = make; return saved.text(); }})()"
-    );
-    page.eval(&script).as_str().unwrap().to_owned()
-}
-
 /// Writes the report of finished runs with their answers.
 pub fn write_page(dirs: &[PathBuf], options: &PageOptions) -> PathBuf {
     let answered = |dir: &PathBuf| -> (Finished, Vec<Answer>) {
@@ -87,15 +78,13 @@ pub fn report(choice: Choice) -> Option<(Page, PathBuf, tempfile::TempDir)> {
     Some((page, path, dir))
 }
 
-/// Rows of errors.csv as (cell, method, samples, alpha, brdf, exposure).
-pub fn rows(report: &Path) -> Vec<[String; 6]> {
-    let table = Table::read(&report.with_file_name("errors.csv")).unwrap();
-    let columns = ["cell", "method", "samples", "alpha", "brdf", "exposure"].map(|name| table.column(name).unwrap());
-    table.rows.iter().map(|row| columns.map(|column| row[column].clone())).collect()
-}
-
+/// The cell of this method, samples, alpha, brdf and exposure in errors.csv.
 pub fn cell(report: &Path, wanted: [&str; 5]) -> String {
-    rows(report).into_iter().find(|row| row[1..] == wanted).unwrap_or_else(|| panic!("no {wanted:?}"))[0].clone()
+    let table = Table::read(&report.with_file_name("errors.csv")).unwrap();
+    let columns = ["method", "samples", "alpha", "brdf", "exposure"].map(|name| table.column(name).unwrap());
+    let is_wanted = |row: &&Vec<String>| columns.map(|column| row[column].as_str()) == wanted;
+    let row = table.rows.iter().find(is_wanted).unwrap_or_else(|| panic!("no {wanted:?}"));
+    row[table.column("cell").unwrap()].clone()
 }
 
 /// The texel that the renderer wrote, in the encoding of the page.

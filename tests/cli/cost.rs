@@ -7,8 +7,7 @@ use splitsum::cost::family::Family;
 use splitsum::cost::isa::Counts;
 use splitsum::cost::pass::Pass;
 use splitsum::environment::layout::{LAYOUTS, MapLayout};
-use splitsum::experiment::axis::{AXES, LAYOUT, METHOD, Named, Point};
-use splitsum::experiment::value::Kind;
+use splitsum::experiment::axis::{LAYOUT, METHOD, Point};
 use splitsum::gpu::shader_names;
 use splitsum::shade::{METHODS, Method};
 use splitsum::spelling::Listed;
@@ -155,29 +154,6 @@ fn options_compile_what_they_name() {
     let maskings = MaskingShadowing::names();
     let distinct: BTreeSet<Vec<String>> = maskings.iter().map(counts).collect();
     assert_eq!(distinct.len(), maskings.len(), "{distinct:?}");
-}
-
-#[test]
-fn the_flags_are_the_axes_that_change_code() {
-    let dir = tempfile::tempdir().unwrap();
-    let help = ok(dir.path(), &["cost", "--help"]);
-    for (axis, entry) in AXES.iter().enumerate() {
-        let names = match entry.kind {
-            Kind::Name { names, .. } | Kind::NameOrFile { names, .. } => names(),
-            _ => Vec::new(),
-        };
-        let changes_code = METHODS.iter().filter(|method| method.has_pass()).any(|method| {
-            let job = |name: &&str| {
-                let mut point = Point::default();
-                point[METHOD] = method.name.into();
-                point[axis] = (*name).into();
-                point.collapsed().settings().specular_job()
-            };
-            names.iter().any(|name| job(name) != job(&names[0]))
-        });
-        let flag = format!(" --{} ", Named::own(axis).flag());
-        assert_eq!(help.contains(&flag), changes_code, "{flag}");
-    }
 }
 
 #[test]

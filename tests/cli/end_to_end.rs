@@ -94,32 +94,6 @@ fn a_run_leaves_the_documented_files_and_a_second_run_changes_nothing() {
     assert!(plan.contains(&format!("{CELLS} done, 0 failed, 0 open")), "{plan}");
 }
 
-/// The first prediction is a guess, the second comes from the measured speed.
-#[test]
-fn a_plan_names_the_source_of_its_estimate() {
-    let Some(dir) = folder() else { return };
-    let estimate = |arguments: &[&str]| -> serde_json::Value {
-        let text = ok(dir.path(), &[&["plan", "tiny.toml", "--json", "--cache", "cache"], arguments].concat());
-        let value: serde_json::Value = serde_json::from_str(&text).unwrap();
-        value["estimate"].clone()
-    };
-    let first = estimate(&[]);
-    assert!(first["device"].is_null() && first["parts"]["references"]["count"] == 4.0, "{first:#}");
-    ok(dir.path(), &["run", "tiny.toml", "--cache", "cache"]);
-    let (done, other) = (estimate(&[]), estimate(&["--out", "other"]));
-    assert!(done["seconds"] == 0.0, "{done:#}");
-    // Another run finds its references in the cache.
-    assert!(other["parts"].get("references").is_none(), "{other:#}");
-    assert!(other["device"].as_str().is_some_and(|name| name.contains('(')), "{other:#}");
-    for part in ["images", "scores and files"] {
-        assert_ne!(other["parts"][part]["seconds"], first["parts"][part]["seconds"], "{part}");
-    }
-
-    let mut blind = command(dir.path(), &["plan", "tiny.toml", "--out", "none", "--no-cache"]);
-    let output = blind.env("VK_DRIVER_FILES", "/nonexistent").env("VK_ICD_FILENAMES", "/nonexistent").output().unwrap();
-    assert!(output.status.success() && stdout(&output).contains(", assuming a software driver"), "{output:?}");
-}
-
 #[test]
 fn a_finished_run_is_answered_and_published_when_nobody_uses_its_folder() {
     let Some(dir) = folder() else { return };

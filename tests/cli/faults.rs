@@ -104,29 +104,6 @@ fn a_vulkan_installation_without_its_parts_is_reported() {
     }
 }
 
-/// The environment names a layer that is missing, or whose library is missing. The loader ignores it, and the render succeeds.
-#[test]
-fn a_missing_layer_in_the_environment_is_ignored() {
-    let Some(dir) = folder() else { return };
-    let manifest = r#"{"file_format_version": "1.0.0", "layer": {"name": "VK_LAYER_hollow", "type": "GLOBAL",
-        "library_path": "/nonexistent.so", "api_version": "1.3.0", "implementation_version": "1", "description": "no library"}}"#;
-    std::fs::write(dir.path().join("hollow.json"), manifest).unwrap();
-    for layer in ["VK_LAYER_nowhere", "VK_LAYER_hollow"] {
-        let mut render = command(dir.path(), &RENDER);
-        render.env("VK_LAYER_PATH", dir.path()).env("VK_INSTANCE_LAYERS", layer);
-        assert_ends(&render.output().unwrap(), 0, &[]);
-        assert!(dir.path().join("x.exr").exists(), "{layer}");
-        std::fs::remove_file(dir.path().join("x.exr")).unwrap();
-    }
-}
-
-#[test]
-fn a_slip_in_the_test_switch_is_reported() {
-    let Some(dir) = folder() else { return };
-    let output = with_fault(dir.path(), &RENDER, "submit:x:device-lost");
-    assert_ends(&output, 2, &["SPLITSUM_TEST_FAULTS: unknown fault 'submit:x:device-lost'"]);
-}
-
 /// A driver below the minimum: the real driver behind a layer (`layer.c`) that removes a feature.
 #[cfg(target_os = "linux")]
 #[test]

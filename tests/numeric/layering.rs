@@ -189,37 +189,6 @@ fn long_files_have_a_reason() {
     }
 }
 
-#[test]
-fn listed_names_are_file_stems() {
-    let exists = |path: String| assert!(root().join(&path).is_file(), "{path} is missing");
-    let stems = |folder: &str, extension: &str| -> BTreeSet<String> {
-        files(folder, &[extension]).iter().map(|f| f.file_stem().unwrap().to_str().unwrap().to_owned()).collect()
-    };
-    let stem = |name: &str| name.replace('-', "_");
-    let models: BTreeSet<String> = splitsum::brdf::MODELS.iter().map(|model| stem(model.name())).collect();
-    let (integrals, methods): (Vec<&splitsum::shade::Method>, Vec<_>) =
-        splitsum::shade::METHODS.iter().partition(|method| method.is_integrated());
-    integrals.iter().for_each(|method| exists(format!("shaders/shade/lobe/{}.glsl", stem(method.lobe.unwrap()))));
-    let methods: BTreeSet<String> = methods.iter().map(|method| stem(method.name)).collect();
-    let diffuse: BTreeSet<String> = splitsum::shade::DIFFUSE.iter().map(|diffuse| stem(diffuse.name)).collect();
-    let of_diffuse = splitsum::shade::DIFFUSE.iter().filter_map(|diffuse| diffuse.lobe);
-    of_diffuse.for_each(|lobe| exists(format!("shaders/shade/lobe/{}.glsl", stem(lobe))));
-    // The estimates of the reference's passes have a lobe; `none` computes nothing.
-    let is_integrated = |name: &str| {
-        splitsum::shade::DIFFUSE.iter().any(|diffuse| stem(diffuse.name) == name && diffuse.is_integrated())
-    };
-    let has_shader = |name: &String| name != "none" && !is_integrated(name);
-    for (folder, names) in [("brdf", models), ("shade/method", methods), ("shade/diffuse", diffuse)] {
-        let shaders = stems(&format!("shaders/{folder}"), "glsl");
-        shaders.iter().for_each(|name| exists(format!("src/{folder}/{name}.rs")));
-        // Files that serve several methods name them.
-        let all = splitsum::gpu::shader_sources().0.into_keys();
-        let all = all
-            .filter_map(|path| Some(path.strip_prefix(folder)?.strip_prefix('/')?.strip_suffix(".glsl")?.to_owned()));
-        assert_eq!(all.collect::<BTreeSet<_>>(), names.into_iter().filter(has_shader).collect(), "{folder}");
-    }
-}
-
 /// Whether a word looks like a citation: a name and a year of two digits, or the number of a recommendation.
 fn is_key(word: &str) -> bool {
     let name = word.trim_end_matches(|c: char| c.is_ascii_digit());

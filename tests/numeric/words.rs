@@ -79,42 +79,13 @@ fn prose(page: &str) -> String {
     page.lines().map(line).collect::<Vec<_>>().join("\n")
 }
 
-/// Comments, string literals and function names of a Rust file, without the code between them. Lines stay where they
-/// are; a mark separates one literal from the next.
+/// A Rust file with its names of functions as words. A mark at each quote keeps code and literals apart.
 fn words_of_rust(source: &str) -> String {
-    let mut text = String::new();
-    let (mut is_text, mut rest) = (false, source);
-    while let Some(c) = rest.chars().next() {
-        let mut width = c.len_utf8();
-        match c {
-            '\n' => text.push('\n'),
-            '\\' if is_text => {
-                // An escaped line break continues the literal on the next line.
-                let next = rest[1..].chars().next().unwrap_or_default();
-                text.push(if next == '\n' { '\n' } else { ' ' });
-                width += next.len_utf8();
-            }
-            '"' => {
-                is_text = !is_text;
-                text += " . ";
-            }
-            _ if is_text => text.push(c),
-            '\'' if rest.starts_with("'\"'") => width = 3,
-            'f' if rest.starts_with("fn ") => {
-                let name: String = rest[3..].chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect();
-                text += &format!(" . {} . ", name.replace('_', " "));
-                width = 3 + name.len();
-            }
-            '/' if rest.starts_with("//") => {
-                let line = rest.lines().next().unwrap_or_default();
-                text += &without_code(line.trim_start_matches(['/', '!']));
-                width = line.len();
-            }
-            _ => {}
-        }
-        rest = &rest[width..];
-    }
-    text
+    let line = |line: &str| {
+        let line = without_code(line).replace('"', " . ");
+        if line.contains("fn ") { line.replace('_', " ") } else { line }
+    };
+    source.lines().map(line).collect::<Vec<_>>().join("\n")
 }
 
 /// The banned phrases of a text, each with its line from 1. A phrase may continue on the next line, but not across
@@ -124,7 +95,7 @@ fn banned(text: &str) -> Vec<(usize, &'static str)> {
         .lines()
         .enumerate()
         .flat_map(|(line, text)| text.split_whitespace().map(move |word| (line + 1, word)))
-        .filter(|(_, word)| *word != "#" && *word != "//!" && *word != "///")
+        .filter(|(_, word)| !["#", "//", "//!", "///", "\\"].contains(word))
         .collect();
     let bare = |word: &str| word.trim_matches(|c: char| !c.is_alphanumeric()).to_lowercase();
     let is_at = |at: usize, phrase: &str| {

@@ -196,38 +196,6 @@ fn a_failing_method_does_not_stop_the_rest_and_is_tried_again() {
     }
 }
 
-/// A folder in place of an image is a fault of its cells: the run continues, and renders them once the folder is gone.
-#[test]
-fn a_folder_in_place_of_an_image_fails_only_its_cells() {
-    let whole = Bench::finished(EXPERIMENT);
-    let images = whole.images();
-    let cell = whole.plan.cells.iter().find(|cell| cell.point.get("method").to_string() == "split-sum").unwrap();
-    let named =
-        |id: &str, end: &str| images.keys().find(|name| name.contains(id) && name.ends_with(end)).unwrap().clone();
-    // The image of two exposures, and its map; a picture of one; the picture of a reference, at one exposure of four images; a reference.
-    for (name, count) in [
-        (named(&cell.radiance, ".exr"), 2),
-        (named(&cell.radiance, ".error.png"), 2),
-        (named(&cell.id, ".flip.png"), 1),
-        (named(&cell.reference, ".png"), 4),
-        (named(&cell.reference, ".exr"), 8),
-    ] {
-        let bench = Bench::new(EXPERIMENT);
-        let place = bench.path("images").join(&name);
-        std::fs::create_dir_all(&place).unwrap();
-        let outcome = bench.invoke(&log(), usize::MAX).unwrap();
-        assert_eq!((outcome.failures.len(), failed_rows(&bench)), (count, count), "{name}");
-        assert!(outcome.failures.iter().all(|failure| failure.reason.contains(&name)), "{:?}", outcome.failures);
-        std::fs::remove_dir(&place).unwrap();
-        assert!(bench.invoke(&log(), usize::MAX).unwrap().failures.is_empty());
-        assert!(bench.images() == images && bench.read("errors.csv") == whole.read("errors.csv"), "{name}");
-        // The same in place of an image of a finished cell.
-        std::fs::remove_file(&place).unwrap();
-        std::fs::create_dir(&place).unwrap();
-        assert_eq!(bench.invoke(&log(), usize::MAX).unwrap().failures.len(), count, "{name}");
-    }
-}
-
 #[test]
 fn a_folder_that_is_not_a_run_is_refused() {
     let bench = Bench::new(EXPERIMENT);

@@ -2,7 +2,6 @@
 
 use super::fake::{ERROR_AT_ONE, SPLIT_SUM_ERROR};
 use super::runs::{Bench, invoke, log, plan, read, snapshot, summary};
-use splitsum::run::sheets::sheet_files;
 use splitsum::table::csv::Table;
 use std::collections::BTreeMap;
 
@@ -80,20 +79,6 @@ fn a_run_renders_each_radiance_once_and_leaves_everything() {
     assert_eq!(count("cells/", ".json"), 32);
     assert_eq!(files["experiment.toml"].0, EXPERIMENT.as_bytes());
     assert!(files.keys().all(|f| !f.ends_with(".part")), "temporary files are left: {:?}", files.keys());
-}
-
-#[test]
-fn a_sheet_of_many_columns_shrinks_its_images() {
-    let text = "name = \"wide\"\nsize = [640, 8]\nreference = { samples = 32 }\n[axes]\nmethod = [\"sampled\", \"split-sum\"]\n\
-                samples = [1, 2, 3, 4, 5, 6, 7, 8, 9, 10]\n";
-    let dir = tempfile::tempdir().unwrap();
-    invoke(&plan(text), dir.path(), &log(), usize::MAX).unwrap();
-    // 12 columns of 640 pixels would be 7680 wide.
-    let sheet = splitsum::pixels::png::read_rgb8(&dir.path().join("tables/wide.png")).unwrap();
-    assert!((2000..=2600).contains(&sheet.width), "{} pixels wide", sheet.width);
-    let dir = tempfile::tempdir().unwrap();
-    invoke(&plan(&format!("sheets = false\n{text}")), dir.path(), &log(), usize::MAX).unwrap();
-    assert!(sheet_files(dir.path()).is_empty());
 }
 
 /// A cell's scores do not depend on the cells before it: every tone curve has its own displays.

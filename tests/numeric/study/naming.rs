@@ -6,7 +6,6 @@ use splitsum::experiment::axis::Point;
 use splitsum::study::finished::Finished;
 use splitsum::study::frame::Frame;
 use splitsum::study::questions::{Finding, QUESTIONS, answers};
-use std::collections::BTreeSet;
 
 /// Errors that grow with alpha and are a quarter for dielectrics.
 fn made(point: &Point) -> Option<Made> {
@@ -90,10 +89,4 @@ fn columns_of_answers_do_not_depend_on_the_sweep() {
     assert_eq!(one.table.columns[..6], always);
     assert_eq!(column(&one.table, "brdf"), ["ggx"]);
     assert_eq!([numbers(&one.table, "alpha"), numbers(&one.table, "perceptual_roughness")], [[0.25], [0.5]]);
-}
-
-#[test]
-fn every_method_has_its_own_words() {
-    let titles: BTreeSet<&str> = splitsum::shade::METHODS.iter().map(|method| method.title).collect();
-    assert_eq!(titles.len(), splitsum::shade::METHODS.len());
 }

@@ -80,14 +80,6 @@ pub fn read(dir: &Path) -> (Finished, Vec<Answer>) {
     (run, answers)
 }
 
-fn text(axes: &str, rest: &str) -> String {
-    format!("name = \"joined\"\nsize = [24, 24]\nreference = {{ samples = 64 }}\n[axes]\n{axes}\n{rest}\n")
-}
-
-fn run(dir: &Path, name: &str, axes: &str, rest: &str) -> (Finished, Vec<Answer>) {
-    read(&finished(&plan(&text(axes, rest)), &dir.join(name)))
-}
-
 /// The model in a page.
 fn model_of(page: &str) -> Value {
     let start = page.find("id=\"model\">").unwrap() + "id=\"model\">".len();
@@ -159,35 +151,11 @@ fn images_over_the_budget_are_linked() {
 }
 
 #[test]
-fn the_first_point_set_comes_first() {
-    let dir = tempfile::tempdir().unwrap();
-    let axes = "environment = [\"builtin:constant\"]\nalpha = [0.5]\nmethod = [\"sampled\", \"split-sum\"]\nsamples = [1, 4]\npoint_set = [3, 1, 2]";
-    let runs = [run(dir.path(), "run", axes, "")];
-    let runs = PageRun::of_runs(&runs);
-    let bytes = |choice: Choice, budget: usize| {
-        let set = collect(&runs, choice, budget);
-        (set.payloads.iter().map(String::len).sum::<usize>(), set)
-    };
-    let (all, whole) = bytes(Choice::Automatic, BUDGET_BYTES);
-    // A reference, the split sum, two counts of three sets.
-    assert_eq!(whole.images.len(), 1 + 1 + 2 * 3);
-    assert!(whole.notes.is_empty(), "{:?}", whole.notes);
-    let (used, cut) = bytes(Choice::Automatic, all * 3 / 4);
-    assert!(used <= all * 3 / 4 && cut.notes.len() == 1, "{:?}", cut.notes);
-    for cell in &runs[0].finished.cells {
-        let image = &cut.images[cut.index[&(0, cell.images.clone().unwrap().radiance)]];
-        let set = cell.point.get("point_set").to_string();
-        let is_kept = ["", "3"].contains(&set.as_str());
-        assert!(image.payload.is_some() || !is_kept, "set {set:?}");
-    }
-}
-
-#[test]
 fn values_that_round_to_the_same_keep_their_digits() {
     let dir = tempfile::tempdir().unwrap();
-    let axes = "environment = [\"builtin:constant\"]\nalpha = [0.22361, 0.22362]\nmethod = [\"sampled\"]\nsamples = [1, 4]\n\
-                lod_bias = [0, 1.2924812503605781]";
-    let runs = [run(dir.path(), "run", axes, "")];
+    let text = "name = \"near\"\nsize = [24, 24]\nreference = { samples = 64 }\n[axes]\nenvironment = [\"builtin:constant\"]\n\
+                alpha = [0.22361, 0.22362]\nmethod = [\"sampled\"]\nsamples = [1, 4]\nlod_bias = [0, 1.2924812503605781]\n";
+    let runs = [read(&finished(&plan(text), dir.path()))];
     let axes = splitsum::report::page::model::axes(&PageRun::of_runs(&runs));
     let words = |name: &str| axes.iter().find(|axis| axis.name == name).unwrap().words.join(", ");
     assert_eq!(words("alpha"), "alpha 0.22361 (roughness 0.47), alpha 0.22362 (roughness 0.47)");

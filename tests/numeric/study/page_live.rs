@@ -195,32 +195,6 @@ fn a_model_has_the_means_of_its_maps() {
 }
 
 #[test]
-fn tables_beyond_the_budget_lose_their_finest_levels_then_whole_environments() {
-    let dir = tempfile::tempdir().unwrap();
-    let run = finished_run(dir.path());
-    let mut record = record(&run);
-    let mut second = record.environments[0].clone();
-    second.label = "second".to_owned();
-    for (k, level) in record.environments[0].levels.iter_mut().enumerate() {
-        level.size = [1024 >> k, 512 >> k];
-        level.base64 = "A".repeat(4096 >> k);
-    }
-    record.environments.push(second);
-    std::fs::write(run.join(LIVE_FILE), serde_json::to_string(&record).unwrap()).unwrap();
-    let whole = light(&run, BUDGET_BYTES);
-    assert_eq!((whole.environments[0].levels[0].size, whole.environments.len()), ([1024, 512], 2));
-    let bytes = |light: &Light| light.environments[0].levels.iter().map(|level| level.base64.len()).sum::<usize>();
-    let rest = serde_json::to_string(&light(&run, 0).environments[0]).unwrap().len();
-    assert!(rest > 0);
-    let reduced = light(&run, bytes(&whole) + 1000 - 4096);
-    assert_eq!(reduced.environments[0].levels[0].size, [512, 256]);
-    // 256x128 texels are kept at any budget; then the last environments are dropped.
-    let least = light(&run, 0);
-    assert_eq!((least.environments.len(), least.environments[0].levels[0].size), (1, [256, 128]));
-    assert!(least.notes[0].contains("1 more environment"), "{:?}", least.notes);
-}
-
-#[test]
 fn a_missing_or_broken_file_is_a_note_not_a_failure() {
     let dir = tempfile::tempdir().unwrap();
     let run = finished_run(dir.path());

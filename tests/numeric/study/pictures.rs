@@ -75,19 +75,6 @@ fn pictures_have_a_median_a_share_made_worse_and_a_worst_one() {
 }
 
 #[test]
-fn the_worst_picture_has_a_name_and_a_link() {
-    let paper = six_maps();
-    let found = paper.finding("pictures");
-    assert!(found.sentence.contains("The worst has 2.7 times: map5.hdr, sphere, orientation 2"), "{}", found.sentence);
-    let id = column(&row(&found.table, "split-sum-one", "relmse"), "worst_cell").concat();
-    let cell = paper.run.cells.iter().find(|cell| cell.id == id).unwrap();
-    assert_eq!(cell.point.get("environment").to_string(), "map5.hdr");
-    let figure = found.figure.unwrap();
-    let marks = figure.panels.iter().flat_map(|panel| &panel.marks);
-    assert!(marks.into_iter().any(|mark| mark.cell.as_deref() == Some(&id)));
-}
-
-#[test]
 fn the_order_of_pictures_changes_nothing() {
     let rows = |paper: &Paper| {
         let mut lines: Vec<String> = paper.finding("pictures").table.csv().lines().map(str::to_owned).collect();

@@ -71,26 +71,6 @@ fn tables_are_enough_if_they_err_by_a_tenth_of_the_split() {
 }
 
 #[test]
-fn if_no_tables_are_enough_the_best_are_named() {
-    let mut paper = judged_by("ladder-view");
-    for (alpha, split) in [("0.1", 0.01), ("0.5", 1.0)] {
-        paper.add(&["builtin:sky", alpha, "reference", "", "", "", ""], split);
-        for (samples, error) in [("64", 0.02), ("256", 0.005)] {
-            paper.add(&["builtin:sky", alpha, "split-sum", "64x64", samples, "linear", "sampled"], error);
-        }
-    }
-    let finding = paper.finding("tables");
-    let shown = |alpha| shown(&finding, alpha, [FROM_HERE, "share at most, from here on"]);
-    assert_eq!(shown("0.1"), ["none; best 256 samples", "50.0 %"]);
-    // Enough at 0.5, although nothing was enough at 0.1.
-    assert_eq!(shown("0.5"), ["64 samples", "2.0 %"]);
-    // The shippable set comes first.
-    let said = &finding.sentence;
-    assert!(said.starts_with("From alpha 0.5 (roughness 0.71) on, ship **64 samples**: at most 2.0 %"), "{said}");
-    assert!(said.contains("Below that, the best tables add 50.0 % (sky · alpha 0.1): 256 samples."), "{said}");
-}
-
-#[test]
 fn only_the_exact_split_judges_tables() {
     assert!(run().lacks("tables").is_none());
     let mut two = run();

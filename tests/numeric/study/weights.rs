@@ -193,12 +193,3 @@ fn runs_without_bins_or_floors_keep_their_scores() {
     let run = finished_of(&format!("{}{axes}", super::paper::HEAD), |_| Some(Made::error(0.5)));
     assert_eq!(ratios(&run), [("picture".to_owned(), 1.0)]);
 }
-
-#[test]
-fn unknown_weights_are_refused() {
-    let of =
-        |names: &[&str]| two_views().run.with_weights(&names.iter().map(|name| name.to_string()).collect::<Vec<_>>());
-    assert_eq!(of(&["picture", "picture"]).unwrap_err(), "picture is listed twice");
-    let fault = of(&["cube"]).unwrap_err();
-    assert!(fault.contains("\"cube\" is not a weight") && fault.contains("picture, uniform, sphere"), "{fault}");
-}

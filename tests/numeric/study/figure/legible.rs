@@ -60,25 +60,6 @@ fn no_words_leave_the_picture_or_hide_others() {
     }
 }
 
-/// Shortened words have the full words as a tooltip.
-#[test]
-fn words_that_are_cut_short_are_whole_in_their_title() {
-    for figure in hard() {
-        let drawn = Drawn::new(&svg(&figure, WIDTHS[1]));
-        for text in drawn.document().descendants().filter(|node| node.tag_name().name() == "text") {
-            let words =
-                text.children().find(|child| child.is_text()).and_then(|child| child.text()).unwrap_or_default();
-            if let Some(start) = words.strip_suffix('…') {
-                let title = text.first_element_child().and_then(|title| title.text());
-                assert!(
-                    title.is_some_and(|title| title.len() > words.len() && title.contains(start.trim())),
-                    "{words}"
-                );
-            }
-        }
-    }
-}
-
 fn luminance(color: &str) -> f64 {
     table::luminance([1, 3, 5].map(|i| u8::from_str_radix(&color[i..i + 2], 16).unwrap()))
 }
