@@ -56,12 +56,10 @@ pub fn write(results: &Path, runs: &[(Finished, Vec<Answer>)], out: &Path) -> Re
     if own.is_empty() {
         return misuse(results, "has no published run; expected the folder of `splitsum answers --publish`");
     }
-    make_folder(out)?;
-    if !relative(results, out).starts_with("..") {
-        return misuse(
-            out,
-            &format!("is in {}, whose files the site copies; choose another folder", results.display()),
-        );
+    let place_in_results = relative(results, out);
+    if !place_in_results.starts_with("..") && Path::new(&place_in_results).is_relative() {
+        let results = results.display();
+        return misuse(out, &format!("is in {results}, whose files the site copies; choose another folder"));
     }
     let entry = |(record, folder)| Entry { folder, record, has_report: false, cell: None };
     let mut entries: Vec<Entry> = own.into_iter().map(entry).collect();

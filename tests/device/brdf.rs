@@ -98,14 +98,14 @@ fn distributions_masking_and_fresnel() {
                 let mut eval = worst("eval", Tolerance { relative: 8e-6, floor: 1e-30 });
                 for (item, out) in items.iter().zip(run(gpu, *model, masking, &items)) {
                     let g1 = |cosine: f64| g1(*model, cosine, item.alpha, masking);
-                    d.add(out[0][0], model.d(item.h, item.alpha.into()), || item.case());
+                    d.add(out[0][0], model.d(item.h, item.alpha), || item.case());
                     g.add(out[0][1], g1(item.v.z), || item.case());
                     g.add(out[0][2], g1(item.n_dot_l), || format!("n_dot_l {} {}", item.n_dot_l, item.case()));
                     g_pair.add(out[0][3], g2(*model, item.v.z, item.n_dot_l, item.alpha, masking), || item.case());
                     let f = f_schlick(F0, item.v.dot(item.h));
                     fresnel.add_rgb(xyz(out[5]), f, || item.case());
                     // `eval` with the given h, not with the h of the rounded v and l: at alpha 0.001 that rounding makes 1e-4.
-                    let dg = model.d(item.h, item.alpha.into()) * g2(*model, item.v.z, item.l.z, item.alpha, masking);
+                    let dg = model.d(item.h, item.alpha) * g2(*model, item.v.z, item.l.z, item.alpha, masking);
                     let expected = if item.l.z > 0.0 { f * dg / (4.0 * item.v.z * item.l.z) } else { DVec3::ZERO };
                     eval.add_rgb(xyz(out[6]), expected, || item.case());
                 }

@@ -1,4 +1,4 @@
-//! The structure in docs/architecture.md, checked against the source files: imports, unsafe code, lists against files, and citations.
+//! The structure in docs/architecture.md, checked against the source files: imports, unsafe code, lengths of files, and citations.
 
 mod circles;
 mod source;

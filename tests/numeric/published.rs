@@ -45,7 +45,7 @@ fn the_site_has_every_published_run_and_no_link_leads_nowhere() {
     std::fs::remove_file(out.join(INDEX_FILE)).unwrap();
     let error = write(&root.join("results"), &[], &out).unwrap_err();
     assert!(error.is_misuse() && error.to_string().contains("choose a new folder"), "{error}");
-    let error = write(&out, &[], &dir.join("other")).unwrap_err();
+    let error = write(&root.join("shaders"), &[], &dir.join("other")).unwrap_err();
     assert!(
         error.to_string().ends_with("published run; expected the folder of `splitsum answers --publish`"),
         "{error}"

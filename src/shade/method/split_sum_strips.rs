@@ -8,7 +8,7 @@
 use super::Method;
 use super::split_sum::shifted;
 use crate::brdf::{Widths, reflect};
-use crate::glsl::constants::{ALPHA_MIN, COSINE_MIN, STRIP_BREADTH, STRIP_LENGTH, STRIP_REACH};
+use crate::glsl::constants::{ALPHA_MIN, COSINE_MIN, STRIP_BREADTH, STRIP_LENGTH, STRIP_REACH, TILT_MIN};
 use crate::math::frame::Frame;
 use crate::shade::reference::Surface;
 use crate::shade::twin::{Light, SpecularTwin, Twin};
@@ -44,7 +44,8 @@ pub const FOUR: Method = strips(
 /// Computes `Σ n·l P(l, alpha) / Σ n·l (f0 A + B)`. A lobe of one width is cut along the plane of incidence.
 fn split_sum(surface: &Surface, light: &Light, count: u32) -> DVec3 {
     let Widths(widths) = surface.widths();
-    let along = surface.v.reject_from_normalized(surface.n).try_normalize();
+    let across = surface.v.reject_from_normalized(surface.n);
+    let along = (across.length() > f64::from(TILT_MIN)).then(|| across.normalize());
     let frame = match (surface.stretch, along) {
         (None, Some(along)) => Frame::from_tangent(surface.n, along),
         _ => surface.frame(),

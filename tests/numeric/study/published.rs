@@ -78,7 +78,7 @@ fn the_page_of_columns_is_made_from_the_lists() {
 
 #[test]
 fn every_column_of_every_table_is_explained() {
-    let text = format!("{EXPERIMENT}[timing]\nwarmup = 1\nrounds = 3\n[ladder]\n");
+    let text = format!("{EXPERIMENT}frames = [1]\n[timing]\nwarmup = 1\nrounds = 3\n[ladder]\n");
     let (dir, plan) = (tempfile::tempdir().unwrap(), plan(&text));
     invoke(&plan, dir.path(), &log(), usize::MAX).unwrap();
     let axes = splitsum::experiment::axis::Named::all().map(|axis| axis.name());
