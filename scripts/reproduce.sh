@@ -18,6 +18,7 @@ cd "$(dirname "$0")/.."
 # Name and minutes.
 figures="quick 1
 coat 3
+anisotropy 5
 tables 5
 better-method 3
 break-even 7

@@ -25,6 +25,7 @@ pub use crate::pixels::lookup::Wrap;
 pub use bounded::{Groups, Part, face_groups, image_groups};
 pub use buffer::Buffer;
 pub use device::Gpu;
+#[cfg(feature = "view")]
 pub(crate) use device::lock;
 pub use error::GpuError;
 pub use executable::Executable;

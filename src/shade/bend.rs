@@ -8,7 +8,7 @@
 use crate::glsl::constants as code;
 use crate::spelling::listed;
 
-/// The law by which an engine names two widths; its alpha is also the one for the tables.
+/// How an engine parametrises the two widths. Its alpha also indexes both tables.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u32)]
 pub enum Names {
@@ -16,7 +16,7 @@ pub enum Names {
     Narrow = code::BEND_NAMES_NARROW,
     /// The mean; `a = (x - y)/(x + y)`.
     Mean = code::BEND_NAMES_MEAN,
-    /// The geometric mean; `a = (1 - y/x)/0.9`.
+    /// The geometric mean; `a = (1 - y/x)/0.9`, at most 1.
     Geometric = code::BEND_NAMES_GEOMETRIC,
     /// The root of the mean square, without a strength.
     Square = code::BEND_NAMES_SQUARE,
@@ -36,6 +36,8 @@ pub enum Normal {
     QuarticUnit = code::BEND_NORMAL_QUARTIC_UNIT,
     /// The same with alpha for pr.
     QuarticAlpha = code::BEND_NORMAL_QUARTIC_ALPHA,
+    /// The same with √pr for pr.
+    QuarticRoot = code::BEND_NORMAL_QUARTIC_ROOT,
     /// `a sat(1.5 √pr)`.
     Root = code::BEND_NORMAL_ROOT,
     /// The mean visible normal (`split-sum-cap`, [Dupuy23]).
@@ -54,9 +56,9 @@ pub enum Toward {
     Bent = code::BEND_TOWARD_BENT,
     /// `mix(r', n', alpha²)`.
     BentLess = code::BEND_TOWARD_BENT_LESS,
-    /// Frostbite's share between n' and the direction before.
+    /// Frostbite's mix of n' and the direction of `BentLess`.
     Twice = code::BEND_TOWARD_TWICE,
-    /// Unity's share between n and r'; the level's pr times `sat(1.2 - a)`.
+    /// With pr times `sat(1.2 - a)`, of the level too: Unity's share between n and r', and back to r' by `smoothstep(0, 1, alpha²)`.
     Unity = code::BEND_TOWARD_UNITY,
     /// From alpha 0.4 to 0.8, over to Frostbite's direction.
     Cap = code::BEND_TOWARD_CAP,
@@ -105,7 +107,7 @@ pub static BENDS: &[Bend] = &[
     ),
     bend("bevy", "bend_normal_for_anisotropy of Bevy", Names::Narrow, Normal::QuarticAlpha, Toward::Twice),
     bend("godot", "the sky's lookup of Godot's forward renderer", Names::Geometric, Normal::Linear, Toward::Bent),
-    bend("playcanvas", "reflDirAniso of PlayCanvas", Names::Narrow, Normal::QuarticUnit, Toward::Mirror),
+    bend("playcanvas", "reflDirAniso of PlayCanvas", Names::Narrow, Normal::QuarticRoot, Toward::Mirror),
     bend("unity", "GetGGXAnisotropicModifiedNormalAndRoughness of HDRP", Names::Mean, Normal::Root, Toward::Unity),
     bend(
         "materialx",

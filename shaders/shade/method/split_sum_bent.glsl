@@ -34,6 +34,8 @@ vec3 bent_normal(vec3 v, vec2 width, float alpha, float strength) {
         return normalize(mix(z, normalize(g), quartic_share(strength, pr)));
     } else if (BEND_NORMAL == BEND_NORMAL_QUARTIC_ALPHA) {
         return normalize(mix(z, normalize(g), quartic_share(strength, alpha)));
+    } else if (BEND_NORMAL == BEND_NORMAL_QUARTIC_ROOT) {
+        return normalize(mix(z, normalize(g), quartic_share(strength, sqrt(pr))));
     } else if (BEND_NORMAL == BEND_NORMAL_ROOT) {
         return normalize(mix(z, g, strength * min(1.5 * sqrt(pr), 1.0)));
     } else if (BEND_NORMAL == BEND_NORMAL_CAP) {
@@ -54,7 +56,7 @@ vec3 specular_radiance(Surface s) {
         strength = (s.width.x - s.width.y) / (s.width.x + s.width.y);
     } else if (BEND_NAMES == BEND_NAMES_GEOMETRIC) {
         alpha = sqrt(s.width.x * s.width.y);
-        strength = (1.0 - s.width.y / s.width.x) / 0.9;
+        strength = min((1.0 - s.width.y / s.width.x) / 0.9, 1.0);
     }
     mat3 frame = frame_of_surface(s);
     vec3 v = vec3((s.v * frame).xy, s.n_dot_v);
@@ -71,10 +73,12 @@ vec3 specular_radiance(Surface s) {
     } else if (BEND_TOWARD == BEND_TOWARD_TWICE) {
         direction = mix(normal, normalize(mix(direction, normal, alpha * alpha)), frostbite_share(alpha));
     } else if (BEND_TOWARD == BEND_TOWARD_UNITY) {
-        float smoothness = 1.0 - alpha;
-        float share = min(smoothness * smoothness + smoothness * s.n_dot_v * s.n_dot_v, 1.0);
-        direction = mix(z, direction, (sqrt(smoothness) + alpha) * share);
         perceptual_roughness *= min(1.2 - strength, 1.0);
+        float level = alpha_from_perceptual_roughness(perceptual_roughness);
+        float smoothness = 1.0 - level;
+        float share = min(smoothness * smoothness + smoothness * s.n_dot_v * s.n_dot_v, 1.0);
+        vec3 bent = mix(z, direction, (sqrt(smoothness) + level) * share);
+        direction = mix(bent, direction, smoothstep(0.0, 1.0, level * level));
     } else if (BEND_TOWARD == BEND_TOWARD_CAP) {
         vec3 wide = normalize(mix(z, reflect(-v, z), frostbite_share(alpha)));
         direction = mix(direction, wide, clamp((alpha - 0.4) / 0.4, 0.0, 1.0));

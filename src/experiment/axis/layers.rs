@@ -1,4 +1,4 @@
-//! The axes of anisotropy and of layers over the base. They came later: a cell without either has the id that it had before.
+//! The axes of anisotropy and of layers over the base. Cells without them keep their ids.
 
 use super::plain::{ALPHA_KIND, PLAIN, ROUGHNESS, first};
 use super::{Axis, Part, Spelling, Symbol};
@@ -33,7 +33,7 @@ pub(super) const LAYER_AXES: &[Axis] = &[
     },
     Axis {
         name: "anisotropy_widths",
-        about: "how alpha and strength make two widths, for the image and its reference: gltf keeps the narrow one as alpha, kulla (Filament, Unity) the mean, disney (Godot) the geometric mean, openpbr the mean square",
+        about: "law that turns alpha and the strength into two widths; docs/estimators.md",
         plural: "laws of widths",
         used: |u| u.has_anisotropy,
         kind: Kind::one_of::<WidthLaw>(),
@@ -46,7 +46,7 @@ pub(super) const LAYER_AXES: &[Axis] = &[
         part: Part::Parameter,
         frames_cost: true,
         is_compared: true,
-        about: "whose way to look up an anisotropic lobe, for split-sum-bent; `splitsum list bends`",
+        about: "engine whose anisotropic lookup split-sum-bent uses; `splitsum list bends`",
         plural: "bends",
         used: |u| u.method.uses_bend,
         kind: Kind::one_of::<Bend>(),

@@ -26,7 +26,7 @@ fn split_sum(bend: &Bend, surface: &Surface, light: &Light) -> DVec3 {
     let (alpha, strength) = match bend.names {
         Names::Narrow => (y, if x > y { ((x - y) / (1.0 - y)).sqrt() } else { 0.0 }),
         Names::Mean => (0.5 * (x + y), (x - y) / (x + y)),
-        Names::Geometric => ((x * y).sqrt(), (1.0 - y / x) / 0.9),
+        Names::Geometric => ((x * y).sqrt(), ((1.0 - y / x) / 0.9).min(1.0)),
         Names::Square => (surface.alpha, 0.0),
     };
     let (frame, pr) = (surface.frame(), alpha.sqrt());
@@ -39,6 +39,7 @@ fn split_sum(bend: &Bend, surface: &Surface, light: &Light) -> DVec3 {
         Normal::Quartic => DVec3::Z.lerp(g, quartic(pr)),
         Normal::QuarticUnit => DVec3::Z.lerp(g.normalize(), quartic(pr)),
         Normal::QuarticAlpha => DVec3::Z.lerp(g.normalize(), quartic(alpha)),
+        Normal::QuarticRoot => DVec3::Z.lerp(g.normalize(), quartic(pr.sqrt())),
         Normal::Root => DVec3::Z.lerp(g, strength * (1.5 * pr.sqrt()).min(1.0)),
         Normal::Cap => {
             let standard = (widths * v.truncate()).extend(v.z).normalize();
@@ -47,7 +48,6 @@ fn split_sum(bend: &Bend, surface: &Surface, light: &Light) -> DVec3 {
     };
     let normal = normal.normalize();
     let mirror = reflect(v, normal);
-    let smoothness = 1.0 - alpha;
     let mut level = alpha;
     let direction = match bend.toward {
         Toward::Mirror => mirror,
@@ -57,8 +57,11 @@ fn split_sum(bend: &Bend, surface: &Surface, light: &Light) -> DVec3 {
         Toward::Twice => normal.lerp(mirror.lerp(normal, alpha * alpha).normalize(), share_of_r(alpha)),
         Toward::Unity => {
             level = (pr * (1.2 - strength).min(1.0)).powi(2);
+            let smoothness = 1.0 - level;
             let share = (smoothness * smoothness + smoothness * v.z * v.z).min(1.0);
-            DVec3::Z.lerp(mirror, (smoothness.sqrt() + alpha) * share)
+            let bent = DVec3::Z.lerp(mirror, (smoothness.sqrt() + level) * share);
+            let back = level * level;
+            bent.lerp(mirror, back * back * (3.0 - 2.0 * back))
         }
         Toward::Cap => {
             let wide = DVec3::Z.lerp(reflect(v, DVec3::Z), share_of_r(alpha)).normalize();
