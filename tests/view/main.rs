@@ -168,7 +168,7 @@ fn every_control_moves_its_axis() {
     let Some(screen) = Screen::open() else { return };
     let method = METHODS.iter().find(|method| method.uses_lod_bias && method.uses_point_set).unwrap().name;
     // These methods read all tables, made of samples, so that their controls are in use.
-    let right = METHODS.iter().find(|method| method.uses_prefiltered()).unwrap().name;
+    let right = METHODS.iter().find(|method| method.uses_prefiltered() && method.uses_bend).unwrap().name;
     let diffuse = DIFFUSE.iter().find(|diffuse| diffuse.uses_irradiance_map).unwrap().name;
     let win = screen.window(
         &[
@@ -180,7 +180,7 @@ fn every_control_moves_its_axis() {
         .concat(),
     );
     win.few_samples();
-    win.resize(1200, 1900);
+    win.resize(1200, 2500);
     win.wait_done();
     win.choose("environment", "choice builtin:sky");
     assert_eq!(win.state()["axes"]["environment"], "builtin:sky");
@@ -199,7 +199,8 @@ fn every_control_moves_its_axis() {
         if is_pair && win.has(name) {
             win.drag(name, [0.5, 0.5], [1.5, 0.5], None);
         } else if win.has(name) {
-            win.click(name, [0.1, 0.5]);
+            // A tenth is the default of one axis.
+            win.click(name, [if axis.name == "ema_factor" { 0.4 } else { 0.1 }, 0.5]);
             let current = format!("choice {}", before.as_str().unwrap_or_default());
             let others = win.controls().into_iter().filter(|name| name.starts_with("choice ") && *name != current);
             // Selects the topmost other entry: a long list is scrolled.

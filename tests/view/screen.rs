@@ -10,7 +10,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 use tempfile::TempDir;
 
-const SIZE: [u32; 2] = [1280, 2000];
+const SIZE: [u32; 2] = [1280, 2600];
 /// A window without a report for so long hangs. Everything else waits for events.
 const PATIENCE: Duration = Duration::from_secs(300);
 
