@@ -29,11 +29,6 @@ float g2_from_g1(float g1_v, float g1_l, uint masking) {
     return product;
 }
 
-// Masking-shadowing of v and l.
-float g2(float n_dot_v, float n_dot_l, float alpha, uint masking) {
-    return g2_from_g1(g1(n_dot_v, alpha, masking), g1(n_dot_l, alpha, masking), masking);
-}
-
 // D, a half vector of density D n_dot_h and masking for two widths; Phong's has one and no stretched form.
 float d_brdf(vec3 h_local, vec2 width) {
     if (ANISOTROPY == ANISOTROPY_NONE) {

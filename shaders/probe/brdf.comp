@@ -27,7 +27,7 @@ void main() {
     vec3 visible = sample_visible_brdf(xi.xy, v_local, vec2(alpha));
     VisibleSample own = sample_visible_normal(visible_normals_brdf(v_local, vec2(alpha)), sample_point_from_xi(xi.xy));
     uint first = item * 8u;
-    outputs[first] = vec4(d_brdf(h_local, alpha), g1_v, g1_l, g2(v_local.z, n_dot_l, alpha, MASKING));
+    outputs[first] = vec4(d_brdf(h_local, alpha), g1_v, g1_l, g2_from_g1(g1_v, g1_l, MASKING));
     outputs[first + 1u] = vec4(sample_d_brdf(xi.x, xi.zw, alpha), 0.0);
     outputs[first + 2u] = vec4(lobe.h_local, lobe.pdf_h);
     outputs[first + 3u] = vec4(visible, 0.0);

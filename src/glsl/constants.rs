@@ -99,10 +99,10 @@ constants! {
     ANISOTROPY_DISNEY: u32 = 3;
     ANISOTROPY_OPENPBR: u32 = 4;
     /// Ways to look up a lobe of two widths; in the order of `shade::bend`.
-    BEND_NAMES_NARROW: u32 = 0;
-    BEND_NAMES_MEAN: u32 = 1;
-    BEND_NAMES_GEOMETRIC: u32 = 2;
-    BEND_NAMES_SQUARE: u32 = 3;
+    BEND_PARAMETERS_NARROW: u32 = 0;
+    BEND_PARAMETERS_MEAN: u32 = 1;
+    BEND_PARAMETERS_GEOMETRIC: u32 = 2;
+    BEND_PARAMETERS_SQUARE: u32 = 3;
     BEND_NORMAL_PLAIN: u32 = 0;
     BEND_NORMAL_LINEAR: u32 = 1;
     BEND_NORMAL_QUARTIC: u32 = 2;

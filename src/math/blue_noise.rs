@@ -10,7 +10,7 @@ use std::sync::LazyLock;
 pub const SIDE: usize = 64;
 pub const DEPTH: usize = 32;
 const AREA: usize = SIDE * SIDE;
-/// Width of the repulsion, pixels or frames [Ulichney93].
+/// Width of the repulsion, pixels or frames.
 const SIGMA: f64 = 1.9;
 /// Share of the cells that the algorithm spreads out first.
 const FIRST: usize = AREA * DEPTH / 10;

@@ -69,7 +69,9 @@ impl Resources {
         let (scene, target) = self.view(gpu, request)?;
         let tangents = match request.scene.has_anisotropy() {
             true => {
-                let shown = RenderRequest { scene: Arc::new(request.scene.tangents()), ..request.clone() };
+                let make = || Ok::<_, PipelineError>(Arc::new(request.scene.tangents()));
+                let scene = self.tangents.get_or_make(request.scene.hash.clone(), make)?;
+                let shown = RenderRequest { scene, ..request.clone() };
                 Some(self.view(gpu, &shown)?.1)
             }
             false => None,

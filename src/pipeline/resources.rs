@@ -15,7 +15,7 @@ use crate::pixels::GrayImage;
 use crate::precompute::dfg::Albedos;
 use crate::precompute::points::Points;
 use crate::precompute::prefilter::harmonic;
-use crate::scene::Camera;
+use crate::scene::{Camera, Scene};
 use crate::shade::pass::Tables;
 use crate::shade::reference_pass::{DistributionBuffers, Lobe, Sums};
 use std::sync::Arc;
@@ -66,6 +66,8 @@ pub(super) struct Resources {
     /// Independent of the light.
     pub(super) albedos: Recent<String, Arc<Albedos>>,
     pub(super) scenes: Recent<String, Arc<SceneData>>,
+    /// [`Scene::tangents`] by the scene.
+    pub(super) tangents: Recent<String, Arc<Scene>>,
     pub(super) targets: Recent<View, Arc<Target>>,
     pub(super) edges: Recent<View, Arc<Edges>>,
     /// Bound in place of tables that a request does not use.
@@ -103,7 +105,7 @@ pub(super) struct Prepared {
     pub(super) tables: Tables,
     pub(super) scene: Arc<SceneData>,
     pub(super) target: Arc<Target>,
-    /// The g-buffer of [`crate::scene::Scene::tangents`], if lobes have two widths.
+    /// The g-buffer of [`Scene::tangents`], if lobes have two widths.
     pub(super) tangents: Option<Arc<Target>>,
     /// Times of the precompute passes that ran for this request.
     pub(super) precompute: Report,
@@ -123,6 +125,7 @@ impl Resources {
             steps: Recent::new(6),
             albedos: Recent::new(32),
             scenes: Recent::new(4),
+            tangents: Recent::new(2),
             targets: Recent::weighed(4, |target: &Arc<Target>| target.bytes()),
             edges: Recent::weighed(16, |edges: &Arc<Edges>| edges.bytes()),
             blank_image: gpu.image("blank", [1, 1], 1, Format::Rgba32Float)?,

@@ -11,15 +11,15 @@ use crate::spelling::listed;
 /// How an engine parametrises the two widths. Its alpha also indexes both tables.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u32)]
-pub enum Names {
+pub enum Parameters {
     /// The narrow width; `s² = (x - y)/(1 - y)`.
-    Narrow = code::BEND_NAMES_NARROW,
+    Narrow = code::BEND_PARAMETERS_NARROW,
     /// The mean; `a = (x - y)/(x + y)`.
-    Mean = code::BEND_NAMES_MEAN,
+    Mean = code::BEND_PARAMETERS_MEAN,
     /// The geometric mean; `a = (1 - y/x)/0.9`, at most 1.
-    Geometric = code::BEND_NAMES_GEOMETRIC,
+    Geometric = code::BEND_PARAMETERS_GEOMETRIC,
     /// The root of the mean square, without a strength.
-    Square = code::BEND_NAMES_SQUARE,
+    Square = code::BEND_PARAMETERS_SQUARE,
 }
 
 /// The bent normal.
@@ -70,49 +70,55 @@ pub struct Bend {
     pub name: &'static str,
     /// Where it is from, for `splitsum list bends`.
     pub about: &'static str,
-    pub names: Names,
+    pub parameters: Parameters,
     pub normal: Normal,
     pub toward: Toward,
 }
 
-const fn bend(name: &'static str, about: &'static str, names: Names, normal: Normal, toward: Toward) -> Bend {
-    Bend { name, about, names, normal, toward }
+const fn bend(name: &'static str, about: &'static str, parameters: Parameters, normal: Normal, toward: Toward) -> Bend {
+    Bend { name, about, parameters, normal, toward }
 }
 
 /// Every way; the first bends nothing.
 pub static BENDS: &[Bend] = &[
-    bend("none", "along r at the root mean square width", Names::Square, Normal::Plain, Toward::Mirror),
-    bend("cap", "the mirror direction about the mean visible normal, ours", Names::Square, Normal::Cap, Toward::Cap),
-    bend("filament", "getReflectedVector of Filament", Names::Mean, Normal::Linear, Toward::Normal),
+    bend("none", "along r at the root mean square width", Parameters::Square, Normal::Plain, Toward::Mirror),
+    bend(
+        "cap",
+        "the mirror direction about the mean visible normal, ours",
+        Parameters::Square,
+        Normal::Cap,
+        Toward::Cap,
+    ),
+    bend("filament", "getReflectedVector of Filament", Parameters::Mean, Normal::Linear, Toward::Normal),
     bend(
         "gltf",
         "KHR_materials_anisotropy, section on image-based lighting",
-        Names::Narrow,
+        Parameters::Narrow,
         Normal::QuarticUnit,
         Toward::Bent,
     ),
     bend(
         "khronos",
         "getIBLRadianceAnisotropy of the glTF Sample Renderer",
-        Names::Narrow,
+        Parameters::Narrow,
         Normal::Quartic,
         Toward::Mirror,
     ),
     bend(
         "three",
         "getIBLAnisotropyRadiance of three.js since 2025",
-        Names::Narrow,
+        Parameters::Narrow,
         Normal::QuarticUnit,
         Toward::BentLess,
     ),
-    bend("bevy", "bend_normal_for_anisotropy of Bevy", Names::Narrow, Normal::QuarticAlpha, Toward::Twice),
-    bend("godot", "the sky's lookup of Godot's forward renderer", Names::Geometric, Normal::Linear, Toward::Bent),
-    bend("playcanvas", "reflDirAniso of PlayCanvas", Names::Narrow, Normal::QuarticRoot, Toward::Mirror),
-    bend("unity", "GetGGXAnisotropicModifiedNormalAndRoughness of HDRP", Names::Mean, Normal::Root, Toward::Unity),
+    bend("bevy", "bend_normal_for_anisotropy of Bevy", Parameters::Narrow, Normal::QuarticAlpha, Toward::Twice),
+    bend("godot", "the sky's lookup of Godot's forward renderer", Parameters::Geometric, Normal::Linear, Toward::Bent),
+    bend("playcanvas", "reflDirAniso of PlayCanvas", Parameters::Narrow, Normal::QuarticRoot, Toward::Mirror),
+    bend("unity", "GetGGXAnisotropicModifiedNormalAndRoughness of HDRP", Parameters::Mean, Normal::Root, Toward::Unity),
     bend(
         "materialx",
         "mx_environment_prefilter of MaterialX: no bend",
-        Names::Geometric,
+        Parameters::Geometric,
         Normal::Plain,
         Toward::Mirror,
     ),
@@ -123,6 +129,6 @@ listed!(Bend, "bend", BENDS);
 impl Bend {
     /// Returns the specialization constant.
     pub fn code(&self) -> u32 {
-        self.names as u32 | (self.normal as u32) << 4 | (self.toward as u32) << 8
+        self.parameters as u32 | (self.normal as u32) << 4 | (self.toward as u32) << 8
     }
 }

@@ -3,7 +3,7 @@
 use crate::harness::{golden_environment, request, scene, usual_tables, with_pipeline};
 use half::f16;
 use splitsum::bakes::given::{GivenMap, GivenTable};
-use splitsum::brdf::{Compensation, MaskingShadowing};
+use splitsum::brdf::{Compensation, MaskingShadowing, WidthLaw};
 use splitsum::environment::Environment;
 use splitsum::environment::layout::LAYOUTS;
 use splitsum::math::sequence::{PixelPoints, SEQUENCES};
@@ -15,6 +15,7 @@ use splitsum::precompute::{HALF_MAX, PrecomputeSettings, PrefilterBy, StorageFor
 use splitsum::scene::{Camera, CameraKind, MaterialOverride};
 use splitsum::shade::{Diffuse, Method, Shading};
 use splitsum::spelling::Listed;
+use std::collections::BTreeSet;
 use std::sync::Arc;
 
 fn small() -> PrecomputeSettings {
@@ -215,6 +216,25 @@ fn frames_do_not_depend_on_earlier_requests() {
             assert!(!is_kept || references.made == 0, "{references:?}");
         });
     }
+}
+
+/// A kept reference of one law is not the reference of another.
+#[test]
+fn references_are_kept_by_their_law_of_widths() {
+    let dir = tempfile::tempdir().unwrap();
+    let material = MaterialOverride { alpha: Some(0.3), anisotropy: Some(0.5), ..MaterialOverride::default() };
+    let plain = RenderRequest { scene: Arc::new(scene("sphere", material)), ..requests().swap_remove(0) };
+    let plain = RenderRequest {
+        reference_samples: 64,
+        ..plain.shaded(|s| (s.method, s.diffuse) = (Method::listed("reference"), Diffuse::listed("none")))
+    };
+    with_pipeline(|pipeline| {
+        pipeline.keep_on_disk(DiskCache::open(dir.path(), 1 << 30).unwrap());
+        let images: BTreeSet<Vec<u32>> = WidthLaw::all()
+            .map(|law| bits(&pipeline.render(&plain.shaded(|s| s.widths = *law)).unwrap().radiance))
+            .collect();
+        assert_eq!([images.len(), pipeline.shared_work()["reference"].made], [WidthLaw::all().count(); 2]);
+    });
 }
 
 /// The time of a table from the disk would be the time of a copy.

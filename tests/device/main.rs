@@ -35,6 +35,7 @@ mod scale;
 mod sh9;
 mod shader_check;
 mod symmetry;
+mod table_twins;
 mod tables;
 mod tonemap;
 mod twins;

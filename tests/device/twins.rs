@@ -4,24 +4,23 @@
 
 use crate::compare::{Tolerance, Worst};
 use crate::gbuffer::draw;
-use crate::harness::{poison_image, read_level, render_by_seeds, request, scene, with_gpu, with_pipeline};
-use crate::layouts::{check_texels, filtered_environment, read_map};
+use crate::harness::{read_level, render_by_seeds, request, scene, with_gpu, with_pipeline};
+use crate::layouts::{filtered_environment, read_map};
 use crate::methods::{EXACT, Sight, radiance, sights_in};
 use crate::tables::{coefficients, dfg_table, environment_image};
-use glam::{DVec2, DVec3, DVec4};
+use glam::DVec3;
 use rayon::prelude::*;
 use splitsum::brdf::{Brdf, MODELS, MaskingShadowing, WidthLaw};
-use splitsum::environment::layout::{FilteredMap, LAYOUTS, MapLayout, lod_from_solid_angles};
+use splitsum::environment::layout::{FilteredMap, LAYOUTS, MapLayout};
 use splitsum::environment::{Environment, LoadOptions, Placement};
 use splitsum::glsl::constants::POINTS_PER_DISPATCH;
 use splitsum::gpu::Gpu;
-use splitsum::math::frame::Frame as LocalFrame;
 use splitsum::math::sequence::{PixelPoints, SEQUENCES};
 use splitsum::pipeline::{Frame, RenderRequest};
 use splitsum::precompute::dfg::{Albedos, DfgAxes};
 use splitsum::precompute::points::Points;
 use splitsum::precompute::prefilter::pass::Recipe;
-use splitsum::precompute::prefilter::{Kernel, LEVEL_MAPPINGS, WEIGHTS, harmonic, reference::estimate};
+use splitsum::precompute::prefilter::{Kernel, LEVEL_MAPPINGS, harmonic};
 use splitsum::precompute::taps::{Chain, TapCount, TapTable};
 use splitsum::precompute::{PrecomputeSettings, PrefilterBy, exact_quadrature, irradiance, prefilter};
 use splitsum::scene::{CameraKind, MaterialOverride, Scene};
@@ -30,7 +29,6 @@ use splitsum::shade::twin::{Light, Samples, Twin};
 use splitsum::shade::{DIFFUSE, Diffuse, METHODS, Method};
 use splitsum::spelling::Listed;
 use std::collections::BTreeMap;
-use std::f64::consts::TAU;
 use std::path::Path;
 use std::sync::{Arc, Mutex};
 
@@ -51,12 +49,12 @@ const F32_SUM: f64 = 1e-5;
 const MEAN_SIZE: u32 = 12;
 const MEAN_COUNT: usize = 5;
 /// One in this many texels is compared.
-const STEP: usize = 5;
+pub const STEP: usize = 5;
 /// At least one pixel has a smaller n_dot_v.
 const GRAZING: f64 = 0.04;
 
 /// Small tables, so that levels and texels are coarse and their choice matters.
-fn tables(layout: &'static MapLayout) -> PrecomputeSettings {
+pub fn tables(layout: &'static MapLayout) -> PrecomputeSettings {
     let size = |side: u32| if layout.is_square { [side; 2] } else { [2 * side, side] };
     PrecomputeSettings {
         layout,
@@ -76,7 +74,7 @@ fn tables(layout: &'static MapLayout) -> PrecomputeSettings {
 
 /// Lamps of several sizes, and one at a pole, where texels are narrow. A sun would turn the rounding of a direction into errors of 0.1 %.
 /// Opposite to that lamp SH9 rings below 0.
-fn environments() -> [Arc<Environment>; 2] {
+pub fn environments() -> [Arc<Environment>; 2] {
     let options = LoadOptions { builtin_size: [128, 64], ..LoadOptions::default() };
     ["builtin:studio", "builtin:cap:elevation_deg=82,half_angle_deg=15,radiance=20,ambient=0.03"]
         .map(|name| Arc::new(Environment::load(name, Path::new("."), &options).unwrap()))
@@ -339,7 +337,7 @@ fn check<E: Copy + Sync>(
 }
 
 /// Relative, with a floor in units of the frame's mean.
-fn lookup_tolerance(gpu: &Gpu) -> Tolerance {
+pub fn lookup_tolerance(gpu: &Gpu) -> Tolerance {
     let is_cpu = gpu.info().device_type == "cpu";
     let [relative, floor] = if is_cpu { [F32, F32_EDGE] } else { [FILTER_UNIT; 2] };
     Tolerance { relative, floor }
@@ -425,82 +423,5 @@ fn every_diffuse_method_matches_its_f64_twin() {
                 }
             }
         });
-    });
-}
-
-/// Far from convergence every texel is the sum over its own lookups, also at poles; 2,048 points take two dispatches.
-#[test]
-fn prefiltered_texels_match_their_estimator() {
-    // Weight and masking, mapping, levels added, points.
-    let ways = [
-        (0, MaskingShadowing::Separable, 0, 0.0, 16),
-        (0, MaskingShadowing::Separable, 1, 1.5, 64),
-        (1, MaskingShadowing::Schlick, 2, -1.5, 16),
-        (1, MaskingShadowing::Correlated, 0, 0.0, 2 * POINTS_PER_DISPATCH),
-        (1, MaskingShadowing::SmithExact, 1, 0.0, 64),
-        (2, MaskingShadowing::Separable, 2, 0.75, 16),
-    ];
-    let (cases, sequence) =
-        (ways.into_iter().flat_map(|way| MODELS.iter().map(move |&model| (way, model))), &SEQUENCES[0]);
-    let lights = environments();
-    let places = lights.iter().flat_map(|environment| LAYOUTS.iter().map(move |layout| (environment, layout))).cycle();
-    with_gpu(|gpu| {
-        for (((weight, masking, mapping, lod_bias, count), model), (environment, layout)) in cases.zip(places) {
-            let kernel = Kernel::new(model, &WEIGHTS[weight], masking);
-            let recipe = Recipe { kernel, mapping: &LEVEL_MAPPINGS[mapping], lod_bias };
-            let PrecomputeSettings { prefilter_size: size, prefilter_level_count: levels, .. } = tables(layout);
-            let on_device = filtered_environment(gpu, layout, &environment_image(gpu, &environment.image));
-            let map = prefilter::pass::map(gpu, layout, size, levels).unwrap();
-            poison_image(gpu, &map);
-            let points = Points::upload(gpu, count, sequence, 0, PixelPoints::Shared).unwrap();
-            prefilter::pass::run(gpu, recipe, layout, &on_device, &points, &map).unwrap();
-            let (filtered, map) = (read_map(gpu, layout, &on_device), read_map(gpu, layout, &map));
-            let points: Vec<DVec2> = (0..count).map(|i| (sequence.point)(i, count, 0)).collect();
-            let name = format!("{} {} {recipe:?} by {count}", environment.name, layout.name);
-            let texels = |[width, height]: [u32; 2]| f64::from(width * height);
-            let mirror = 0.5 * (texels(filtered.size()) / texels(map.size())).log2();
-            let tolerance = lookup_tolerance(gpu);
-            check_texels(&name, &map, 0, STEP, tolerance, |r| filtered.value(r, mirror.max(0.0)));
-            for level in 1..levels {
-                let alpha = recipe.mapping.alpha_from_mip(level.into(), levels);
-                let value = |r| estimate(&filtered, kernel, alpha, r, &points, lod_bias.into());
-                check_texels(&name, &map, level as usize, STEP, tolerance, value);
-            }
-        }
-    });
-}
-
-#[test]
-fn irradiance_maps_of_few_points_match_their_twin() {
-    with_gpu(|gpu| {
-        let lights = environments();
-        let pairs = lights.iter().flat_map(|environment| LAYOUTS.iter().map(move |layout| (environment, layout)));
-        for (environment, layout) in pairs {
-            let image = environment_image(gpu, &environment.image);
-            let on_device = filtered_environment(gpu, layout, &image);
-            let filtered = read_map(gpu, layout, &on_device);
-            let radiance = |l: DVec3, omega_s: f64| {
-                filtered.value(l, lod_from_solid_angles(omega_s, filtered.texel_solid_angle(l, omega_s)).max(0.0))
-            };
-            let settings = tables(layout);
-            let ([phi_count, theta_count], size) = (settings.irradiance_sample_count, settings.irradiance_size);
-            let map = irradiance::pass::map(gpu, layout, size).unwrap();
-            poison_image(gpu, &map);
-            irradiance::pass::run(gpu, layout, &on_device, [phi_count, theta_count], &map).unwrap();
-            let step = [TAU / f64::from(phi_count), 0.25 * TAU / f64::from(theta_count)];
-            let name = format!("irradiance {} {}", layout.name, environment.name);
-            check_texels(&name, &read_map(gpu, layout, &map), 0, STEP, lookup_tolerance(gpu), |n| {
-                let frame = LocalFrame::from_normal(n);
-                let cells = (0..phi_count).flat_map(|i| (0..theta_count).map(move |j| [i, j]));
-                let terms = cells.map(|[i, j]| {
-                    let (phi, theta) = (step[0] * (f64::from(i) + 0.5), step[1] * (f64::from(j) + 0.5));
-                    let l = DVec3::new(theta.sin() * phi.cos(), theta.sin() * phi.sin(), theta.cos());
-                    let weight = theta.sin() * theta.cos();
-                    (weight * radiance(frame.to_world(l), step[0] * step[1] * theta.sin())).extend(weight)
-                });
-                let sum: DVec4 = terms.sum();
-                sum.truncate() / sum.w
-            });
-        }
     });
 }

@@ -2,13 +2,13 @@
 
 #include "lib/split_sum.glsl"
 
-// Names | normal << 4 | toward << 8, of BEND_*.
+// Parameters | normal << 4 | toward << 8, of BEND_*.
 #ifdef GL_ES
-const uint BEND = BEND_NAMES_SQUARE;
+const uint BEND = BEND_PARAMETERS_SQUARE;
 #else
-layout(constant_id = 8) const uint BEND = BEND_NAMES_SQUARE;
+layout(constant_id = 8) const uint BEND = BEND_PARAMETERS_SQUARE;
 #endif
-const uint BEND_NAMES = BEND & 15u;
+const uint BEND_PARAMETERS = BEND & 15u;
 const uint BEND_NORMAL = (BEND >> 4u) & 15u;
 const uint BEND_TOWARD = BEND >> 8u;
 
@@ -48,13 +48,13 @@ vec3 bent_normal(vec3 v, vec2 width, float alpha, float strength) {
 vec3 specular_radiance(Surface s) {
     float alpha = s.alpha;
     float strength = 0.0;
-    if (BEND_NAMES == BEND_NAMES_NARROW) {
+    if (BEND_PARAMETERS == BEND_PARAMETERS_NARROW) {
         alpha = s.width.y;
         strength = s.width.x > s.width.y ? sqrt((s.width.x - s.width.y) / (1.0 - s.width.y)) : 0.0;
-    } else if (BEND_NAMES == BEND_NAMES_MEAN) {
+    } else if (BEND_PARAMETERS == BEND_PARAMETERS_MEAN) {
         alpha = 0.5 * (s.width.x + s.width.y);
         strength = (s.width.x - s.width.y) / (s.width.x + s.width.y);
-    } else if (BEND_NAMES == BEND_NAMES_GEOMETRIC) {
+    } else if (BEND_PARAMETERS == BEND_PARAMETERS_GEOMETRIC) {
         alpha = sqrt(s.width.x * s.width.y);
         strength = min((1.0 - s.width.y / s.width.x) / 0.9, 1.0);
     }

@@ -4,7 +4,7 @@ use super::Method;
 use super::split_sum::shifted;
 use super::split_sum_engines::share_of_r;
 use crate::brdf::{Widths, reflect};
-use crate::shade::bend::{Bend, Names, Normal, Toward};
+use crate::shade::bend::{Bend, Normal, Parameters, Toward};
 use crate::shade::reference::Surface;
 use crate::shade::twin::{Light, Twin};
 use glam::DVec3;
@@ -23,11 +23,11 @@ pub const METHOD: Method = Method {
 fn split_sum(bend: &Bend, surface: &Surface, light: &Light) -> DVec3 {
     let Widths(widths) = surface.widths();
     let (x, y) = (widths.x, widths.y);
-    let (alpha, strength) = match bend.names {
-        Names::Narrow => (y, if x > y { ((x - y) / (1.0 - y)).sqrt() } else { 0.0 }),
-        Names::Mean => (0.5 * (x + y), (x - y) / (x + y)),
-        Names::Geometric => ((x * y).sqrt(), ((1.0 - y / x) / 0.9).min(1.0)),
-        Names::Square => (surface.alpha, 0.0),
+    let (alpha, strength) = match bend.parameters {
+        Parameters::Narrow => (y, if x > y { ((x - y) / (1.0 - y)).sqrt() } else { 0.0 }),
+        Parameters::Mean => (0.5 * (x + y), (x - y) / (x + y)),
+        Parameters::Geometric => ((x * y).sqrt(), ((1.0 - y / x) / 0.9).min(1.0)),
+        Parameters::Square => (surface.alpha, 0.0),
     };
     let (frame, pr) = (surface.frame(), alpha.sqrt());
     let v = frame.to_local(surface.v);
