@@ -166,8 +166,18 @@ impl TimingRecord {
 
     /// Sum of the passes in each round, ms.
     pub fn sums_ms(&self) -> Vec<f64> {
-        let rounds = self.passes.iter().map(|pass| pass.ms.len()).min().unwrap_or(0);
-        (0..rounds).map(|round| self.passes.iter().map(|pass| pass.ms[round]).sum()).collect()
+        self.sums_where(|_| true)
+    }
+
+    /// The same of the passes that differ between methods: no g-buffer, background or tone curve.
+    pub fn shading_ms(&self) -> Vec<f64> {
+        self.sums_where(|pass| pass.starts_with("shade"))
+    }
+
+    fn sums_where(&self, counts: fn(&str) -> bool) -> Vec<f64> {
+        let passes = || self.passes.iter().filter(|pass| counts(&pass.pass));
+        let rounds = passes().map(|pass| pass.ms.len()).min().unwrap_or(0);
+        (0..rounds).map(|round| passes().map(|pass| pass.ms[round]).sum()).collect()
     }
 
     /// Median sum of the passes over the median host time of the same submissions.

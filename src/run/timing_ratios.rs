@@ -11,7 +11,7 @@ use crate::shade::{METHODS, Method};
 pub struct Ratio<'r> {
     pub sampled: &'r TimingRecord,
     pub fixed: &'r TimingRecord,
-    /// Median over rounds of time of `sampled` / time of `fixed`.
+    /// Median over rounds of the shading time of `sampled` over `fixed`'s.
     pub ratio: f64,
     /// 95 % interval of the median. NaN below six rounds.
     pub interval: [f64; 2],
@@ -34,7 +34,7 @@ pub fn ratios(records: &[TimingRecord]) -> Vec<Ratio<'_>> {
             is_beside && if draws(fixed) == draws(record) { is_first } else { draws(record) }
         };
         for sampled in frames.iter().filter(is_pair) {
-            let pairs = sampled.sums_ms().into_iter().zip(fixed.sums_ms());
+            let pairs = sampled.shading_ms().into_iter().zip(fixed.shading_ms());
             let quotients: Vec<f64> = pairs.map(|(a, b)| a / b).collect();
             let (ratio, interval) = (median(&quotients), median_interval(&quotients));
             found.push(Ratio { sampled, fixed, ratio, interval });

@@ -36,7 +36,12 @@ impl Worst {
 
     /// Compares one number; `case` describes the inputs.
     pub fn add(&mut self, actual: f64, expected: f64, case: impl Fn() -> String) {
-        let allowed = self.tolerance.relative * expected.abs() + self.tolerance.floor;
+        self.add_within(actual, expected, 0.0, case);
+    }
+
+    /// The same; this case may be off by `more`.
+    pub fn add_within(&mut self, actual: f64, expected: f64, more: f64, case: impl Fn() -> String) {
+        let allowed = self.tolerance.relative * expected.abs() + self.tolerance.floor + more;
         let ratio = (actual - expected).abs() / allowed;
         self.count += 1;
         // NaN is worse than everything.

@@ -10,6 +10,8 @@ use splitsum::pipeline::{Frame, Pipeline, RenderRequest};
 use splitsum::pixels::{Pixels, RgbImage, exr};
 use splitsum::precompute::PrecomputeSettings;
 use splitsum::scene::{CameraKind, MaterialOverride, Scene};
+use splitsum::shade::Method;
+use splitsum::spelling::Listed;
 use std::cell::Cell;
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -97,6 +99,28 @@ pub fn with_gpu(test: impl FnOnce(&Gpu)) {
     let Some(gpu) = shared() else { return };
     HAS_CUBES.store(gpu.info().has_seamless_cubes, Ordering::Relaxed);
     watched(&gpu, || test(&gpu));
+}
+
+/// The largest error of this device's bilinear lookups, relative to the contrast of their texels: GPUs weigh texels by some
+/// 8 bits, lavapipe by f32. Measured on the background of a map with single white texels.
+pub fn filter_error(pipeline: &mut Pipeline) -> f64 {
+    let dots = RgbImage::from_fn(16, 8, |x, y| [f32::from(u8::from(x % 3 == 0 && y % 3 == 0)); 3]);
+    let environment = Arc::new(Environment::from_image("dots", dots));
+    let own = RenderRequest {
+        background: true,
+        ..request(&environment, lobe_sphere(0.5), CameraKind::Perspective, [64, 48])
+            .shaded(|s| s.method = Method::listed("none"))
+    };
+    let frame = pipeline.render(&own).unwrap();
+    let pixels = (0..48).flat_map(|y| (0..64).map(move |x| (x, y))).filter(|(x, y)| frame.mask.get(*x, *y) == 0.0);
+    let off = pixels.map(|(x, y)| {
+        let (_, direction) = own.camera.ray(x, y, own.size);
+        (f64::from(frame.radiance.get(x, y)[0]) - environment.radiance(direction).x).abs()
+    });
+    let error = off.fold(0.0, f64::max);
+    println!("filter error {error:e}");
+    assert!(error < 1.0 / 128.0, "weights of fewer than 7 bits: {error}");
+    error
 }
 
 /// The same with every pass, and no cached results of another test.

@@ -1,7 +1,7 @@
 //! The attributed steps of the split sum's error, against frames of the methods.
 
 use crate::compare::{Worst, relative};
-use crate::harness::{golden_environment, request, scene, with_pipeline};
+use crate::harness::{filter_error, golden_environment, request, scene, with_pipeline};
 use splitsum::environment::Placement;
 use splitsum::environment::layout::LAYOUTS;
 use splitsum::ladder::{STEPS, Step};
@@ -26,6 +26,8 @@ fn between(test: &Frame, reference: &Frame, request: &RenderRequest) -> f64 {
 #[test]
 fn rungs_have_the_error_of_the_methods_frames() {
     with_pipeline(|pipeline| {
+        // The frames' lookups are off by it, at errors of about a fifth of the radiance.
+        let filtered = relative(5e-3 + 2.0 * filter_error(pipeline));
         for (layout, prefilter, storage) in [
             (&LAYOUTS[0], PrefilterBy::Sampled, StorageFormat::F16),
             (&LAYOUTS[1], PrefilterBy::Harmonic, StorageFormat::F32),
@@ -74,7 +76,7 @@ fn rungs_have_the_error_of_the_methods_frames() {
             let of_layout = |(_, step): &(usize, &Step)| *layout == LAYOUTS[0] || rung(step).uses_prefiltered();
             for (i, step) in STEPS.iter().enumerate().filter(of_layout) {
                 let right = between(&frame(rung(step).name), &reference, &request);
-                let mut worst = Worst::new(format!("{}, {}", step.name, layout.name), relative(5e-3));
+                let mut worst = Worst::new(format!("{}, {}", step.name, layout.name), filtered);
                 worst.add(steps[i].error, right, || rung(step).name.to_owned());
                 worst.check();
             }

@@ -2,7 +2,7 @@
 
 use super::layers::LAYER;
 use super::plain::first;
-use super::{Axis, MOTION, Part, Point, SCENE, Symbol};
+use super::{Axis, MOTION, Part, Point, SCENE, Sheet, Symbol};
 use crate::experiment::value::{Kind, Range, Value};
 use crate::math::sequence::FramePoints;
 use crate::scene::is_design;
@@ -21,6 +21,7 @@ pub(super) const FRAME_AXES: &[Axis] = &[
         about: "frames of a sequence, which add up to the image; `samples` is for each",
         plural: "frame counts",
         symbol: Symbol::After("frames", "frames"),
+        sheet: Sheet::Column,
         kind: Kind::Count { min: 1, max: FRAMES_MAX },
         default: || Value::Count(1),
         used: |u| u.method.uses_point_set,

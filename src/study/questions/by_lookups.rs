@@ -16,7 +16,7 @@ fn lookups(row: &Row) -> Option<f64> {
 
 /// The images with their error over the base's in the same case, and the base: the first method with a
 /// prefiltered map. `None` without a base.
-fn ratios<'r, 'f>(frame: &Frame, images: &[&'r Row<'f>]) -> Option<(Vec<(&'r Row<'f>, f64)>, Value)> {
+pub fn ratios<'r, 'f>(frame: &Frame, images: &[&'r Row<'f>]) -> Option<(Vec<(&'r Row<'f>, f64)>, Value)> {
     let axes = frame.case_axes();
     let is_base = |row: &&&Row| Method::by_name(&row.text(METHOD)).is_some_and(|method| method.uses_prefiltered());
     let base = images.iter().find(is_base)?.point[METHOD].clone();

@@ -4,6 +4,8 @@
 //! every motion. The last frame is compared, so under motion the error has the lag of the frames before.
 
 use super::break_even::{HI, LO, METRIC, N, Pair, conditions, counted, digest, ends, pairs, table};
+use super::by_lookups::ratios;
+use super::numbers::middle_marks;
 use super::prelude::*;
 use super::{FIXED, SAMPLED};
 
@@ -48,25 +50,25 @@ fn answer(frame: &Frame) -> Option<Finding> {
         sentence: sentence(frame, &axes, &all)?,
         table: table(frame, &axes, QUESTION.columns, &all, |own| own.last.map(finite).into()),
         digest: Some(digest(frame, &axes, &all)),
-        figure: None,
+        figure: figure(frame),
     })
 }
 
-/// The words of a pair's ways: "1 sample a frame, light".
-fn way(frame: &Frame, axes: &[usize], key: &[Value]) -> String {
+/// The words of a way to sample: "1 sample a frame, light".
+fn way(frame: &Frame, axes: &[usize], key: &[Value], is_told: impl Fn(usize) -> bool) -> String {
     let samples = axes.iter().position(|axis| *axis == SAMPLES).map(|place| match &key[place] {
         Value::Count(1) => "1 sample a frame".to_owned(),
         count => format!("{count} samples a frame"),
     });
-    let others = frame.names.label_where(axes, key, |axis| axis != SAMPLES && axis != frame.row_axis());
-    commas([samples.as_deref().unwrap_or(""), &others])
+    let others = frame.names.label_where(axes, key, |axis| axis != SAMPLES && is_told(axis));
+    commas([samples.as_deref().unwrap_or(""), &others.replace(" · ", ", ")])
 }
 
 /// The range of the first pair, for its first way and then for the way with the most frames.
 fn sentence(frame: &Frame, axes: &[usize], all: &[Pair]) -> Option<String> {
     let first = all.first()?;
     let own = all.iter().filter(|own| (&own.sampled, &own.fixed) == (&first.sampled, &first.fixed));
-    let ways = grouped(own, |own| way(frame, axes, &own.key));
+    let ways = grouped(own, |own| way(frame, axes, &own.key, |axis| axis != frame.row_axis()));
     let counts = |own: &[&Pair]| {
         let [least, most] = ends(own)?;
         let count = |own: &Pair| counted(own.crossing.value, &own.tried);
@@ -90,4 +92,64 @@ fn sentence(frame: &Frame, axes: &[usize], all: &[Pair]) -> Option<String> {
         counts(lead)?,
         at(name),
     ))
+}
+
+/// Error over the first split sum's, against the frames: one panel per value of [`Frame::row_axis`] and motion, one line
+/// per way to sample with several counts. Methods without samples are dashed.
+fn figure(frame: &Frame) -> Option<Figure> {
+    let (images, names, of) = (frame.images(), &frame.names, frame.row_axis());
+    let (all, base) = ratios(frame, &images)?;
+    let (fixed, sampled): (Vec<_>, Vec<_>) = all.into_iter().partition(|(row, _)| row.samples().is_none());
+    let axes = frame.swept(&[Part::Method, Part::Count, Part::Parameter]).into_iter();
+    let axes: Vec<usize> = axes.filter(|axis| ![FRAMES, MOTION].contains(axis)).collect();
+    let rows = |own: &[(&'_ Row, f64)], axis| distinct_in_order(own.iter().map(|(row, _)| row.point[axis].clone()));
+    let mut ways = grouped(sampled, |(row, _)| row.key(&axes));
+    ways.retain(|(_, own)| rows(own, FRAMES).len() > 2);
+    let differs = |place: usize| ways.iter().any(|(key, _)| key[place] != ways[0].0[place]);
+    let told: Vec<usize> = (0..axes.len()).filter(|place| differs(*place)).map(|place| axes[place]).collect();
+    let fixed = grouped(fixed, |(row, _)| row.text(METHOD));
+    let way = |key: &Key| way(frame, &axes, key, |axis| told.contains(&axis));
+    let series = fixed.iter().map(|(name, _)| name.clone()).chain(ways.iter().map(|(key, _)| way(key)));
+    let series: Vec<String> = series.collect();
+    let mut panels = Vec::new();
+    for value in ascending(fixed.first().map(|(_, own)| rows(own, of))?) {
+        let motions = distinct_in_order(ways.iter().flat_map(|(_, own)| rows(own, MOTION)));
+        for motion in motions {
+            let is_own = |row: &Row| row.point[of] == value && fits(&row.key(&[MOTION]), std::slice::from_ref(&motion));
+            let mut marks: Vec<Mark> = Vec::new();
+            for (place, (name, all)) in fixed.iter().enumerate() {
+                let Some(middle) =
+                    Numbers::new(all.iter().copied().filter(|(row, _)| is_own(row)), Middle::Median).estimate()
+                else {
+                    continue;
+                };
+                let rule = Mark::new(Form::HorizontalRule(middle.value), place);
+                marks.push(rule.tip(format!("{name}: {}", with_interval(&middle))));
+            }
+            for (place, (key, all)) in ways.iter().enumerate() {
+                let dot = |(count, own): (Value, Vec<(&Row, f64)>)| {
+                    let middle = Numbers::new(own.into_iter(), Middle::Median).estimate()?;
+                    let tip = format!("{}, {count} frames", way(key));
+                    let at = |y| [f64::from(count.count()), y];
+                    Some(middle_marks(&middle, fixed.len() + place, at, (&tip, &with_interval)).swap_remove(0))
+                };
+                let counts =
+                    grouped_ascending(all.iter().copied().filter(|(row, _)| is_own(row)), FRAMES, |(row, _)| row);
+                marks.extend(joined(counts.into_iter().filter_map(dot).collect()));
+            }
+            panels.push((commas([&names.heading(of, &value), &names.one(MOTION, &motion)]), marks));
+        }
+    }
+    let mut figure = Chart {
+        title: "Error against frames",
+        note: commas([frame.metric_name(), &format!("relative to {base}"), "median environment"])
+            + "; dashed: without samples; sampling wins where its line is below",
+        x: Along::Log("frames"),
+        y: Along::Log(&format!("relative {}", frame.metric_name())),
+        panels,
+        series,
+    }
+    .figure()?;
+    figure.series.iter_mut().take(fixed.len()).for_each(|own| own.is_dashed = true);
+    Some(figure)
 }

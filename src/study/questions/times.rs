@@ -2,7 +2,8 @@
 //!
 //! A time is the sum of passes in each round, the median over rounds, with its 95 % interval. Compared methods were timed in the same rounds:
 //! the ratio of two methods is the median of the ratios round by round, so that a disturbed round affects both; it is not the quotient of the
-//! medians. The host's own time of the same submissions checks the sum.
+//! medians. Ratios are of the passes that shade: the others cost the same with every method. The host's own time of the same submissions
+//! checks the sum.
 //!
 //! Tables are computed once per map and model. Sets of tables with other parameters are alternatives: their times are a range, never a sum.
 //!
@@ -25,8 +26,12 @@ pub const QUESTION: Question = Question {
         column("ms", "Time in milliseconds, the median over rounds."),
         column("ms_lo", "Lower end of its 95 % interval; empty below six rounds."),
         column("ms_hi", super::UPPER),
+        column(
+            "shading_ms",
+            "Time of the passes that shade: no g-buffer, background or tone curve. Median over rounds.",
+        ),
         column("over", "A method timed in the same rounds, with its sample count; one row for each."),
-        column("ratio", "Time of the frame over this method's, the median of the ratios round by round."),
+        column("ratio", "Time to shade over this method's, the median of the ratios round by round."),
         column("ratio_lo", "Lower end of its 95 % interval; empty below six rounds."),
         column("ratio_hi", super::UPPER),
         column("host_check", "`ok` if the passes sum to 50 to 105 % of the host's own time, else the fault."),
@@ -54,6 +59,10 @@ impl Timed<'_> {
 
     fn median(&self) -> f64 {
         median(&self.sums)
+    }
+
+    fn shading(&self) -> f64 {
+        median(&self.record.shading_ms())
     }
 
     /// The method; without specular term the diffuse method.
@@ -98,6 +107,7 @@ fn answer(frame: &Frame) -> Option<Finding> {
         let mut row: Vec<Cell> = axes.iter().map(|axis| one.text(*axis).into()).collect();
         row.extend(cells![one.record.phase.as_str(), format!("{width}x{height}"), pass, ms.len(), median(ms)]);
         row.extend(ends(median_interval(ms)));
+        row.push(Some(one.shading()).filter(|ms| *ms > 0.0).into());
         row.extend(cells![ratio.map(|ratio| way(&ratio.fixed.key())), ratio.map(|ratio| ratio.ratio)]);
         row.extend(ends(ratio.map_or([f64::NAN; 2], |ratio| ratio.interval)));
         row.extend([one.record.wall_check(), &one.record.device, &one.record.device_type].map(Cell::from));
@@ -128,23 +138,47 @@ fn ends(interval: [f64; 2]) -> [Cell; 2] {
     interval.map(|end| Some(end).filter(|end| end.is_finite()).into())
 }
 
-/// One row per way to make a frame and per way that it was timed with, and the cost of its tables.
+const SHADING: &str = "ms to shade";
+const AS_SAMPLES: &str = "as long as";
+
+/// One row per way to make a frame: its times, over the first way's or in samples, and the cost of its tables.
 fn digest(frames: &[Timed], sets: &[Timed], ratios: &[Ratio]) -> Table {
-    let names = ["configurations", "ms a frame", "times as long", "as", "tables once, ms", "of which"];
+    let ways = grouped(frames, |one| way(&one.key));
+    let first = ways.iter().map(|(name, _)| name.as_str()).find(|name| *name != NONE).unwrap_or("");
+    let over = format!("times `{first}`");
+    let names = ["configurations", "ms a frame", SHADING, &over, AS_SAMPLES, "tables once, ms", "of which"];
     let mut table = Table::with_names(std::iter::once(AXES[METHOD].name).chain(names));
-    for (name, own) in grouped(frames, |one| way(&one.key)) {
-        let ms = range(own.iter().map(|one| one.median()));
-        let beside = grouped(ratios.iter().filter(|ratio| way(&ratio.sampled.key()) == name), |r| way(&r.fixed.key()));
-        let times = beside.iter().map(|(base, own)| (Some(range(own.iter().map(|r| r.ratio))), Some(base.as_str())));
-        let times: Vec<_> = times.collect();
+    for (name, own) in &ways {
+        let ms = [Timed::median, Timed::shading].map(|ms| range(own.iter().map(|one| ms(one))));
+        let is_own = |record: &TimingRecord, name: &str| way(&record.key()) == name;
+        let times = ratios.iter().filter_map(|ratio| match () {
+            () if is_own(ratio.sampled, name) && is_own(ratio.fixed, first) => Some(ratio.ratio),
+            () if is_own(ratio.fixed, name) && is_own(ratio.sampled, first) => Some(ratio.ratio.recip()),
+            () => None,
+        });
+        let times: Vec<f64> = times.collect();
+        let times = (!times.is_empty()).then(|| range(times.into_iter()));
+        let samples: Option<Vec<f64>> = own.iter().map(|one| samples_as_long(one.record, ratios)).collect();
+        let samples = samples.map(|samples| format!("{} samples", range(samples.into_iter())));
         let tables: Vec<&Timed> = sets.iter().filter(|set| set.method() == own[0].method()).collect();
         let all = (!tables.is_empty()).then(|| range(tables.iter().map(|set| set.median())));
-        for (times, base) in if times.is_empty() { vec![(None, None)] } else { times } {
-            let head = cells![name.as_str(), own.len(), ms.as_str(), times, base];
-            table.row([head, cells![all.as_deref(), passes(&tables)]].concat());
-        }
+        let [ms, shading] = ms;
+        table.row(cells![name.as_str(), own.len(), ms, shading, times, samples, all, passes(&tables)]);
     }
     table.without_empty()
+}
+
+/// The samples of the first sampling method that take as long to shade as this way without samples: where the ratio over
+/// their count passes 1, by interpolation or, at either end, extrapolation of the straight line between two counts.
+fn samples_as_long(fixed: &TimingRecord, ratios: &[Ratio]) -> Option<f64> {
+    let beside: Vec<&Ratio> = ratios.iter().filter(|ratio| std::ptr::eq(ratio.fixed, fixed)).collect();
+    let is_first = |ratio: &&&Ratio| ratio.sampled.value(METHOD) == beside[0].sampled.value(METHOD);
+    let count = |ratio: &&Ratio| Some([ratio.sampled.value(SAMPLES).parse().ok()?, ratio.ratio]);
+    let mut points: Vec<[f64; 2]> = beside.iter().filter(is_first).filter_map(count).collect();
+    points.sort_by(|a, b| a[0].total_cmp(&b[0]));
+    let passes = points.windows(2).find(|ends| ends[1][1] > 1.0).or_else(|| points.windows(2).last())?;
+    let [[n, a], [m, b]] = [passes[0], passes[1]];
+    Some(n + (m - n) * (1.0 - a) / (b - a))
 }
 
 /// "mips 28 to 29, prefilter 265 to 287": times by kind; levels of a map count together.
@@ -160,20 +194,25 @@ fn passes(tables: &[&Timed]) -> Option<String> {
     Some(words.collect::<Vec<_>>().join(", ")).filter(|words| !words.is_empty())
 }
 
-/// The first way, the last (the costliest) that was timed with it, and the tables of the first.
+/// The samples that each way without samples costs; without counts, the first way and the last (the costliest). Then the
+/// tables of the first.
 fn sentence(frame: &Frame, digest: &Table) -> Option<String> {
     let place = |name: &str| digest.columns.iter().position(|column| column == name);
     let text = |row: &[Cell], name: &str| place(name).map_or_else(String::new, |column| shown(&row[column]));
     let base = digest.rows.iter().find(|row| shown(&row[0]) != NONE)?;
-    let (name, ms, on) = (shown(&base[0]), text(base, "ms a frame"), frame.cpu_words());
-    let frames = match digest.rows.iter().rfind(|row| text(row, "as") == name) {
-        None => format!("A frame of `{name}` takes {ms} ms{on}."),
+    let (name, ms, on) = (shown(&base[0]), text(base, SHADING), frame.cpu_words());
+    let over = format!("times `{name}`");
+    let counted = |row: &&Vec<Cell>| !text(row, AS_SAMPLES).is_empty();
+    let samples =
+        digest.rows.iter().filter(counted).map(|row| format!("`{}` {}", shown(&row[0]), text(row, AS_SAMPLES)));
+    let samples: Vec<String> = samples.collect();
+    let last = digest.rows.iter().rfind(|row| !text(row, &over).is_empty());
+    let frames = match last {
+        _ if !samples.is_empty() => format!("As long to shade{on} as: {}.", samples.join(", ")),
+        None => format!("`{name}` takes {ms} ms to shade{on}."),
         Some(last) => {
-            let [other, times, other_ms] =
-                [AXES[METHOD].name, "times as long", "ms a frame"].map(|name| text(last, name));
-            format!(
-                "A frame of `{other}` takes {times} times as long as one of `{name}`{on}: {other_ms} ms instead of {ms} ms."
-            )
+            let [other, times, other_ms] = [AXES[METHOD].name, over.as_str(), SHADING].map(|name| text(last, name));
+            format!("`{other}` takes {times} times as long to shade as `{name}`{on}: {other_ms} ms instead of {ms} ms.")
         }
     };
     Some(match text(base, "tables once, ms") {
