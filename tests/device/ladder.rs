@@ -27,7 +27,7 @@ fn between(test: &Frame, reference: &Frame, request: &RenderRequest) -> f64 {
 fn rungs_have_the_error_of_the_methods_frames() {
     with_pipeline(|pipeline| {
         // The frames' lookups are off by it, at errors of about a fifth of the radiance.
-        let filtered = relative(5e-3 + 2.0 * filter_error(pipeline));
+        let filtered = relative(5e-3 + 2.0 * filter_error());
         for (layout, prefilter, storage) in [
             (&LAYOUTS[0], PrefilterBy::Sampled, StorageFormat::F16),
             (&LAYOUTS[1], PrefilterBy::Harmonic, StorageFormat::F32),

@@ -90,7 +90,7 @@ fn a_linear_map_lights_by_its_turned_gradient() {
 #[test]
 fn the_background_shows_the_turned_map() {
     with_pipeline(|pipeline| {
-        let filter_error = filter_error(pipeline);
+        let filter_error = filter_error();
         let (environment, method) = (golden_environment(), Method::listed("none"));
         for (placement, kind) in PLACEMENTS.into_iter().flat_map(|p| CameraKind::all().map(move |kind| (p, *kind))) {
             let own = RenderRequest {

@@ -26,7 +26,7 @@ pub fn smooth_environment() -> Arc<Environment> {
 #[test]
 fn turning_environment_and_camera_together_changes_nothing() {
     with_pipeline(|pipeline| {
-        let filter_error = filter_error(pipeline);
+        let filter_error = filter_error();
         let environment = golden_environment();
         // A quarter turn to larger u is exact in the map: about +y by -90 degrees, since phi = 2 pi (0.5 - u).
         let shifted = RgbImage::from_fn(512, 256, |x, y| environment.image.get((x + 384) % 512, y));

@@ -47,7 +47,7 @@ fn prefiltered_texels_match_their_estimator() {
             let name = format!("{} {} {recipe:?} by {count}", environment.name, layout.name);
             let texels = |[width, height]: [u32; 2]| f64::from(width * height);
             let mirror = 0.5 * (texels(filtered.size()) / texels(map.size())).log2();
-            let tolerance = lookup_tolerance(gpu);
+            let tolerance = lookup_tolerance();
             check_texels(&name, &map, 0, STEP, tolerance, |r| filtered.value(r, mirror.max(0.0)));
             for level in 1..levels {
                 let alpha = recipe.mapping.alpha_from_mip(level.into(), levels);
@@ -77,7 +77,7 @@ fn irradiance_maps_of_few_points_match_their_twin() {
             irradiance::pass::run(gpu, layout, &on_device, [phi_count, theta_count], &map).unwrap();
             let step = [TAU / f64::from(phi_count), 0.25 * TAU / f64::from(theta_count)];
             let name = format!("irradiance {} {}", layout.name, environment.name);
-            check_texels(&name, &read_map(gpu, layout, &map), 0, STEP, lookup_tolerance(gpu), |n| {
+            check_texels(&name, &read_map(gpu, layout, &map), 0, STEP, lookup_tolerance(), |n| {
                 let frame = Frame::from_normal(n);
                 let cells = (0..phi_count).flat_map(|i| (0..theta_count).map(move |j| [i, j]));
                 let terms = cells.map(|[i, j]| {

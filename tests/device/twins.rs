@@ -4,7 +4,7 @@
 
 use crate::compare::{Tolerance, Worst};
 use crate::gbuffer::draw;
-use crate::harness::{read_level, render_by_seeds, request, scene, with_gpu, with_pipeline};
+use crate::harness::{filter_error, read_level, render_by_seeds, request, scene, with_gpu, with_pipeline};
 use crate::layouts::{filtered_environment, read_map};
 use crate::methods::{EXACT, Sight, radiance, sights_in};
 use crate::tables::{coefficients, dfg_table, environment_image};
@@ -37,8 +37,9 @@ const F32: f64 = 5e-5;
 /// Relative to the frame's mean: a lookup that moves by 2e-7 of the map's width moves on the edge of a lamp, which may
 /// be brighter than the pixel.
 const F32_EDGE: f64 = 3e-4;
-/// A GPU's filter weighs texels and levels by some 8 bits; relative, and relative to the frame's mean.
-const FILTER_UNIT: f64 = 2e-2;
+/// A lookup interpolates along u, v and the level, between texels that differ by up to five times the pixel or the frame's
+/// mean; in units of the filter's error.
+const FILTERED: f64 = 15.0;
 /// A frame of a random estimator is off by its standard error, which 16 nets know to 20 %.
 const SIGMAS: f64 = 6.0;
 /// A larger standard error would pass any value.
@@ -337,9 +338,8 @@ fn check<E: Copy + Sync>(
 }
 
 /// Relative, with a floor in units of the frame's mean.
-pub fn lookup_tolerance(gpu: &Gpu) -> Tolerance {
-    let is_cpu = gpu.info().device_type == "cpu";
-    let [relative, floor] = if is_cpu { [F32, F32_EDGE] } else { [FILTER_UNIT; 2] };
+pub fn lookup_tolerance() -> Tolerance {
+    let [relative, floor] = [F32, F32_EDGE].map(|least| least.max(FILTERED * filter_error()));
     Tolerance { relative, floor }
 }
 
@@ -387,7 +387,7 @@ fn every_method_matches_its_f64_twin() {
                         &request,
                         sights,
                         &frame,
-                        lookup_tolerance(gpu),
+                        lookup_tolerance(),
                     );
                 }
             }
@@ -418,7 +418,7 @@ fn every_diffuse_method_matches_its_f64_twin() {
                         &request,
                         &sights,
                         &frame,
-                        lookup_tolerance(gpu),
+                        lookup_tolerance(),
                     );
                 }
             }

@@ -14,8 +14,9 @@ use crate::spelling::short_number;
 use fastrand::Rng;
 use std::time::Instant;
 
-/// An idle GPU runs at a fraction of its clock, and needs work for so long, in seconds, to reach it.
-const CLOCK_RAMP_S: f64 = 1.0;
+/// An idle GPU lowers its clock. So it renders for so long, in ms, before the first round and before each frame that counts.
+const RAMP_MS: f64 = 1000.0;
+const KEEP_MS: f64 = 100.0;
 
 struct Timed<'p> {
     job: TimingJob<'p>,
@@ -78,12 +79,14 @@ impl<'p> Run<'p> {
                 places: Vec::new(),
             })
             .collect();
+        let is_cpu = renderer.device().device_type == "cpu";
+        // Frames that take so long, ms, at the time of the first that is warm.
+        let mut frames = Vec::new();
         for configuration in &timed {
-            configuration.sample(timing.warmup - 1, 1, renderer)?;
-        }
-        let ramp = Instant::now();
-        while renderer.device().device_type != "cpu" && ramp.elapsed().as_secs_f64() < CLOCK_RAMP_S {
-            timed[0].sample(0, 1, renderer)?;
+            let wall_ms = configuration.sample(timing.warmup - 1, 1, renderer)?.wall_ms;
+            let least = |ms: f64| if is_cpu { 0 } else { (ms / wall_ms[0].max(0.01)).ceil() as u32 };
+            configuration.sample(least(RAMP_MS / block.len() as f64), 0, renderer)?;
+            frames.push(least(KEEP_MS));
         }
         let (started, mut random) = (Instant::now(), Rng::with_seed(self.plan.config.seed.into()));
         let mut indices: Vec<usize> = (0..timed.len()).collect();
@@ -93,7 +96,7 @@ impl<'p> Run<'p> {
                 let configuration = &mut timed[index];
                 let start_s = started.elapsed().as_secs_f64();
                 // The first frame after a change of configuration does not count.
-                let change = u32::from(block.len() > 1);
+                let change = frames[index].max(u32::from(block.len() > 1));
                 let sample = configuration.sample(change, 1, renderer)?;
                 configuration.samples.append(sample);
                 configuration.places.push(Place { order, start_s });
