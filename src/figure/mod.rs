@@ -8,6 +8,7 @@ mod labels;
 mod layout;
 mod marks;
 mod scale;
+pub mod sheet;
 pub mod svg;
 pub mod text;
 

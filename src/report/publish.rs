@@ -5,10 +5,9 @@ use super::record::{ANSWER_FILE, AnswerRecord, WriteError};
 use super::summary::{SHEETS_FOLDER, bold, sheet_link, sheet_title};
 use super::write::SUMMARY_FILE;
 use crate::files::{TEXT_BYTES_MAX, names_in, read_text, relative};
-use crate::pixels::{PixelsError, png, write_atomically};
+use crate::pixels::{PixelsError, write_atomically};
 use crate::run::frozen::EXPERIMENT_FILE;
 use crate::run::provenance::{EXPERIMENT_FOLDER, PROVENANCE_FILE, SET_FOLDER};
-use crate::run::sheets::draw::PUBLISHED_SIZE;
 use crate::run::sheets::sheet_files;
 use crate::run::store::{ANSWERS_FOLDER, TIMINGS_FOLDER};
 use crate::study::finished::{FinishedError, provenance};
@@ -20,8 +19,6 @@ use std::path::{Path, PathBuf};
 const FILES: [&str; 6] = [EXPERIMENT_FILE, "environments.csv", "errors.csv", "steps.csv", "timings.csv", SUMMARY_FILE];
 /// Larger files and folders are omitted.
 const BYTES_MAX: u64 = 1 << 20;
-/// Larger contact sheets are shrunk, bytes.
-const SHEET_BYTES_MAX: usize = 300_000;
 /// The user's remark on a published run, copied into the page.
 const REMARK_FILE: &str = "remark.md";
 pub const PAGE: &str = "README.md";
@@ -129,10 +126,10 @@ pub fn publish(dir: &Path, into: &Path, replace: bool) -> Result<Vec<String>, Pu
     let mut text = read_text(&summary, TEXT_BYTES_MAX).map_err(io(&summary))?;
     // The sheet that the summary shows.
     if let Some(sheet) = sheet_files(dir).first() {
-        let name = sheet.file_name().map_or_else(|| "sheet.png".into(), |name| name.to_string_lossy());
+        let name = sheet.file_name().map_or_else(|| "sheet.svg".into(), |name| name.to_string_lossy());
         let link = sheet_link(&name);
         if text.contains(&link) {
-            publish_sheet(sheet, &target.join(&*name))?;
+            std::fs::copy(sheet, target.join(&*name)).map_err(io(sheet))?;
             text = text.replace(&link, &markdown::link(sheet_title(&name), &name));
             text = text.replace(&markdown::link(SHEETS_FOLDER, SHEETS_FOLDER), &link_label(SHEETS_FOLDER));
         }
@@ -142,23 +139,6 @@ pub fn publish(dir: &Path, into: &Path, replace: bool) -> Result<Vec<String>, Pu
     }
     write_atomically(&summary, |writer| writer.write_all(text.as_bytes()))?;
     Ok(left_out.iter().map(|name| format!("{}: omitted {name}", dir.display())).collect())
-}
-
-/// Writes a smaller copy of a contact sheet.
-fn publish_sheet(from: &Path, to: &Path) -> Result<(), PublishError> {
-    let image = png::read_rgb8(from)?;
-    let [width, height] = [image.width, image.height].map(f64::from);
-    let [width_max, height_max] = PUBLISHED_SIZE.map(f64::from);
-    let mut factor = (width_max / width).min(height_max / height).min(1.0);
-    loop {
-        let [width, height] = [width, height].map(|side| (side * factor).floor().max(1.0) as u32);
-        let bytes = png::encode_rgb8(&image.shrunk(width, height)).map_err(io(from))?;
-        if bytes.len() <= SHEET_BYTES_MAX || width.min(height) == 1 {
-            return Ok(write_atomically(to, |writer| writer.write_all(&bytes))?);
-        }
-        // Noise does not compress.
-        factor *= 7.0 / 8.0;
-    }
 }
 
 /// Writes the provenance, with folders relative to the published one.
@@ -216,7 +196,7 @@ fn section(run: &AnswerRecord, folder: &str, dir: &Path) -> String {
     }
     let figures = run.files.iter().filter_map(|name| name.strip_suffix(".svg"));
     let figures = figures.map(|name| format!("[{name}]({folder}/{ANSWERS_FOLDER}/{name}.svg)"));
-    let sheet = names_in(dir).into_iter().filter(|name| name.ends_with(".png")).min();
+    let sheet = names_in(dir).into_iter().filter(|name| name.ends_with(".svg")).min();
     let sheet = sheet.map(|sheet| markdown::link("contact sheet", &format!("{folder}/{sheet}")));
     let links = figures.chain(sheet).chain([format!("[all numbers]({folder}/{SUMMARY_FILE})")]);
     let failed = if run.failed > 0 { format!(", {} failed", run.failed) } else { String::new() };

@@ -101,7 +101,7 @@ pub fn sheet_link(name: &str) -> String {
 }
 
 pub fn sheet_title(name: &str) -> &str {
-    name.trim_end_matches(".png")
+    name.trim_end_matches(".svg")
 }
 
 /// A link to the first contact sheet; empty without pictures.

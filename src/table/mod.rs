@@ -1,8 +1,6 @@
-//! Tables as CSV and Markdown, colours of error maps, text on images.
+//! Tables as CSV and Markdown, colours of error maps.
 
 #[cfg(feature = "cli")]
 pub mod colormap;
 pub mod csv;
 pub mod markdown;
-#[cfg(feature = "cli")]
-pub(crate) mod text;

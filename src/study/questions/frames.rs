@@ -64,7 +64,7 @@ fn way(frame: &Frame, axes: &[usize], key: &[Value], is_told: impl Fn(usize) -> 
     commas([samples.as_deref().unwrap_or(""), &others.replace(" · ", ", ")])
 }
 
-/// The range of the first pair, for its first way and then for the way with the most frames.
+/// The range of the first pair, for its first way with its errors at the end, and then for the way with the most frames.
 fn sentence(frame: &Frame, axes: &[usize], all: &[Pair]) -> Option<String> {
     let first = all.first()?;
     let own = all.iter().filter(|own| (&own.sampled, &own.fixed) == (&first.sampled, &first.fixed));
@@ -84,8 +84,9 @@ fn sentence(frame: &Frame, axes: &[usize], all: &[Pair]) -> Option<String> {
     } else {
         format!(" It needs {}{}.", counts(&slowest.1)?, at(&slowest.0))
     };
+    let [most, end] = [lead[0].tried.last()?.to_string(), range(lead.iter().map(|own| own.last[0]))];
     Some(format!(
-        "`{}` beats `{}` in `{}` from **{} frames** on{}.{slow}",
+        "`{}` beats `{}` in `{}` from **{} frames** on{}. After {most} frames it has {end} times the error.{slow}",
         first.sampled,
         first.fixed,
         first.metric,

@@ -3,32 +3,26 @@
 //! Below each display image is its error. If exposure or contrast is swept, each display image has its FLIP map instead, and the linear error
 //! map, which does not depend on them, follows once.
 
-pub mod draw;
-
 use super::images::{error_name, flip_name, picture_name, reference_picture_name, short_text, sweeps_display};
 use super::rows;
 use super::store::{KeptCell, Store, StoreError};
 use super::tables::{CellResult, DISPLAY_HEADLINE, HEADLINE, Results};
-use crate::experiment::axis::{AXES, METHOD, POINT_SET, SAMPLES, SCENE, Sheet};
+use crate::experiment::axis::{AXES, FRAMES, METHOD, POINT_SET, SAMPLES, SCENE, Sheet};
 use crate::experiment::plan::{Cell, Plan};
 use crate::experiment::value::Value;
+use crate::figure::sheet::{ContactSheet, Head, Tile};
 use crate::files::names_in;
-use crate::pixels::{PixelsError, Rgb8Image, png};
+use crate::pixels::{PixelsError, Rgb8Image, png, write_atomically};
 use crate::table::colormap::{FLIP_ERROR, RELATIVE_ERROR};
 use crate::table::markdown::significant;
-use draw::{ContactSheet, Head, Tile};
 use indexmap::IndexMap;
 use rayon::prelude::*;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-/// Smaller images are magnified to this width, pixels, and larger ones never shrunk below it.
-const TILE_SIDE_MIN: u32 = 128;
-/// Width of all images of a sheet, pixels, unless they would be narrower than [`TILE_SIDE_MIN`]: two sheets fit side by
-/// side on a large monitor.
-const GRID_WIDTH: u32 = 2360;
-/// Between two columns, group gaps included, pixels.
-const COLUMN_GAP: u32 = 8;
+/// Width of all images of a sheet, pixels, unless one would be narrower than the first of [`TILE_WIDTHS`] or wider than the second.
+const GRID_WIDTH: u32 = 1100;
+const TILE_WIDTHS: [u32; 2] = [112, 256];
 
 /// Writes one contact sheet for each environment, scene and model. Removes sheets of earlier runs. There are no sheets of the scene `design`, and none with `sheets = false`.
 pub fn write_sheets(store: &Store, plan: &Plan, results: &Results) -> Result<(), StoreError> {
@@ -42,8 +36,9 @@ pub fn write_sheets(store: &Store, plan: &Plan, results: &Results) -> Result<(),
         let maker = Maker { store, plan, results, columns: &columns, column_axes: &column_axes, tile, has_flip };
         let name = words(plan, &sheet_axes, cells[0], "_").replace(['/', ':'], "-");
         let name = if name.is_empty() { plan.config.name.clone() } else { name };
-        let path = store.table_path(&format!("{name}.png"));
-        png::write_rgb8(&path, &maker.sheet(&cells, title.trim_end().to_owned()).page())?;
+        let path = store.table_path(&format!("{name}.svg"));
+        let sheet = maker.sheet(&cells, title.trim_end().to_owned()).svg();
+        write_atomically(&path, |writer| std::io::Write::write_all(writer, sheet.as_bytes()))?;
         written.insert(path);
     }
     for path in sheet_files(store.dir()).into_iter().filter(|path| !written.contains(path)) {
@@ -55,7 +50,7 @@ pub fn write_sheets(store: &Store, plan: &Plan, results: &Results) -> Result<(),
 /// Contact sheets of the run in a folder, by name.
 pub fn sheet_files(dir: &Path) -> Vec<PathBuf> {
     let folder = Store::at(dir).table_path("");
-    names_in(&folder).iter().filter(|name| name.ends_with(".png")).map(|name| folder.join(name)).collect()
+    names_in(&folder).iter().filter(|name| name.ends_with(".svg")).map(|name| folder.join(name)).collect()
 }
 
 /// The swept axes whose values are in this place of a sheet.
@@ -74,16 +69,11 @@ fn shown(plan: &Plan) -> Vec<&Cell> {
         .collect()
 }
 
-/// Factor for small images.
-fn magnification([width, _]: [u32; 2]) -> u32 {
-    TILE_SIDE_MIN.div_ceil(width).max(1)
-}
-
 /// The size of images in a sheet with this many columns.
 fn tile_size([width, height]: [u32; 2], columns: usize) -> [u32; 2] {
-    let room = (GRID_WIDTH / columns as u32).saturating_sub(COLUMN_GAP).max(TILE_SIDE_MIN);
-    let scale = magnification([width, height]);
-    if room < width { [room, (height * room / width).max(1)] } else { [width * scale, height * scale] }
+    let [least, most] = TILE_WIDTHS;
+    let side = (GRID_WIDTH / columns as u32).clamp(least, most);
+    [side, (height * side / width).max(1)]
 }
 
 /// The pictures in a row.
@@ -217,23 +207,24 @@ impl Maker<'_> {
         png::read_rgb8(&self.store.image_path(name))
     }
 
-    /// A picture at the sheet's size, magnified by whole numbers or shrunk.
+    /// A picture at the sheet's size, or smaller.
     fn image(&self, picture: Result<Rgb8Image, PixelsError>, note: String) -> Tile {
         let [width, height] = self.tile;
         match picture {
-            Ok(picture) if picture.width < width || picture.height < height => {
-                let (x_scale, y_scale) = (width.div_ceil(picture.width), height.div_ceil(picture.height));
-                let image = Rgb8Image::from_fn(width, height, |x, y| picture.get(x / x_scale, y / y_scale));
-                Tile::Image { image, note }
-            }
-            Ok(picture) => Tile::Image { image: picture.shrunk(width, height), note },
+            Ok(image) if image.width <= width => Tile::Image { image, note },
+            Ok(image) => Tile::Image { image: image.shrunk(width, height), note },
             Err(error) => Tile::Missing(error.to_string()),
         }
     }
 }
 
 fn words(plan: &Plan, axes: &[usize], cell: &Cell, separator: &str) -> String {
-    let words = axes.iter().map(|&axis| short_text(plan.config.named(axis), &cell.point));
+    let word = |&axis: &usize| {
+        let (named, text) = (plan.config.named(axis), short_text(plan.config.named(axis), &cell.point));
+        // A number beside a method means samples.
+        if axis == FRAMES && !text.is_empty() { named.symbol().label(&text) } else { text }
+    };
+    let words = axes.iter().map(word);
     words.filter(|word| !word.is_empty()).collect::<Vec<_>>().join(separator)
 }
 
