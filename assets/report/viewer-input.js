@@ -34,6 +34,7 @@ export function key(viewer, event) {
     s: () => show("signed"),
     t: () => isImage && viewer.set({ tone: tone === "srgb" ? "curve" : "srgb" }),
     c: () => viewer.set({ isClipped: !isClipped }),
+    p: () => viewer.play(),
     d: () => viewer.set({ split: split === null ? 0.5 : null }),
     "[": () => brighten(-0.5),
     "]": () => brighten(0.5),

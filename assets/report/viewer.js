@@ -1,7 +1,7 @@
 // The comparison of images on linear data: flip in place, wipe, zoom to texels, error maps, probe. WebGL2.
 
 import { HALF, exrLink, firstRow, hasPixels, headline, idOf, inkOf, model, rowOf, sceneLabel } from "report/data";
-import { scenes, texelError, truthName, variantCode, variantLabel } from "report/data";
+import { scenes, texelError, truthName, variantAxes, variantCode, variantLabel } from "report/data";
 import { announce, h, number, say, stopsText } from "report/dom";
 import { fillErrorLegend } from "report/legend";
 import { Place } from "report/place";
@@ -99,8 +99,7 @@ class Viewer {
       ...{ cell: this.row.cell, run: this.row.run || "" },
       ...{ mode: this.mode === "image" ? "" : this.mode, tone: this.tone === "curve" ? "" : this.tone },
       ...{ ev: rounded(this.stops), contrast: rounded(this.contrast), clip: this.isClipped ? "1" : "" },
-      split: this.split === null ? "" : rounded(this.split),
-      texel: this.isPinned ? this.probed.join(",") : "",
+      ...{ split: this.split === null ? "" : rounded(this.split), texel: this.isPinned ? this.probed.join(",") : "" },
       ...{ zoom: isPlaced ? rounded(this.place.scale) : "", x, y },
     });
   }
@@ -125,9 +124,16 @@ class Viewer {
     this.markVariant();
   }
 
-  step(by) {
-    const shown = this.scene.variants.filter((row) => hasPixels(row) || row === this.row);
+  /** Another image of the scene; one that differs in these axes alone. */
+  step(by, axes = null) {
+    const isLike = (row) => !axes || variantLabel(row, axes) === variantLabel(this.row, axes);
+    const shown = this.scene.variants.filter((row) => row === this.row || (hasPixels(row) && isLike(row)));
     this.choose(shown[(shown.indexOf(this.row) + by + shown.length) % shown.length]);
+  }
+
+  play() {
+    const axis = variantAxes.includes("frames") ? "frames" : "samples";
+    this.timer = this.timer ? clearInterval(this.timer) : setInterval(() => this.step(1, [axis]), 400);
   }
 
   /** The same variant in another scene. */
@@ -274,7 +280,8 @@ class Viewer {
       },
       rest: () => this.row && this.keepState(),
     });
-    const { handle, stage, out, in: nearer, fit } = this.parts;
+    const { handle, stage, out, in: nearer, fit, play } = this.parts;
+    play.addEventListener("click", () => this.play());
     out.addEventListener("click", () => this.zoom(1 / 1.5));
     nearer.addEventListener("click", () => this.zoom(1.5));
     fit.addEventListener("click", () => this.refit());
