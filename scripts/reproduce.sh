@@ -3,7 +3,7 @@
 #
 #     sh scripts/reproduce.sh              # lists the figures, their minutes on two idle cores and the pages that show them
 #     sh scripts/reproduce.sh coat         # one of them, or several
-#     sh scripts/reproduce.sh all          # all, in about 90 minutes
+#     sh scripts/reproduce.sh all          # all, in about 105 minutes
 #
 # A figure is a run of results/. It runs again, from results/NAME/experiment.toml into runs/reproduce/NAME, and
 # scripts/compare_answers.py compares the tables of its answers, which the pages show, each number within its own error.
@@ -33,7 +33,9 @@ pictures-second 6
 pictures-second-7 2
 source-document-0 1
 spheres 1
-split-sums 5"
+split-sums 5
+temporal 15
+ghosts 1"
 names=$(printf '%s\n' "$figures" | cut -d' ' -f1)
 
 # The pages that show a figure.

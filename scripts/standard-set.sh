@@ -4,7 +4,7 @@
 #     scripts/standard-set.sh [--only NAME,NAME...] [--runs FOLDER] [--publish FOLDER]
 #
 # Runs go to runs/standard/NAME (gitignored), the small files of each to results/NAME, and the answers of all published
-# runs to results/README.md; a run of an earlier plan is replaced. Run the script again to resume. Takes up to 50 minutes
+# runs to results/README.md; a run of an earlier plan is replaced. Run the script again to resume. Takes about an hour
 # on two idle cores with a software driver.
 # Answers about light rest on the ten measured maps of experiments/environments.csv, which are not part of the repository:
 # save each as experiments/environments/NAME_1k.hdr. If one is missing or is another file, the set says so and runs
@@ -13,7 +13,7 @@ set -eu
 cd "$(dirname "$0")/.."
 . scripts/setup.sh
 
-set_names="quick front break-even source-document-0 level-bias diffuse tables ladder split-sums pictures coat anisotropy exposure-and-contrast better-method timing"
+set_names="quick front break-even source-document-0 level-bias diffuse tables ladder split-sums pictures coat anisotropy temporal ghosts exposure-and-contrast better-method timing"
 runs=runs/standard
 results=results
 while [ $# -gt 0 ]; do
@@ -58,7 +58,7 @@ done <experiments/environments.csv
 # Lights of an experiment: its formulas, then the measured maps. Empty for an experiment about formulas or pictures.
 lights_of() {
     case $1 in
-    front | pictures | split-sums | coat | anisotropy) echo "${maps#,}" ;;
+    front | pictures | split-sums | coat | anisotropy | temporal) echo "${maps#,}" ;;
     break-even | better-method | level-bias | tables | ladder) echo "builtin:studio,builtin:sky$maps" ;;
     diffuse) echo "builtin:sky,builtin:sky:elevation_deg=88,builtin:studio,builtin:checker,builtin:cap$maps" ;;
     esac
