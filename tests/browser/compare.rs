@@ -108,6 +108,14 @@ fn keys_flip_in_place_and_an_address_restores_the_view() {
     assert_eq!(page.eval("document.querySelector('.split-handle').style.left"), json!("48%"));
     assert_eq!(shown(&mut page), of("sampled", "16"));
 
+    // Playing goes around the sample counts, until the second press.
+    page.key("p");
+    for samples in ["1", "4"] {
+        let next = of("sampled", samples);
+        page.wait(&format!("document.querySelector('.viewer-stage canvas').dataset.shown === '{next}'"));
+    }
+    page.key("p");
+
     // An address restores the view.
     let first = of("sampled", "4");
     open(&mut page, &report, &format!("cell={first}&split=0.5&texel=11,13&mode=signed"));
