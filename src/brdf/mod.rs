@@ -16,12 +16,14 @@ mod beckmann;
 mod compensation;
 mod ggx;
 mod phong;
+mod sheen;
 
 pub use anisotropy::{Stretch, WidthLaw, Widths};
 pub use beckmann::Beckmann;
 pub use compensation::Compensation;
 pub use ggx::Ggx;
 pub use phong::{Phong, exponent_from_alpha};
+pub use sheen::{SHEEN_ALPHA_MIN, SheenVisibility};
 
 /// A microfacet distribution with its Smith masking. `alpha` is in (0, 1] and precise down to 0.001.
 /// The samplers take two widths; a distribution that knows one gets it twice.

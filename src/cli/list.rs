@@ -10,6 +10,7 @@ use splitsum::precompute::prefilter::level_bias::LEVEL_BIASES;
 use splitsum::precompute::prefilter::{LEVEL_MAPPINGS, WEIGHTS};
 use splitsum::shade::bend::BENDS;
 use splitsum::shade::coat::COAT_RENDERERS;
+use splitsum::shade::sheen::SHEEN_LOOKUPS;
 use splitsum::spelling::Listed;
 use splitsum::study::columns;
 use splitsum::study::questions::QUESTIONS;
@@ -47,6 +48,8 @@ enum What {
     Bends,
     /// Whose way to shade a clear coat.
     CoatRenderers,
+    /// Whose way to look up sheen.
+    SheenLookups,
     Questions,
     /// The text of docs/columns.md.
     Columns,
@@ -93,6 +96,7 @@ fn listing(what: What) -> String {
         }
         What::Bends => BENDS.iter().for_each(|bend| add(bend.name, bend.about)),
         What::CoatRenderers => COAT_RENDERERS.iter().for_each(|renderer| add(renderer.name, renderer.about)),
+        What::SheenLookups => SHEEN_LOOKUPS.iter().for_each(|lookup| add(lookup.name, lookup.about)),
         What::Questions => QUESTIONS.iter().for_each(|question| add(question.name, question.asks)),
         What::Columns => {}
         What::Sequences => SEQUENCES.iter().for_each(|sequence| add(sequence.name, sequence.about)),

@@ -2,7 +2,7 @@
 
 use super::axis::{
     ALBEDO, ALPHA, ANISOTROPY, AXES, Axis, COAT, COMPENSATION, DFG_TABLE, FRAMES, METALLIC, METHOD, MOTION, Named,
-    PREFILTER_SIZE, PREFILTERED, Point, SAMPLES, SCENE, SIZE, index_of, motion_fault,
+    PREFILTER_SIZE, PREFILTERED, Point, SAMPLES, SCENE, SHEEN_COLOR, SIZE, index_of, motion_fault,
 };
 use super::config::{Config, Placed, Sweep};
 use super::fault::{Faults, Place};
@@ -72,7 +72,7 @@ pub fn check_sizes(config: &Config, faults: &mut Faults) {
 }
 
 fn has_layer(point: &Point, axis: usize) -> bool {
-    point[axis] != Value::Unset && point[axis] != Value::Number(0.0)
+    point[axis] != Value::Unset && !point[axis].is_zero()
 }
 
 /// Fewer pixels leave a band of n·v without views.
@@ -99,7 +99,7 @@ fn check_ladder(config: &Config, point: &Point, faults: &mut Faults) {
         let text = format!("{name}: [ladder] has no steps for {value}; expected {usual}");
         faults.add(&config.place_of(axis, point), text);
     }
-    for axis in [COAT, ANISOTROPY].into_iter().filter(|axis| has_layer(point, *axis)) {
+    for axis in [COAT, ANISOTROPY, SHEEN_COLOR].into_iter().filter(|axis| has_layer(point, *axis)) {
         let text = format!("{}: [ladder] has no steps for {}; expected 0", AXES[axis].name, point[axis]);
         faults.add(&config.place_of(axis, point), text);
     }
@@ -152,6 +152,7 @@ pub fn idle_sweeps<'p>(config: &Config, points: impl Iterator<Item = &'p Point> 
         } else {
             let user = match AXES[sweep.axis].layer() {
                 Some("coat") => "surface has a coat",
+                Some("sheen_color") => "surface has sheen",
                 Some("frames") => "sampling method has several frames",
                 Some(_) => "surface is anisotropic",
                 None => "method of the experiment uses it",

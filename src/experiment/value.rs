@@ -67,6 +67,11 @@ impl fmt::Display for Value {
 }
 
 impl Value {
+    /// Whether it is 0 or black.
+    pub fn is_zero(&self) -> bool {
+        [Self::Number(0.0), Self::Color([0.0; 3])].contains(self)
+    }
+
     /// Returns a number, a count, the product of a pair or a grey; `None` for names and colours.
     pub fn size(&self) -> Option<f64> {
         match self {

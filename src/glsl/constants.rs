@@ -118,6 +118,17 @@ constants! {
     BEND_TOWARD_TWICE: u32 = 4;
     BEND_TOWARD_UNITY: u32 = 5;
     BEND_TOWARD_CAP: u32 = 6;
+    /// Visibilities of sheen; in the order of `brdf::SheenVisibility`.
+    SHEEN_VISIBILITY_CHARLIE: u32 = 0;
+    SHEEN_VISIBILITY_ASHIKHMIN: u32 = 1;
+    /// Smallest width of sheen.
+    SHEEN_ALPHA_MIN: f32 = 0.01;
+    /// Lookups of sheen; in the order of `shade::sheen`.
+    SHEEN_TOWARD_NORMAL: u32 = 0;
+    SHEEN_TOWARD_MIRROR: u32 = 1;
+    SHEEN_TOWARD_MOMENT: u32 = 2;
+    SHEEN_LEVEL_OWN: u32 = 0;
+    SHEEN_LEVEL_ROUGHEST: u32 = 1;
     /// Of the strips of `split-sum-strips-*`: length and breadth over their share of the widths, and how far the outermost reach.
     STRIP_LENGTH: f32 = 0.5;
     STRIP_BREADTH: f32 = 0.9;

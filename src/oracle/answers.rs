@@ -1,6 +1,7 @@
 //! Answers tables of queries.
 
-use super::{COAT_COLOR, COAT_NUMBER, Integral, Kind, Queries, rungs};
+use super::{Integral, Kind, LAYERS, Queries, Sheen, rungs};
+use crate::brdf::MaskingShadowing;
 use crate::math::equirect_quadrature::EquirectQuadrature;
 use crate::math::quadrature::{Bounded, Estimate, Tolerance};
 use crate::math::spherical_harmonics::COUNT;
@@ -11,8 +12,9 @@ use crate::precompute::prefilter::reference::prefilter;
 use crate::precompute::sh9::reference::project_bilinear_bounded;
 use crate::precompute::{PrecomputeSettings, exact_quadrature};
 use crate::shade::Method;
-use crate::shade::coat::{COAT_RENDERERS, shares};
-use crate::shade::reference::{Surface, integrate};
+use crate::shade::coat::{self, COAT_RENDERERS};
+use crate::shade::reference::{Surface, integrate, specular};
+use crate::shade::sheen;
 use crate::shade::twin::Twin;
 use crate::table::csv::{Cell, to_text};
 use glam::{DVec2, DVec3};
@@ -43,9 +45,9 @@ impl Queries {
     /// `tolerance` does not apply to DFG pairs (5e-7) and SH9 (1e-9), which are cheap.
     pub fn answer(&self, tolerance: Tolerance, done: impl Fn() + Sync) -> Answers {
         let (mut colors, mut numbers) = (self.kind.colors(), self.kind.columns().numbers.to_vec());
-        if self.columns.iter().any(|column| column == COAT_COLOR) {
-            colors.push(COAT_COLOR.to_owned());
-            numbers.push(COAT_NUMBER);
+        for (_, color, number) in LAYERS.iter().filter(|(asks, ..)| self.columns.iter().any(|column| column == asks)) {
+            colors.push(color.to_string());
+            numbers.push(number);
         }
         let color_columns = colors.iter().flat_map(|color| {
             ["", "error_"]
@@ -99,23 +101,35 @@ fn answer(
 ) -> Numbers {
     let environment = || environment.expect("the environment of the query was prepared");
     let (colors, judged) = match integral {
-        Integral::Shading { surface, coat } => {
+        Integral::Shading { surface, coat, sheen } => {
             let answer = integrate(environment(), surface, tolerance);
             // The integration judges itself by the terms with F = 1; the others are sums of the same parts.
-            let judged = vec![answer.specular_white, answer.diffuse];
+            let mut judged = vec![answer.specular_white, answer.diffuse];
             let mut colors = vec![answer.specular, answer.specular_white, answer.diffuse_transmitted, answer.diffuse];
-            let Some(coat) = coat else { return numbers(&colors, &judged, tolerance) };
-            let n_dot_v = surface.n.dot(surface.v);
-            let pair = dfg(surface.model, surface.masking, n_dot_v, coat.alpha);
-            let pair = DVec2::new(pair.f0_scale, pair.f90_scale);
-            let shares = shares(coat.layering, &COAT_RENDERERS[0], coat.weight, n_dot_v, pair);
-            let f0 = DVec3::splat(coat.layering.f0());
-            let lobe = Surface::new(surface.model, surface.masking, coat.alpha, f0, [surface.n, surface.v]);
-            let over = integrate(environment(), &lobe, tolerance);
-            let Bounded { value, error } = over.specular;
-            colors.push(Bounded { value: shares.coat * value, error: shares.coat * error });
-            let mut found = numbers(&colors, &[judged, vec![over.specular_white]].concat(), tolerance);
-            found.values.push(shares.base[0]);
+            let (n_dot_v, mut kept) = (surface.n.dot(surface.v), Vec::new());
+            if let Some(coat) = coat {
+                let pair = dfg(surface.model, surface.masking, n_dot_v, coat.alpha);
+                let pair = DVec2::new(pair.f0_scale, pair.f90_scale);
+                let shares = coat::shares(coat.layering, &COAT_RENDERERS[0], coat.weight, n_dot_v, pair);
+                let f0 = DVec3::splat(coat.layering.f0());
+                let lobe = Surface::new(surface.model, surface.masking, coat.alpha, f0, [surface.n, surface.v]);
+                let over = integrate(environment(), &lobe, tolerance);
+                let Bounded { value, error } = over.specular;
+                colors.push(Bounded { value: shares.coat * value, error: shares.coat * error });
+                judged.push(over.specular_white);
+                kept.push(shares.base[0]);
+            }
+            if let Some(Sheen { color, alpha, visibility }) = *sheen {
+                let masking = MaskingShadowing::Correlated;
+                let lobe = Surface::new(visibility, masking, alpha, DVec3::ONE, [surface.n, surface.v]);
+                let over = specular(environment(), &lobe, tolerance);
+                let albedo = dfg(visibility, masking, n_dot_v, alpha).albedo();
+                colors.push(over.combine([color, DVec3::ZERO]));
+                judged.push(over.combine([DVec3::ONE, DVec3::ZERO]));
+                kept.push(sheen::shares(None, color, alpha, n_dot_v, albedo)[0].x);
+            }
+            let mut found = numbers(&colors, &judged, tolerance);
+            found.values.extend(kept);
             return found;
         }
         Integral::Ladder { surface, levels } => {

@@ -12,7 +12,7 @@ mod row;
 pub use answers::Answers;
 pub use queries::{Queries, QueryFaults};
 
-use crate::brdf::{Brdf, MaskingShadowing};
+use crate::brdf::{Brdf, MaskingShadowing, SheenVisibility};
 use crate::precompute::prefilter::Kernel;
 use crate::shade::coat::CoatLayering;
 use crate::shade::reference::Surface;
@@ -75,6 +75,9 @@ impl Kind {
                     "coat",
                     "coat_alpha",
                     "coat_layering",
+                    "sheen_color",
+                    "sheen_alpha",
+                    "sheen_visibility",
                     "id",
                 ],
                 colors: &["specular", "specular_white", "diffuse", "lambert"],
@@ -135,9 +138,16 @@ struct Coat {
     layering: CoatLayering,
 }
 
-/// Results of a table with the column `coat`: the coat's radiance, and the share that the base keeps.
-const COAT_COLOR: &str = "coat";
-const COAT_NUMBER: &str = "base_share";
+/// Sheen with the normal of the surface.
+#[derive(Clone, Copy, Debug)]
+struct Sheen {
+    color: DVec3,
+    alpha: f64,
+    visibility: &'static SheenVisibility,
+}
+
+/// Results of tables with a layer by the column that asks for it: the layer's radiance, and the share that what lies below keeps.
+const LAYERS: [(&str, &str, &str); 2] = [("coat", "coat", "base_share"), ("sheen_color", "sheen", "sheen_base_share")];
 
 /// A checked row.
 #[derive(Clone, Debug)]
@@ -149,7 +159,7 @@ struct Query {
 
 #[derive(Clone, Debug)]
 enum Integral {
-    Shading { surface: Surface, coat: Option<Coat> },
+    Shading { surface: Surface, coat: Option<Coat>, sheen: Option<Sheen> },
     Ladder { surface: Surface, levels: u32 },
     Dfg { model: &'static dyn Brdf, masking: MaskingShadowing, alpha: f64, n_dot_v: f64 },
     Prefilter { kernel: Kernel, alpha: f64, r: DVec3 },

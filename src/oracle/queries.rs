@@ -204,7 +204,7 @@ impl<'a> Reader<'a> {
         let integral = match self.kind {
             Kind::Shading | Kind::Ladder => {
                 let (model, masking, alpha) = (row.model(), row.masking(), row.alpha("alpha"));
-                let (levels, coat, anisotropy) = (row.levels(), row.coat(), row.anisotropy());
+                let (levels, coat, sheen, anisotropy) = (row.levels(), row.coat(), row.sheen(), row.anisotropy());
                 let (f0, n, v) = (row.f0(), row.direction(["nx", "ny", "nz"]), row.direction(["vx", "vy", "vz"]));
                 if let (Some(n), Some(v)) = (n, v)
                     && n.dot(v) <= 0.0
@@ -220,7 +220,7 @@ impl<'a> Reader<'a> {
                     });
                     Some(match self.kind {
                         Kind::Ladder => Integral::Ladder { surface, levels: levels? },
-                        _ => Integral::Shading { surface, coat: coat? },
+                        _ => Integral::Shading { surface, coat: coat?, sheen: sheen? },
                     })
                 })()
             }

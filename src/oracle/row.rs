@@ -1,7 +1,7 @@
 //! Checks the cells of one row of queries.
 
-use super::{ALPHA_MIN, Coat};
-use crate::brdf::{Brdf, MaskingShadowing, WidthLaw};
+use super::{ALPHA_MIN, Coat, Sheen};
+use crate::brdf::{Brdf, MaskingShadowing, SHEEN_ALPHA_MIN, WidthLaw};
 use crate::precompute::PrecomputeSettings;
 use crate::precompute::prefilter::Weight;
 use crate::spelling::Listed;
@@ -108,24 +108,41 @@ impl Row<'_> {
         Some(Some(Coat { weight, alpha: alpha?, layering: layering? }))
     }
 
-    /// Parses `x` or `R:G:B`.
+    /// Returns the row's sheen, if the table has any; `None` after a fault.
+    pub(super) fn sheen(&mut self) -> Option<Option<Sheen>> {
+        let Some(text) = self.leading_cell("sheen_color", &["sheen_alpha", "sheen_visibility"])? else {
+            return Some(None);
+        };
+        let (color, alpha) = (self.color("sheen_color", &text), self.above_zero_to_one("sheen_alpha"));
+        let (alpha, visibility) = (alpha?, self.optional("sheen_visibility"));
+        if alpha < SHEEN_ALPHA_MIN {
+            self.fault("sheen_alpha", format!("{alpha} is below {SHEEN_ALPHA_MIN}, the smallest width of sheen"));
+        }
+        Some(Some(Sheen { color: color?, alpha, visibility: visibility? }))
+    }
+
     pub(super) fn f0(&mut self) -> Option<DVec3> {
         let text = self.cell("f0").to_owned();
+        self.color("f0", &text)
+    }
+
+    /// Parses `x` or `R:G:B`.
+    fn color(&mut self, column: &str, text: &str) -> Option<DVec3> {
         let parts: Vec<&str> = text.split(':').collect();
-        let channels: Option<Vec<f64>> = parts.iter().map(|part| self.number("f0", part)).collect();
-        let f0 = match channels?[..] {
+        let channels: Option<Vec<f64>> = parts.iter().map(|part| self.number(column, part)).collect();
+        let color = match channels?[..] {
             [x] => DVec3::splat(x),
             [r, g, b] => DVec3::new(r, g, b),
             _ => {
-                self.fault("f0", format!("{text:?} is neither a number nor R:G:B"));
+                self.fault(column, format!("{text:?} is neither a number nor R:G:B"));
                 return None;
             }
         };
-        let is_inside = f0.cmpge(DVec3::ZERO).all() && f0.cmple(DVec3::ONE).all();
+        let is_inside = color.cmpge(DVec3::ZERO).all() && color.cmple(DVec3::ONE).all();
         if !is_inside {
-            self.fault("f0", format!("{text} is outside [0, 1]"));
+            self.fault(column, format!("{text} is outside [0, 1]"));
         }
-        is_inside.then_some(f0)
+        is_inside.then_some(color)
     }
 
     pub(super) fn model(&mut self) -> Option<&'static dyn Brdf> {

@@ -58,6 +58,9 @@ pub(super) fn key(request: &RenderRequest) -> Option<SharedKey> {
         bend: _,
         coat_layering: _,
         coat_renderer: _,
+        // The model of their layer.
+        sheen_visibility: _,
+        sheen_lookup: _,
     } = shading;
     if !request.has_reference_term() || method.has_pass() || diffuse.has_pass() {
         return None;

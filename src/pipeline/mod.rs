@@ -12,12 +12,14 @@ pub mod frames;
 mod inputs;
 mod kept_reference;
 mod ladder;
+mod layers;
 mod light_tables;
 mod prepare;
 mod request;
 mod resources;
 pub mod shader_check;
 mod shared_work;
+mod sheen;
 
 pub use crate::gpu::{DeviceChoice, DeviceInfo, Options, PassTime, chosen_device, devices};
 pub use cache::{CACHE_BYTES, Recent};
@@ -193,7 +195,7 @@ impl Pipeline {
         if request.is_sequence() {
             return self.render_frames(request);
         }
-        let frame = if request.scene.has_coat() { self.render_coated(request)? } else { self.render_points(request)? };
+        let frame = self.render_layers(request)?;
         if !request.is_antialiased() {
             return Ok(frame);
         }

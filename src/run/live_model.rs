@@ -106,6 +106,7 @@ fn model(label: &str, request: &RenderRequest, triangles_max: usize) -> LiveMode
     let notes = [
         (has_map, format!("The textures of {label} are replaced by their means.")),
         (scene.has_coat(), format!("The clear coat of {label} is left out.")),
+        (scene.has_sheen(), format!("The sheen of {label} is left out.")),
         (scene.has_anisotropy(), format!("The anisotropy of {label} is left out.")),
     ];
     let notes: Vec<String> = notes.into_iter().filter(|(applies, _)| *applies).map(|(_, note)| note).collect();

@@ -42,6 +42,8 @@ pub(super) enum Meaning {
     Color,
     /// Fractions.
     Linear,
+    /// Fractions in the alpha channel, 1 without one.
+    Alpha,
     /// A normal, each coordinate as (x + 1)/2; x and y are then scaled.
     Normal { scale: f32 },
     /// A direction of red and green, each coordinate as (x + 1)/2; its length is blue.
@@ -64,7 +66,7 @@ impl Default for Maps {
 impl Maps {
     /// Decodes a texture and returns its index.
     pub fn add(&mut self, bytes: &[u8], meaning: Meaning, wrap: Wrap) -> Result<usize, String> {
-        let mut texture = decode(bytes, meaning == Meaning::Color)?;
+        let mut texture = decode(bytes, meaning)?;
         if let Meaning::Normal { scale } = meaning {
             // Linear, so that filtering may follow.
             let signed = |[x, y, z]: [f32; 3]| [scale * (2.0 * x - 1.0), scale * (2.0 * y - 1.0), 2.0 * z - 1.0];
@@ -107,7 +109,7 @@ impl Maps {
     }
 }
 
-fn decode(bytes: &[u8], is_srgb: bool) -> Result<RgbImage, String> {
+fn decode(bytes: &[u8], meaning: Meaning) -> Result<RgbImage, String> {
     let reader = || ImageReader::new(Cursor::new(bytes)).with_guessed_format().map_err(|error| error.to_string());
     if reader()?.format().is_none() {
         return Err("not a PNG or JPEG file".to_owned());
@@ -116,7 +118,8 @@ fn decode(bytes: &[u8], is_srgb: bool) -> Result<RgbImage, String> {
     if u64::from(width) * u64::from(height) > MAX_FILE_TEXELS {
         return Err(format!("it has {width}x{height} texels; expected at most {MAX_FILE_TEXELS}"));
     }
-    let to_linear = |x: f32| if is_srgb { srgb_decode(x) } else { x };
+    let to_linear = |x: f32| if meaning == Meaning::Color { srgb_decode(x) } else { x };
+    let has_alpha = meaning == Meaning::Alpha;
     let mut texels: Vec<[f32; 3]> = Vec::new();
     texels.try_reserve_exact(width as usize * height as usize).map_err(|error| error.to_string())?;
     match reader()?.decode().map_err(|error| error.to_string())? {
@@ -124,15 +127,21 @@ fn decode(bytes: &[u8], is_srgb: bool) -> Result<RgbImage, String> {
         | DynamicImage::ImageLumaA16(_)
         | DynamicImage::ImageRgb16(_)
         | DynamicImage::ImageRgba16(_)) => {
-            let deep = deep.into_rgb16();
+            let deep = deep.into_rgba16();
             let linear = |x: u16| to_linear(f32::from(x) / f32::from(u16::MAX));
-            texels.extend(deep.pixels().map(|texel| texel.0.map(linear)));
+            texels.extend(deep.pixels().map(|texel| read(texel.0, has_alpha).map(linear)));
         }
         image => {
             // A table of 256 replaces a hundred million powers.
             let linear: [f32; 256] = std::array::from_fn(|x| to_linear(x as f32 / 255.0));
-            texels.extend(image.into_rgb8().pixels().map(|texel| texel.0.map(|x| linear[usize::from(x)])));
+            let bytes = image.into_rgba8();
+            texels.extend(bytes.pixels().map(|texel| read(texel.0, has_alpha).map(|x| linear[usize::from(x)])));
         }
     }
     Ok(Pixels::new(width, height, texels))
+}
+
+/// Returns the channels of a texel that a map reads.
+fn read<T: Copy>([r, g, b, a]: [T; 4], has_alpha: bool) -> [T; 3] {
+    if has_alpha { [a; 3] } else { [r, g, b] }
 }

@@ -30,6 +30,25 @@ impl Default for Coat {
     }
 }
 
+/// Sheen over a surface (`crate::shade::sheen`), with the normal of the surface.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sheen {
+    /// Linear RGB in [0, 1]; black has none.
+    pub color: [f32; 3],
+    /// Index into `Scene::textures`; multiplies `color`.
+    pub color_map: Option<usize>,
+    /// Width from [`crate::brdf::SHEEN_ALPHA_MIN`] to 1.
+    pub alpha: f32,
+    /// Index into `Scene::textures`; the square of green multiplies `alpha`.
+    pub roughness_map: Option<usize>,
+}
+
+impl Default for Sheen {
+    fn default() -> Self {
+        Self { color: [0.0; 3], color_map: None, alpha: DEFAULT_ALPHA, roughness_map: None }
+    }
+}
+
 /// Two widths of the lobe (`crate::brdf::anisotropy`).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Anisotropy {
@@ -64,6 +83,7 @@ pub struct Material {
     pub normal_map: Option<usize>,
     pub anisotropy: Anisotropy,
     pub coat: Coat,
+    pub sheen: Sheen,
     /// Culls back faces. Otherwise their normals are negated.
     pub is_one_sided: bool,
 }
@@ -98,6 +118,24 @@ impl Material {
         }
     }
 
+    /// The sheen as a white surface.
+    pub(super) fn as_sheen(&self) -> Self {
+        Self {
+            name: self.name.clone(),
+            albedo: [1.0; 3],
+            alpha: self.sheen.alpha,
+            roughness_map: self.sheen.roughness_map,
+            normal_map: self.normal_map,
+            is_one_sided: self.is_one_sided,
+            ..Self::default()
+        }
+    }
+
+    /// A surface whose albedo is the colour of the sheen.
+    pub(super) fn as_sheen_color(&self) -> Self {
+        Self { albedo: self.sheen.color, albedo_map: self.sheen.color_map, ..self.as_coat_weight() }
+    }
+
     /// A surface whose albedo is the weight of the coat.
     pub(super) fn as_coat_weight(&self) -> Self {
         Self {
@@ -124,6 +162,7 @@ impl Default for Material {
             normal_map: None,
             anisotropy: Anisotropy::default(),
             coat: Coat::default(),
+            sheen: Sheen::default(),
             is_one_sided: false,
         }
     }
@@ -141,6 +180,8 @@ pub struct MaterialOverride {
     pub anisotropy_turn: Option<f32>,
     pub coat: Option<f32>,
     pub coat_alpha: Option<f32>,
+    pub sheen_color: Option<[f32; 3]>,
+    pub sheen_alpha: Option<f32>,
 }
 
 impl MaterialOverride {
@@ -166,6 +207,12 @@ impl MaterialOverride {
                 alpha: self.coat_alpha.unwrap_or(material.coat.alpha),
                 roughness_map: material.coat.roughness_map.filter(|_| self.coat_alpha.is_none()),
                 ..material.coat
+            },
+            sheen: Sheen {
+                color: self.sheen_color.unwrap_or(material.sheen.color),
+                color_map: material.sheen.color_map.filter(|_| self.sheen_color.is_none()),
+                alpha: self.sheen_alpha.unwrap_or(material.sheen.alpha),
+                roughness_map: material.sheen.roughness_map.filter(|_| self.sheen_alpha.is_none()),
             },
             ..*material
         }

@@ -13,7 +13,7 @@ mod source;
 pub use builtin::{SCENES, SceneEntry, is_design};
 pub use camera::{Camera, CameraKind, Orbit, Projection};
 pub use maps::Texture;
-pub use material::{Anisotropy, Coat, Material, MaterialOverride};
+pub use material::{Anisotropy, Coat, Material, MaterialOverride, Sheen};
 pub use mesh::Mesh;
 pub use source::SceneFiles;
 
@@ -157,6 +157,10 @@ impl Scene {
         self.materials.iter().any(|material| material.coat.weight > 0.0)
     }
 
+    pub fn has_sheen(&self) -> bool {
+        self.materials.iter().any(|material| material.sheen.color != [0.0; 3])
+    }
+
     pub fn has_anisotropy(&self) -> bool {
         self.materials.iter().any(|material| material.anisotropy.strength > 0.0)
     }
@@ -169,6 +173,21 @@ impl Scene {
     /// Returns the scene without coats.
     pub fn uncoated(&self) -> Self {
         self.with_materials(|material| Material { coat: Coat::default(), name: material.name.clone(), ..*material })
+    }
+
+    /// Returns the scene without sheen.
+    pub fn without_sheen(&self) -> Self {
+        self.with_materials(|material| Material { sheen: Sheen::default(), name: material.name.clone(), ..*material })
+    }
+
+    /// Returns the sheens as white surfaces.
+    pub fn sheen(&self) -> Self {
+        self.with_materials(Material::as_sheen)
+    }
+
+    /// Returns the scene whose albedo is the colour of the sheen.
+    pub fn sheen_colors(&self) -> Self {
+        self.with_materials(Material::as_sheen_color)
     }
 
     /// Returns the coats as surfaces of that F0, without a diffuse term; `alpha` converts their widths.
@@ -246,6 +265,11 @@ impl Scene {
                     &mut hasher,
                     &[weight_map, roughness_map, normal_map].map(|map| map.map_or(0, |map| map as u64 + 1)),
                 );
+            }
+            let Sheen { color, color_map, alpha, roughness_map } = material.sheen;
+            if color != [0.0; 3] {
+                list(&mut hasher, &[color, [alpha, 0.0, 0.0]].concat());
+                list(&mut hasher, &[color_map, roughness_map].map(|map| map.map_or(0, |map| map as u64 + 1)));
             }
         }
         for texture in &self.textures {

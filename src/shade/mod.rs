@@ -11,6 +11,7 @@ pub mod reference;
 #[cfg(feature = "gpu")]
 pub mod reference_pass;
 mod shading;
+pub mod sheen;
 pub mod twin;
 
 /// Name of the unbiased method, specular and diffuse.

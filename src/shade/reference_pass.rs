@@ -1,6 +1,7 @@
 //! The device passes of the reference: dispatches over parts of nets and image, then one that adds the term.
 
 use super::pass::{Passes, TABLE};
+use super::sheen::INTEGRATED;
 use crate::brdf::{Brdf, MaskingShadowing};
 use crate::environment::distribution::EnvironmentDistribution;
 use crate::glsl::constants::{GROUP_SIDE, SCRAMBLE_COUNT};
@@ -23,7 +24,7 @@ pub enum Lobe {
 
 impl Lobe {
     /// Specialization constants: masking, f32 filter, bend of levels, weight, unused, compensation, DFG table's axes, law of
-    /// the widths, unused.
+    /// the widths, visibility of sheen.
     fn constants(self, gpu: &Gpu, passes: &Passes) -> [u32; 9] {
         let shading = passes.shading;
         let PrecomputeSettings { level_mapping, prefilter_weight, .. } = shading.precompute;
@@ -33,6 +34,7 @@ impl Lobe {
             constants[0] = shading.masking_shadowing as u32;
             constants[2] = (level_mapping.bend as f32).to_bits();
             constants[3] = prefilter_weight.code;
+            constants[8] = shading.sheen_visibility as u32;
         }
         passes.with_widths(constants)
     }
@@ -40,8 +42,8 @@ impl Lobe {
     /// Names the shaders that take the samples and that add the term to the image.
     pub fn shaders(self, brdf: &dyn Brdf) -> [String; 2] {
         let permutation = match self {
-            Self::Specular(lobe) => format!("{lobe}:{}", brdf.name()),
-            Self::Diffuse(lobe) => lobe.into(),
+            Self::Specular(lobe) if lobe != INTEGRATED.name => format!("{lobe}:{}", brdf.name()),
+            Self::Specular(lobe) | Self::Diffuse(lobe) => lobe.into(),
         };
         ["reference", "reference_resolve"].map(|entry| format!("shade/{entry}.comp:{permutation}"))
     }

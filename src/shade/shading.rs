@@ -3,8 +3,9 @@
 use super::bend::{BENDS, Bend};
 use super::coat::{COAT_RENDERERS, CoatLayering, CoatRenderer};
 use super::frames::Frames;
+use super::sheen::{SHEEN_LOOKUPS, SheenLookup};
 use super::{Diffuse, Method, NONE};
-use crate::brdf::{Brdf, Compensation, Ggx, MaskingShadowing, WidthLaw};
+use crate::brdf::{Brdf, Compensation, Ggx, MaskingShadowing, SheenVisibility, WidthLaw};
 use crate::environment::Placement;
 use crate::glsl::constants::PIXEL_POINTS_SHIFTED;
 use crate::math::sequence::{FramePoints, PixelPoints, R2_OF_FRAMES, SEQUENCES, Sequence};
@@ -41,6 +42,8 @@ pub struct Shading {
     pub bend: &'static Bend,
     pub coat_layering: CoatLayering,
     pub coat_renderer: &'static CoatRenderer,
+    pub sheen_visibility: SheenVisibility,
+    pub sheen_lookup: &'static SheenLookup,
 }
 
 impl Default for Shading {
@@ -66,6 +69,8 @@ impl Default for Shading {
             bend: &BENDS[0],
             coat_layering: CoatLayering::default(),
             coat_renderer: &COAT_RENDERERS[0],
+            sheen_visibility: SheenVisibility::default(),
+            sheen_lookup: &SHEEN_LOOKUPS[0],
         }
     }
 }
@@ -85,7 +90,7 @@ impl Shading {
             Some(FramePoints::Owen) => PixelPoints::Owen as u32,
             Some(_) => PIXEL_POINTS_SHIFTED,
         };
-        constants[8] = self.bend.code();
+        constants[8] = if self.method.uses_bend { self.bend.code() } else { self.sheen_lookup.code() };
         constants
     }
 

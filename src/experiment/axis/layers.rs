@@ -2,10 +2,11 @@
 
 use super::plain::{ALPHA_KIND, PLAIN, ROUGHNESS, first};
 use super::{Axis, Part, Spelling, Symbol};
-use crate::brdf::WidthLaw;
+use crate::brdf::{SHEEN_ALPHA_MIN, SheenVisibility, WidthLaw};
 use crate::experiment::value::{Kind, Range};
 use crate::shade::bend::Bend;
 use crate::shade::coat::{CoatLayering, CoatRenderer};
+use crate::shade::sheen::SheenLookup;
 use crate::spelling::Listed;
 
 pub(super) const LAYER: Axis = Axis { is_layer: true, ..PLAIN };
@@ -102,6 +103,56 @@ pub(super) const LAYER_AXES: &[Axis] = &[
         default: first::<CoatRenderer>,
         reference: |_, _| first::<CoatRenderer>(),
         apply: |s, v| s.shading.coat_renderer = CoatRenderer::listed(v.text()),
+        ..LAYER
+    },
+    Axis {
+        name: "sheen_color",
+        about: "colour of a sheen of cloth on every material; 0 has none",
+        plural: "sheen colours",
+        symbol: Symbol::Before("sheen"),
+        kind: Kind::Color(Range::closed(0.0, 1.0)),
+        apply: |s, v| s.material.sheen_color = Some(v.color()),
+        ..LAYER
+    },
+    Axis {
+        name: "sheen_alpha",
+        about: "microfacet width of every sheen",
+        plural: "sheen alphas",
+        symbol: Symbol::Before("sheen alpha"),
+        used: |u| u.has_sheen,
+        kind: Kind::Number(Range::closed(SHEEN_ALPHA_MIN, 1.0)),
+        spelling: Some(Spelling {
+            name: "sheen_perceptual_roughness",
+            label: "Sheen roughness",
+            about: "roughness of every sheen, as in files; sheen_alpha is its square",
+            plural: "sheen roughnesses",
+            symbol: Symbol::Before("sheen roughness"),
+            kind: Kind::Number(Range::closed(0.1, 1.0)),
+            ..ROUGHNESS
+        }),
+        apply: |s, v| s.material.sheen_alpha = Some(v.number() as f32),
+        ..LAYER
+    },
+    Axis {
+        name: "sheen_visibility",
+        about: "visibility of the sheen lobe, for the image and its reference; docs/sheen.md",
+        plural: "sheen visibilities",
+        used: |u| u.has_sheen,
+        kind: Kind::one_of::<SheenVisibility>(),
+        default: first::<SheenVisibility>,
+        apply: |s, v| s.shading.sheen_visibility = *SheenVisibility::listed(v.text()),
+        ..LAYER
+    },
+    Axis {
+        name: "sheen_lookup",
+        part: Part::Parameter,
+        about: "whose way to look up sheen; `splitsum list sheen-lookups`",
+        plural: "sheen lookups",
+        used: |u| u.has_sheen && u.method.has_pass(),
+        kind: Kind::one_of::<SheenLookup>(),
+        default: first::<SheenLookup>,
+        reference: |_, _| first::<SheenLookup>(),
+        apply: |s, v| s.shading.sheen_lookup = SheenLookup::listed(v.text()),
         ..LAYER
     },
 ];

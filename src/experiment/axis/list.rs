@@ -329,6 +329,7 @@ indices! {
     ALPHA = "alpha";
     ALBEDO = "albedo";
     COAT = "coat";
+    SHEEN_COLOR = "sheen_color";
     ANISOTROPY = "anisotropy";
     FRAMES = "frames";
     MOTION = "motion";

@@ -148,6 +148,8 @@ pub struct Used {
     pub has_dielectric: bool,
     /// Whether a surface may have a coat.
     pub has_coat: bool,
+    /// Whether a surface may have sheen.
+    pub has_sheen: bool,
     /// Whether a lobe may have two widths.
     pub has_anisotropy: bool,
     /// Of an image that ends a sequence, the sequence.
@@ -161,12 +163,12 @@ pub struct Used {
 impl Used {
     /// Whether the irradiance map reaches the pixels.
     fn uses_irradiance_map(&self) -> bool {
-        self.has_diffuse_surface && self.diffuse.uses_irradiance_map
+        self.has_sheen || self.has_diffuse_surface && self.diffuse.uses_irradiance_map
     }
 
     /// Whether the program's own prefiltered map reaches the pixels.
     fn makes_prefiltered(&self) -> bool {
-        self.method.uses_prefiltered() && self.has_own[0]
+        (self.method.uses_prefiltered() || self.has_sheen) && self.has_own[0]
     }
 
     /// Whether the program's own DFG table reaches the pixels.
@@ -186,7 +188,9 @@ impl Used {
 impl Axis {
     /// Returns the axis without which this one means nothing: `coat` of `coat_alpha`.
     pub fn layer(&self) -> Option<&'static str> {
-        let of_surface = ["coat", "anisotropy"].into_iter().find(|layer| self.name.starts_with(&format!("{layer}_")));
+        let layers = [("coat_", "coat"), ("anisotropy_", "anisotropy"), ("sheen_", "sheen_color")];
+        let is_own = |(prefix, layer): &(&str, &str)| self.name.starts_with(prefix) && self.name != *layer;
+        let of_surface = layers.into_iter().find(is_own).map(|(_, layer)| layer);
         let is_of_frames = FRAME_AXES.iter().skip(1).any(|axis| axis.name == self.name);
         of_surface.or(is_of_frames.then_some(FRAME_AXES[0].name))
     }
@@ -273,8 +277,8 @@ impl Point {
         let has_own = [PREFILTERED, DFG_TABLE].map(|axis| AXES[axis].kind.path_in(&self[axis].to_string()).is_none());
         let compensation = self.settings().shading.compensation;
         let is_built_in = SCENES.iter().any(|entry| entry.name == self[SCENE].text());
-        let may_have = |axis: usize| self[axis] != Value::Number(0.0) && !(self[axis] == Value::Unset && is_built_in);
-        let (has_coat, has_anisotropy) = (may_have(COAT), may_have(ANISOTROPY));
+        let may_have = |axis: usize| !self[axis].is_zero() && !(self[axis] == Value::Unset && is_built_in);
+        let [has_coat, has_anisotropy, has_sheen] = [COAT, ANISOTROPY, SHEEN_COLOR].map(may_have);
         let frames = self.settings().shading.frames;
         let frames = Some(frames).filter(|frames| frames.count > 1 && method.uses_point_set);
         // Compensation may add a diffuse term to any surface.
@@ -287,6 +291,7 @@ impl Point {
             has_dielectric,
             has_coat,
             has_anisotropy,
+            has_sheen,
             frames,
             has_sampled_tables,
             has_own,

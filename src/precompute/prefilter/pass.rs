@@ -1,11 +1,11 @@
 //! The device pass: one dispatch per level, part of it and range of points.
 
 use super::{Kernel, LevelMapping, harmonic};
-use crate::brdf::{Brdf, MaskingShadowing};
+use crate::brdf::{Brdf, MODELS, MaskingShadowing};
 use crate::environment::layout::MapLayout;
 use crate::glsl::constants::POINTS_PER_DISPATCH;
 use crate::glsl::layout::{PrefilterParams, SharedStruct};
-use crate::gpu::{Bind, Format, Gpu, GpuError, Image, PassTime, Report, Sampler};
+use crate::gpu::{Bind, Format, Gpu, GpuError, Image, PassTime, Report, Sampler, has_shader};
 use crate::math::harmonics::Harmonics;
 use crate::precompute::PrecomputeSettings;
 use crate::precompute::points::Points;
@@ -27,8 +27,10 @@ const PASSES: [&str; 12] = [
     "prefilter mip 11",
 ];
 
+/// Names the shader of a model. The map of a sheen lobe takes its mirror from another, and is exact beyond.
 pub fn shader(brdf: &dyn Brdf, layout: &MapLayout) -> String {
-    format!("precompute/prefilter.comp:{}:{}", brdf.name(), layout.name)
+    let name = |model: &str| format!("precompute/prefilter.comp:{model}:{}", layout.name);
+    Some(name(brdf.name())).filter(|name| has_shader(name)).unwrap_or_else(|| name(MODELS[0].name()))
 }
 
 pub fn map(gpu: &Gpu, layout: &MapLayout, size: [u32; 2], level_count: u32) -> Result<Image, GpuError> {

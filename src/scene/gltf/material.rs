@@ -9,6 +9,7 @@
 //! | `doubleSided` | whether backs are seen | they are not |
 //! | `KHR_materials_ior` | f0 = ((ior - 1) / (ior + 1))² | 0.04 |
 //! | `KHR_materials_anisotropy` | strength; turn of the tangent; map of directions, texture red, green, blue | 0 |
+//! | `KHR_materials_sheen` | sheen: colour factor, texture (sRGB); roughness factor², texture alpha | none |
 //! | `KHR_materials_clearcoat` | coat: factor, texture red; roughness factor², texture green; normals | none |
 //!
 //! Factors are clamped to [0, 1]. The maps of a material share one set of texture coordinates and one
@@ -21,7 +22,7 @@ use crate::brdf;
 use crate::glsl::constants::ALPHA_MIN;
 use crate::pixels::lookup::{Edge, Wrap};
 use crate::scene::maps::{Maps, Meaning};
-use crate::scene::material::{Anisotropy, Coat, Material};
+use crate::scene::material::{Anisotropy, Coat, Material, Sheen};
 use crate::scene::source::SceneFiles;
 use ::gltf::image::Source;
 use ::gltf::json::extensions::texture::TextureTransform;
@@ -34,6 +35,7 @@ use std::path::Path;
 
 const ANISOTROPY: &str = "KHR_materials_anisotropy";
 const CLEARCOAT: &str = "KHR_materials_clearcoat";
+const SHEEN: &str = "KHR_materials_sheen";
 
 /// An extension's members; the crate has none of its own.
 #[derive(Default, Deserialize)]
@@ -54,16 +56,28 @@ struct Clearcoat {
     clearcoat_normal_texture: Option<Map>,
 }
 
+#[derive(Default, Deserialize)]
+#[serde(default, rename_all = "camelCase")]
+struct Cloth {
+    sheen_color_factor: [f32; 3],
+    sheen_color_texture: Option<Map>,
+    sheen_roughness_factor: f32,
+    sheen_roughness_texture: Option<Map>,
+}
+
 struct Extensions {
     anisotropy: Stretched,
     coat: Clearcoat,
+    sheen: Cloth,
 }
 
 impl Extensions {
     fn maps(&self) -> impl Iterator<Item = &Map> {
         let Clearcoat { clearcoat_texture, clearcoat_roughness_texture, clearcoat_normal_texture, .. } = &self.coat;
         let direction = &self.anisotropy.anisotropy_texture;
-        [clearcoat_texture, clearcoat_roughness_texture, clearcoat_normal_texture, direction].into_iter().flatten()
+        let Cloth { sheen_color_texture, sheen_roughness_texture, .. } = &self.sheen;
+        let coat = [clearcoat_texture, clearcoat_roughness_texture, clearcoat_normal_texture];
+        coat.into_iter().chain([direction, sheen_color_texture, sheen_roughness_texture]).flatten()
     }
 }
 
@@ -100,14 +114,14 @@ impl<'a> Materials<'a> {
             return Ok(*slot);
         }
         let (anisotropy, coat) = (extension(material, ANISOTROPY)?, extension(material, CLEARCOAT)?);
-        self.extensions.push(Extensions { anisotropy, coat });
+        self.extensions.push(Extensions { anisotropy, coat, sheen: extension(material, SHEEN)? });
         self.used.push(material.clone());
         self.slots.insert(material.index(), self.used.len() - 1);
         Ok(self.used.len() - 1)
     }
 
     pub fn needs_tangents(&self, slot: usize) -> bool {
-        let Extensions { anisotropy, coat } = &self.extensions[slot];
+        let Extensions { anisotropy, coat, .. } = &self.extensions[slot];
         let is_stretched = anisotropy.anisotropy_strength > 0.0;
         self.used[slot].normal_texture().is_some() || coat.clearcoat_normal_texture.is_some() || is_stretched
     }
@@ -196,7 +210,7 @@ impl<'a> Materials<'a> {
             Ok::<usize, String>(index)
         };
         let mut materials = Vec::new();
-        for (material, Extensions { anisotropy, coat }) in self.used.iter().zip(&self.extensions) {
+        for (material, Extensions { anisotropy, coat, sheen }) in self.used.iter().zip(&self.extensions) {
             let factors = material.pbr_metallic_roughness();
             let (albedo, surface) = (factors.base_color_texture(), factors.metallic_roughness_texture());
             let albedo_map = albedo.map(|info| map(info.texture(), Meaning::Color, unread)).transpose()?;
@@ -226,6 +240,13 @@ impl<'a> Materials<'a> {
                 roughness_map: map_of(CLEARCOAT, &coat.clearcoat_roughness_texture, |_| Meaning::Linear)?,
                 normal_map: map_of(CLEARCOAT, &coat.clearcoat_normal_texture, |scale| Meaning::Normal { scale })?,
             };
+            let sheen_roughness = f64::from(sheen.sheen_roughness_factor.clamp(0.0, 1.0));
+            let sheen = Sheen {
+                color: sheen.sheen_color_factor.map(|x| x.clamp(0.0, 1.0)),
+                color_map: map_of(SHEEN, &sheen.sheen_color_texture, |_| Meaning::Color)?,
+                alpha: brdf::alpha_from_perceptual_roughness(sheen_roughness).max(brdf::SHEEN_ALPHA_MIN) as f32,
+                roughness_map: map_of(SHEEN, &sheen.sheen_roughness_texture, |_| Meaning::Alpha)?,
+            };
             let is_left_out = [
                 ("emission", material.emissive_factor() != [0.0; 3]),
                 ("occlusion", material.occlusion_texture().is_some()),
@@ -247,6 +268,7 @@ impl<'a> Materials<'a> {
                 normal_map,
                 anisotropy,
                 coat,
+                sheen,
                 is_one_sided: !material.double_sided(),
             });
         }

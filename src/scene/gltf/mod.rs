@@ -26,9 +26,10 @@ use serde::Deserialize;
 use std::collections::BTreeSet;
 use std::path::Path;
 
-const EXTENSIONS: [&str; 5] = [
+const EXTENSIONS: [&str; 6] = [
     "KHR_materials_anisotropy",
     "KHR_materials_clearcoat",
+    "KHR_materials_sheen",
     "KHR_materials_ior",
     "KHR_mesh_quantization",
     "KHR_texture_transform",

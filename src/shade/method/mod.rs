@@ -111,7 +111,12 @@ const INTEGRATED: Method = Method {
 
 impl Method {
     /// A method that depends on the scene only. Each file sets its flags; every method has a twin.
-    const fn plain(name: &'static str, title: &'static str, about: &'static str, twin: SpecularTwin) -> Self {
+    pub(super) const fn plain(
+        name: &'static str,
+        title: &'static str,
+        about: &'static str,
+        twin: SpecularTwin,
+    ) -> Self {
         Self {
             name,
             title,

@@ -1,0 +1,76 @@
+//! Sheen: the base and the sheen, added with the shares of [`crate::shade::sheen`].
+
+use super::layers::{LayerAlbedos, combined};
+use super::request::Frame;
+use super::{Pipeline, PipelineError, RenderRequest};
+use crate::bakes::given::Given;
+use crate::brdf::{Brdf, Compensation, MaskingShadowing, SHEEN_ALPHA_MIN, SheenVisibility};
+use crate::precompute::PrefilterBy;
+use crate::precompute::prefilter::WEIGHTS;
+use crate::shade::sheen::{INTEGRATED, LOOKUP, SheenMap, shares};
+use crate::shade::{Diffuse, Method, NONE, Shading};
+use crate::spelling::Listed;
+use std::sync::Arc;
+
+/// The image of the sheen that reads irradiance has it as its only term.
+const IRRADIANCE: &str = "irradiance-map";
+
+impl RenderRequest {
+    /// Returns the requests of the base and of the sheen, if a material has any.
+    pub(super) fn sheen_layers(&self) -> Option<[Self; 2]> {
+        if !self.scene.has_sheen() {
+            return None;
+        }
+        let base = Self { scene: Arc::new(self.scene.without_sheen()), ..self.clone() };
+        let (mut shading, mut given) = (self.shading, self.given.clone());
+        (shading.diffuse, shading.compensation) = (Diffuse::listed(NONE), Compensation::None);
+        let lobe = |visibility| (visible(visibility) as &'static dyn Brdf, MaskingShadowing::Correlated);
+        match shading.sheen_lookup.map {
+            _ if shading.method.is_none() => {}
+            _ if shading.method.is_integrated() => {
+                shading.method = &INTEGRATED;
+                (shading.brdf, shading.masking_shadowing) = lobe(shading.sheen_visibility);
+            }
+            SheenMap::Irradiance => {
+                (shading.method, shading.diffuse) = (Method::listed(NONE), Diffuse::listed(IRRADIANCE));
+            }
+            SheenMap::Levels => shading.method = &LOOKUP,
+            SheenMap::Charlie => {
+                (shading.method, given) = (&LOOKUP, Given::default());
+                // Both visibilities have one D.
+                (shading.brdf, shading.masking_shadowing) = lobe(SheenVisibility::Charlie);
+                shading.precompute.prefilter = PrefilterBy::Harmonic;
+                shading.precompute.prefilter_weight = &WEIGHTS[0];
+            }
+        }
+        Some([base, Self { scene: Arc::new(self.scene.sheen()), shading, given, background: false, ..self.clone() }])
+    }
+}
+
+/// Returns the lobe of a visibility.
+fn visible(visibility: SheenVisibility) -> &'static SheenVisibility {
+    SheenVisibility::listed(Listed::name(&visibility))
+}
+
+impl Pipeline {
+    /// Renders the base and the sheen of `request`, and adds them.
+    pub(super) fn render_sheened(
+        &mut self,
+        request: &RenderRequest,
+        [base, sheen]: &[RenderRequest; 2],
+    ) -> Result<Frame, PipelineError> {
+        let Shading { sheen_visibility, sheen_lookup, method, .. } = request.shading;
+        let under = self.render_layers(base)?;
+        let over = self.render_points(sheen)?;
+        let pixels = self.layer_pixels(sheen, &over, request.scene.sheen_colors())?;
+        let lookup = method.has_pass().then_some(sheen_lookup);
+        let mut albedos = LayerAlbedos::new(visible(sheen_visibility), MaskingShadowing::Correlated);
+        let shares = pixels.into_iter().map(|mut pixel| {
+            pixel.alpha = pixel.alpha.max(SHEEN_ALPHA_MIN);
+            let albedo = if pixel.is_hit { albedos.pair(&pixel).element_sum() } else { 0.0 };
+            shares(lookup, pixel.weight, pixel.alpha, pixel.n_dot_v, albedo)
+        });
+        let shares: Vec<_> = shares.collect();
+        Ok(combined([&under, &over], &shares).after(over))
+    }
+}
