@@ -1,6 +1,6 @@
 //! Clear coat: the base and the coat, added with the shares of [`crate::shade::coat`].
 
-use super::layers::{LayerAlbedos, combined};
+use super::layers::combined;
 use super::request::Frame;
 use super::{Pipeline, PipelineError, RenderRequest};
 use crate::brdf::Compensation;
@@ -46,9 +46,12 @@ impl Pipeline {
         let over = self.render_points(coat)?;
         let pixels = self.layer_pixels(coat, &over, request.scene.coat_weights())?;
         let needs_pair = coat_renderer.lookup.is_some() || coat_layering.loss() == CoatWeight::Albedo;
-        let mut albedos = LayerAlbedos::new(brdf, masking_shadowing);
-        let shares = pixels.iter().map(|pixel| {
-            let pair = if needs_pair && pixel.is_hit { albedos.pair(pixel) } else { DVec2::X };
+        let pairs = match needs_pair {
+            true => self.layer_albedos(brdf, masking_shadowing, &pixels),
+            false => vec![DVec2::X; pixels.len()],
+        };
+        let shares = pixels.iter().zip(pairs).map(|(pixel, pair)| {
+            let pair = if pixel.is_hit { pair } else { DVec2::X };
             let shares = shares(coat_layering, coat_renderer, pixel.weight.x, pixel.n_dot_v, pair);
             // The diffuse term is what `whole` has beyond `specular`.
             let [of_specular, of_diffuse] = shares.base;

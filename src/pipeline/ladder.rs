@@ -12,7 +12,6 @@ use crate::ladder::game::Coalition;
 use crate::ladder::radiance::{Radiance, Setting};
 use crate::math::design;
 use crate::pixels::Pixels;
-use crate::precompute::dfg::Albedos;
 use crate::precompute::prefilter::{Kernel, harmonic};
 use crate::scene::MaterialOverride;
 use crate::shade::method::ladder::MASKING_ALONE;
@@ -71,14 +70,6 @@ impl Pipeline {
         Ok(drawn.into_iter().map(radiance).collect())
     }
 
-    /// Returns (A, B) at the material's width.
-    fn albedos(&mut self, kernel: Kernel, request: &RenderRequest) -> Result<Arc<Albedos>, PipelineError> {
-        let masking = request.shading.masking_shadowing;
-        let alpha = f64::from(request.scene.materials[0].alpha.max(ALPHA_MIN));
-        let key = format!("{} {} {masking:?} {alpha}", kernel.brdf.name(), kernel.weight.name);
-        self.resources.albedos.get_or_make(key, || Ok(Arc::new(Albedos::new(kernel, masking, alpha))))
-    }
-
     fn dfg_table(&self, table: &Image) -> Result<Pixels<DVec2>, PipelineError> {
         Ok(read_texels(&self.gpu, table)?.map(|[a, b, ..]: [f32; 4]| DVec2::new(a.into(), b.into())))
     }
@@ -129,7 +120,7 @@ impl Pipeline {
         let degree = degree.expect("alpha is above 0");
         let harmonics = harmonics(&mut self.resources.tables.harmonics, environment, degree)?;
         let kernel = Kernel::new(brdf, tables.prefilter_weight, masking_shadowing);
-        let albedos = self.albedos(kernel, request)?;
+        let albedos = self.resources.albedos_of(kernel, masking_shadowing, alpha);
         let radiance = Arc::new(Radiance::new(Setting {
             model: brdf,
             masking: masking_shadowing,

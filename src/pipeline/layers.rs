@@ -79,24 +79,20 @@ impl Pipeline {
         };
         Ok((0..frame.radiance.data.len()).map(pixel).collect())
     }
-}
 
-/// Exact albedos of a lobe by its width.
-pub(super) struct LayerAlbedos {
-    model: &'static dyn Brdf,
-    masking: MaskingShadowing,
-    known: HashMap<u64, Albedos>,
-}
-
-impl LayerAlbedos {
-    pub(super) fn new(model: &'static dyn Brdf, masking: MaskingShadowing) -> Self {
-        Self { model, masking, known: HashMap::new() }
-    }
-
-    /// Returns (A, B).
-    pub(super) fn pair(&mut self, pixel: &LayerPixel) -> DVec2 {
-        let own = || Albedos::new(Kernel::cosine(self.model), self.masking, pixel.alpha);
-        self.known.entry(pixel.alpha.to_bits()).or_insert_with(own).exact(pixel.n_dot_v)
+    /// Returns (A, B) of a lobe at each pixel; 0 where nothing is hit.
+    pub(super) fn layer_albedos(
+        &mut self,
+        model: &'static dyn Brdf,
+        masking: MaskingShadowing,
+        pixels: &[LayerPixel],
+    ) -> Vec<DVec2> {
+        let mut known: HashMap<u64, Arc<Albedos>> = HashMap::new();
+        let mut pair = |pixel: &LayerPixel| {
+            let own = || self.resources.albedos_of(Kernel::cosine(model), masking, pixel.alpha);
+            known.entry(pixel.alpha.to_bits()).or_insert_with(own).exact(pixel.n_dot_v)
+        };
+        pixels.iter().map(|pixel| if pixel.is_hit { pair(pixel) } else { DVec2::ZERO }).collect()
     }
 }
 

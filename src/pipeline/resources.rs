@@ -5,6 +5,7 @@ use super::antialias::Edges;
 use super::cache::Recent;
 use super::fit::image_buffer_bytes;
 use super::shared_work::Levels;
+use crate::brdf::MaskingShadowing;
 use crate::environment::Environment;
 use crate::gbuffer::pass::{GbufferImages, SceneData};
 use crate::gpu::{Buffer, Format, Gpu, GpuError, Image, Report};
@@ -14,10 +15,11 @@ use crate::math::sequence::PixelPoints;
 use crate::pixels::GrayImage;
 use crate::precompute::dfg::Albedos;
 use crate::precompute::points::Points;
-use crate::precompute::prefilter::harmonic;
+use crate::precompute::prefilter::{Kernel, harmonic};
 use crate::scene::{Camera, Scene};
 use crate::shade::pass::Tables;
 use crate::shade::reference_pass::{DistributionBuffers, Lobe, Sums};
+use std::convert::Infallible;
 use std::sync::Arc;
 
 /// Recently used tables.
@@ -132,6 +134,14 @@ impl Resources {
             blank_cube: gpu.faced_image("blank cube", [1, 1], 6, 1, Format::Rgba32Float)?,
             blank_buffer: gpu.buffer("blank", 256)?,
         })
+    }
+
+    /// Returns exact (A, B) of a lobe by n·v.
+    pub(super) fn albedos_of(&mut self, kernel: Kernel, masking: MaskingShadowing, alpha: f64) -> Arc<Albedos> {
+        let key = format!("{} {} {masking:?} {alpha}", kernel.brdf.name(), kernel.weight.name);
+        let make = || Ok::<_, Infallible>(Arc::new(Albedos::new(kernel, masking, alpha)));
+        let Ok(albedos) = self.albedos.get_or_make(key, make);
+        albedos
     }
 
     /// Frees everything that can be made again and takes device memory.

@@ -1,6 +1,6 @@
 //! Sheen: the base and the sheen, added with the shares of [`crate::shade::sheen`].
 
-use super::layers::{LayerAlbedos, combined};
+use super::layers::combined;
 use super::request::Frame;
 use super::{Pipeline, PipelineError, RenderRequest};
 use crate::bakes::given::Given;
@@ -62,14 +62,14 @@ impl Pipeline {
         let Shading { sheen_visibility, sheen_lookup, method, .. } = request.shading;
         let under = self.render_layers(base)?;
         let over = self.render_points(sheen)?;
-        let pixels = self.layer_pixels(sheen, &over, request.scene.sheen_colors())?;
+        let mut pixels = self.layer_pixels(sheen, &over, request.scene.sheen_colors())?;
+        pixels.iter_mut().for_each(|pixel| pixel.alpha = pixel.alpha.max(SHEEN_ALPHA_MIN));
         let lookup = method.has_pass().then_some(sheen_lookup);
-        let mut albedos = LayerAlbedos::new(visible(sheen_visibility), MaskingShadowing::Correlated);
-        let shares = pixels.into_iter().map(|mut pixel| {
-            pixel.alpha = pixel.alpha.max(SHEEN_ALPHA_MIN);
-            let albedo = if pixel.is_hit { albedos.pair(&pixel).element_sum() } else { 0.0 };
-            shares(lookup, pixel.weight, pixel.alpha, pixel.n_dot_v, albedo)
-        });
+        let pairs = self.layer_albedos(visible(sheen_visibility), MaskingShadowing::Correlated, &pixels);
+        let shares = pixels
+            .iter()
+            .zip(pairs)
+            .map(|(pixel, pair)| shares(lookup, pixel.weight, pixel.alpha, pixel.n_dot_v, pair.element_sum()));
         let shares: Vec<_> = shares.collect();
         Ok(combined([&under, &over], &shares).after(over))
     }
