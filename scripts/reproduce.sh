@@ -19,6 +19,7 @@ cd "$(dirname "$0")/.."
 figures="quick 1
 coat 3
 anisotropy 5
+sheen 5
 tables 5
 better-method 3
 break-even 7

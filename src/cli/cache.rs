@@ -4,7 +4,6 @@ use super::log;
 use clap::Args;
 use splitsum::pipeline::DiskCache;
 use splitsum::run::RenderFault;
-use splitsum::run::estimate::speeds::SPEEDS_FILE;
 use std::env;
 use std::path::PathBuf;
 
@@ -26,11 +25,6 @@ fn parse_mib(text: &str) -> Result<u64, String> {
 }
 
 impl CacheArguments {
-    /// Returns the file of earlier runs' speeds, if there is a cache.
-    pub fn speeds(&self) -> Option<PathBuf> {
-        Some(self.dir()?.join(SPEEDS_FILE))
-    }
-
     fn dir(&self) -> Option<PathBuf> {
         self.cache.clone().or_else(default_dir).filter(|_| !self.no_cache)
     }

@@ -11,7 +11,7 @@ use splitsum::experiment::fault::Lines;
 use splitsum::experiment::{Cell, Plan};
 use splitsum::pipeline::{chosen_device, is_kept};
 use splitsum::run::RunError;
-use splitsum::run::estimate::{Forecast, Host, SpeedsFile};
+use splitsum::run::estimate::{Forecast, Host};
 use splitsum::run::store::{Store, StoreError};
 use splitsum::run::timing::{self, TimingJob};
 use std::collections::BTreeMap;
@@ -21,8 +21,7 @@ use std::path::Path;
 #[derive(Args, Debug)]
 #[command(
     allow_negative_numbers = true,
-    after_help = "The predicted time is each step's work at the speed of earlier runs on the device (speeds.json in the cache folder). \
-    Without an earlier run it assumes a software driver on two cores.\n\n\
+    after_help = "The predicted time assumes a software driver on two cores.\n\n\
     Examples:\n  splitsum plan experiments/quick.toml\n  splitsum plan experiments/quick.toml --json | jq '.cells | length'"
 )]
 pub struct Arguments {
@@ -66,9 +65,9 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let blocks = jobs.chunk_by(|a, b| a.block == b.block);
     let left: Vec<_> =
         blocks.filter(|block| !block.iter().all(|job| store.has_timing(&job.id))).flatten().cloned().collect();
-    let (forecast, source) = forecast(&plan, &open, &left, arguments)?;
+    let forecast = forecast(&plan, &open, &left, arguments)?;
     let timings = [jobs.len(), jobs.len() - left.len()];
-    let shown = Shown { plan: &plan, states: &states, timings, forecast: &forecast, source };
+    let shown = Shown { plan: &plan, states: &states, timings, forecast: &forecast };
     match arguments.json {
         true => shown.write_json()?,
         false => print(&shown.as_text(&dir))?,
@@ -79,13 +78,13 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Predicts cells and timings by the speeds of earlier runs; also returns the device of those runs.
+/// Predicts cells and timings.
 fn forecast<'p>(
     plan: &'p Plan,
     open: &[&Cell],
     jobs: &[TimingJob],
     arguments: &Arguments,
-) -> Result<(Forecast<'p>, Option<String>), Failure> {
+) -> Result<Forecast<'p>, Failure> {
     let device = match chosen_device(arguments.device.choice()) {
         Ok(device) => Some(device),
         Err(error) if arguments.device.device.is_some() => return Err(Failure::input(error)),
@@ -101,10 +100,8 @@ fn forecast<'p>(
     };
     let first_of_each: BTreeMap<&str, &Cell> = open.iter().map(|cell| (cell.reference.as_str(), *cell)).collect();
     let kept = first_of_each.iter().filter(|(_, cell)| is_kept(cell)).map(|(id, _)| id.to_string());
-    let file = arguments.cache.speeds().map(|path| SpeedsFile::read(&path)).unwrap_or_default();
-    let (source, speeds) = file.of(device.as_ref()).map(|(name, speeds)| (name.to_owned(), speeds.clone())).unzip();
     let host = Host::here(device.map_or("cpu", |device| device.device_type));
-    Ok((Forecast::new(plan, open, jobs, kept, speeds.unwrap_or_default(), host), source))
+    Ok(Forecast::new(plan, open, jobs, kept, host))
 }
 
 struct Shown<'a> {
@@ -113,8 +110,6 @@ struct Shown<'a> {
     /// Timed configurations, and how many are done.
     timings: [usize; 2],
     forecast: &'a Forecast<'a>,
-    /// Device of the earlier runs.
-    source: Option<String>,
 }
 
 impl Shown<'_> {
@@ -148,12 +143,8 @@ impl Shown<'_> {
     }
 
     fn cost_lines(&self) -> Vec<String> {
-        let source = match &self.source {
-            Some(device) => format!("by earlier runs on {device}"),
-            None => "assuming a software driver on 2 cores".to_owned(),
-        };
         let mut lines = vec![format!(
-            "about {}, {source}",
+            "about {}, assuming a software driver on 2 cores",
             indicatif::HumanDuration(std::time::Duration::from_secs_f64(self.seconds())),
         )];
         let line = |(name, count, seconds)| format!("  {name:18} {count:>9.0} {seconds:>10.1} s");
@@ -195,7 +186,7 @@ impl Shown<'_> {
             "collapsed": plan.collapsed,
             "timings": self.timings[0],
             "timings_done": self.timings[1],
-            "estimate": { "seconds": self.seconds(), "device": self.source, "parts": parts },
+            "estimate": { "seconds": self.seconds(), "parts": parts },
         })
     }
 }

@@ -62,7 +62,6 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         stop: &STOP,
         command_line: command_line(),
         shard: arguments.shard,
-        speeds: arguments.cache.speeds(),
         fail_fast: arguments.fail_fast,
     };
     let is_whole = arguments.shard.is_none();

@@ -1,6 +1,6 @@
 //! PNG: 8-bit RGB pictures, and tables.
 
-use super::file::{Fault, PICTURE_TEXELS_MAX, check_claim, read_bounded, reserved};
+use super::file::{Fault, PICTURE_TEXELS_MAX, check_claim, reserved};
 use super::{Decoded, Pixels, PixelsError, Rgb8Image, write_atomically};
 use png::{BitDepth, ColorType, Compression, Decoder, DecodingError, Encoder, Limits, Transformations};
 use std::io::{self, Cursor, Write};
@@ -32,24 +32,17 @@ fn encode(to: impl Write, image: &Rgb8Image, compression: Compression) -> io::Re
     Ok(writer.finish()?)
 }
 
-/// Reads any PNG as 8-bit RGB; drops alpha and rounds 16-bit samples.
-pub fn read_rgb8(path: &Path) -> Result<Rgb8Image, PixelsError> {
-    let samples = decode(&read_bounded(path)?, false).map_err(|fault| fault.at(path))?;
-    // 255 becomes 65535 exactly, by the factor 257.
-    Ok(samples.map(|texel| texel.map(|value| ((u32::from(value) + 128) / 257) as u8)))
-}
-
 /// Decodes samples as fractions of their maximum, without a transfer curve. Keeps grey and alpha as two channels; drops
 /// alpha beside colour.
 pub fn read_linear(path: &Path, bytes: &[u8]) -> Result<Decoded, PixelsError> {
-    let samples = decode(bytes, true).map_err(|fault| fault.at(path))?;
+    let samples = decode(bytes).map_err(|fault| fault.at(path))?;
     let rgb = samples.map(|texel| texel.map(|value| f32::from(value) / 65535.0));
     Ok(Decoded { rgb, alpha: None, warnings: Vec::new() })
 }
 
-/// Decodes samples of 16 bits: three channels of each texel without alpha. Grey becomes three equal channels, unless
-/// `keeps_pairs` keeps grey and alpha as the first two.
-fn decode(bytes: &[u8], keeps_pairs: bool) -> Result<Pixels<[u16; 3]>, Fault> {
+/// Decodes samples of 16 bits: three channels of each texel without alpha. Grey becomes three equal channels; grey and alpha stay the
+/// first two.
+fn decode(bytes: &[u8]) -> Result<Pixels<[u16; 3]>, Fault> {
     let refuse = |error: DecodingError| Fault::new(format!("cannot be decoded ({error})"), "a whole PNG file");
     // The crate's default limit would refuse valid sizes; the claim is checked below.
     let mut decoder = Decoder::new_with_limits(Cursor::new(bytes), Limits { bytes: usize::MAX });
@@ -70,8 +63,8 @@ fn decode(bytes: &[u8], keeps_pairs: bool) -> Result<Pixels<[u16; 3]>, Fault> {
         _ => raw.iter().map(|byte| 257 * u16::from(*byte)).collect(),
     };
     let texel = |texel: &[u16]| match texel {
-        [grey, alpha] if keeps_pairs => [*grey, *alpha, 0],
-        [grey] | [grey, _] => [*grey; 3],
+        [grey, alpha] => [*grey, *alpha, 0],
+        [grey] => [*grey; 3],
         texel => [texel[0], texel[1], texel[2]],
     };
     let mut data = reserved(width as usize * height as usize)?;

@@ -6,7 +6,6 @@ mod antialias;
 mod brdf;
 #[path = "../shared/brdf_twins.rs"]
 mod brdf_twins;
-mod coat;
 mod compare;
 mod determinism;
 #[path = "../shared/environment_sampling.rs"]
@@ -22,7 +21,7 @@ mod golden;
 mod harness;
 mod kept;
 mod ladder;
-mod layer;
+mod layers;
 mod layouts;
 mod methods;
 mod own_method;

@@ -42,6 +42,7 @@ mod scratch;
 mod sequence;
 #[path = "../shared/sh9.rs"]
 mod sh9;
+mod sheen;
 #[path = "../shared/snapshot.rs"]
 mod snapshot;
 mod study;

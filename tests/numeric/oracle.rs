@@ -1,8 +1,9 @@
 //! The exact shading integrals against independent answers and identities.
 
+use crate::sheen::{lobe, over_directions};
 use glam::{DQuat, DVec2, DVec3};
 use rayon::prelude::*;
-use splitsum::brdf::{self, Brdf, MODELS, MaskingShadowing};
+use splitsum::brdf::{self, Brdf, MODELS, MaskingShadowing, SheenVisibility};
 use splitsum::environment::LoadOptions;
 use splitsum::math::equirect::{direction_from_uv, uv_from_direction};
 use splitsum::math::equirect_quadrature::Focus;
@@ -74,43 +75,45 @@ fn constant_environment_gives_the_directional_albedo() {
     });
 }
 
+/// The answers to a table in which ENV is the golden map, by row and column.
+fn answered(text: &str) -> impl Fn(usize, &str) -> f64 {
+    let dir = tempfile::tempdir().unwrap();
+    let map = std::env::current_dir().unwrap().join("tests/golden/env_analytic.exr");
+    std::fs::write(dir.path().join("q.csv"), text.replace("ENV", &map.display().to_string())).unwrap();
+    let queries = Queries::read(&dir.path().join("q.csv"), Kind::Shading, &LoadOptions::default()).unwrap();
+    let answers = queries.answer(TOLERANCE, || ());
+    move |row: usize, name: &str| {
+        let at = answers.columns.iter().position(|column| column == name).unwrap();
+        match answers.rows[row][at] {
+            Cell::Number(number) => number,
+            ref other => panic!("{other:?}"),
+        }
+    }
+}
+
 /// Rows with a coat against a product rule over directions with GGX, Smith and Schlick typed here.
 #[test]
 fn the_coat_of_a_table_is_its_integral() {
     const STEPS: u32 = 700;
     let (alpha, weight) = (0.4, 0.6);
     let image = golden_environment();
-    let dir = tempfile::tempdir().unwrap();
-    let text = "environment,brdf,alpha,f0,nx,ny,nz,vx,vy,vz,coat,coat_alpha,coat_layering\n\
-                ENV,ggx,0.5,0.3,0,1,0,0.6,0.8,0,0.6,0.4,khr\nENV,ggx,0.5,0.3,0,1,0,0.6,0.8,0,0.6,0.4,albedo\n";
-    let map = std::env::current_dir().unwrap().join("tests/golden/env_analytic.exr");
-    std::fs::write(dir.path().join("q.csv"), text.replace("ENV", &map.display().to_string())).unwrap();
-    let queries = Queries::read(&dir.path().join("q.csv"), Kind::Shading, &LoadOptions::default()).unwrap();
-    let answers = queries.answer(TOLERANCE, || ());
-    let column = |row: usize, name: &str| {
-        let at = answers.columns.iter().position(|column| column == name).unwrap();
-        match answers.rows[row][at] {
-            Cell::Number(number) => number,
-            ref other => panic!("{other:?}"),
-        }
-    };
+    let column = answered(
+        "environment,brdf,alpha,f0,nx,ny,nz,vx,vy,vz,coat,coat_alpha,coat_layering\n\
+         ENV,ggx,0.5,0.3,0,1,0,0.6,0.8,0,0.6,0.4,khr\nENV,ggx,0.5,0.3,0,1,0,0.6,0.8,0,0.6,0.4,albedo\n",
+    );
     let (v, cosine) = (DVec3::new(0.6, 0.8, 0.0), 0.8f64);
     let smith = |x: f64| 2.0 * x / (x + (alpha * alpha + (1.0 - alpha * alpha) * x * x).sqrt());
     let mut sums = [[DVec3::ZERO; 2]; 2];
-    for (i, j) in (0..STEPS).flat_map(|i| (0..2 * STEPS).map(move |j| (i, j))) {
-        let mu = (f64::from(i) + 0.5) / f64::from(STEPS);
-        let phi = TAU * (f64::from(j) + 0.5) / f64::from(2 * STEPS);
-        let sin = (1.0 - mu * mu).sqrt();
-        let l = DVec3::new(sin * phi.cos(), mu, sin * phi.sin());
+    over_directions(STEPS, |l, weight| {
         let h = (v + l).normalize();
         let d = alpha * alpha / (PI * (h.y * h.y * (alpha * alpha - 1.0) + 1.0).powi(2));
-        let f = d * smith(cosine) * smith(mu) / (4.0 * cosine) * TAU / f64::from(2 * STEPS * STEPS);
+        let f = d * smith(cosine) * smith(l.y) / (4.0 * cosine) * weight;
         let schlick = 0.04 + 0.96 * (1.0 - v.dot(h)).powi(5);
         for (k, radiance) in [lookup(&image, l), DVec3::ONE].into_iter().enumerate() {
             sums[0][k] += f * radiance;
             sums[1][k] += f * schlick * radiance;
         }
-    }
+    });
     let fresnel = 0.04 + 0.96 * (1.0f64 - cosine).powi(5);
     let expected = [(fresnel * sums[0][0], fresnel), (sums[1][0], sums[1][1].x)];
     for (row, (coat, lost)) in expected.into_iter().enumerate() {
@@ -124,19 +127,10 @@ fn the_coat_of_a_table_is_its_integral() {
 #[test]
 fn the_anisotropy_of_a_table_is_its_integral() {
     const STEPS: u32 = 700;
-    let dir = tempfile::tempdir().unwrap();
-    let map = std::env::current_dir().unwrap().join("tests/golden/env_analytic.exr");
-    let text = format!(
-        "environment,brdf,alpha,f0,nx,ny,nz,vx,vy,vz,anisotropy,anisotropy_rotation_deg\n{},ggx,0.2,1,0,1,0,0.6,0.8,0,0.7,30\n",
-        map.display()
+    let column = answered(
+        "environment,brdf,alpha,f0,nx,ny,nz,vx,vy,vz,anisotropy,anisotropy_rotation_deg\n\
+         ENV,ggx,0.2,1,0,1,0,0.6,0.8,0,0.7,30\n",
     );
-    std::fs::write(dir.path().join("q.csv"), text).unwrap();
-    let queries = Queries::read(&dir.path().join("q.csv"), Kind::Shading, &LoadOptions::default()).unwrap();
-    let answers = queries.answer(TOLERANCE, || ());
-    let column = |name: &str| match answers.rows[0][answers.columns.iter().position(|c| c == name).unwrap()] {
-        Cell::Number(number) => number,
-        ref other => panic!("{other:?}"),
-    };
     let (x, y) = (0.2 + 0.8 * 0.49, 0.2);
     let (tangent, bitangent) = (DVec3::new(0.75f64.sqrt(), 0.0, -0.5), DVec3::new(-0.5, 0.0, -(0.75f64.sqrt())));
     let squares = |w: DVec3| [w.dot(tangent), w.dot(bitangent)].map(|part| part * part);
@@ -145,17 +139,40 @@ fn the_anisotropy_of_a_table_is_its_integral() {
         2.0 / (1.0 + (1.0 + (x * x * t + y * y * b) / (w.y * w.y)).sqrt())
     };
     let (v, image, mut sum) = (DVec3::new(0.6, 0.8, 0.0), golden_environment(), DVec3::ZERO);
-    for (i, j) in (0..STEPS).flat_map(|i| (0..2 * STEPS).map(move |j| (i, j))) {
-        let mu = (f64::from(i) + 0.5) / f64::from(STEPS);
-        let (sin, cos) = (TAU * (f64::from(j) + 0.5) / f64::from(2 * STEPS)).sin_cos();
-        let l = DVec3::new((1.0 - mu * mu).sqrt() * cos, mu, (1.0 - mu * mu).sqrt() * sin);
+    over_directions(STEPS, |l, weight| {
         let h = (v + l).normalize();
         let [t, b] = squares(h);
         let d = 1.0 / (PI * x * y * (t / (x * x) + b / (y * y) + h.y * h.y).powi(2));
-        sum += d * g1(v) * g1(l) / (4.0 * v.y) * TAU / f64::from(2 * STEPS * STEPS) * lookup(&image, l);
-    }
-    let own = DVec3::new(column("specular_r"), column("specular_g"), column("specular_b"));
+        sum += d * g1(v) * g1(l) / (4.0 * v.y) * weight * lookup(&image, l);
+    });
+    let own = DVec3::new(column(0, "specular_r"), column(0, "specular_g"), column(0, "specular_b"));
     assert_close("anisotropic", own, sum, 1e-4);
+}
+
+/// Rows with sheen, the first under a coat, against a rule over directions that shares no code.
+#[test]
+fn the_sheen_of_a_table_is_its_integral() {
+    let column = answered(
+        "environment,brdf,alpha,f0,nx,ny,nz,vx,vy,vz,sheen_color,sheen_alpha,sheen_visibility,coat,coat_alpha\n\
+         ENV,ggx,0.5,0.3,0,1,0,0.6,0.8,0,0.2:0.6:0.4,0.3,charlie,0.5,0.1\n\
+         ENV,phong,0.5,0.3,0,1,0,0.6,0.8,0,1,0.1,ashikhmin,0,0.1\n",
+    );
+    let image = golden_environment();
+    let v = DVec3::new(0.6, 0.8, 0.0);
+    let colors = [DVec3::new(0.2, 0.6, 0.4), DVec3::ONE];
+    for (row, (visibility, alpha)) in
+        [(SheenVisibility::Charlie, 0.3), (SheenVisibility::Ashikhmin, 0.1)].into_iter().enumerate()
+    {
+        let (mut sum, mut albedo) = (DVec3::ZERO, 0.0);
+        over_directions(500, |l, weight| {
+            let f = weight * lobe(visibility, alpha, v, l);
+            (sum, albedo) = (sum + f * lookup(&image, l), albedo + f);
+        });
+        let own = DVec3::new(column(row, "sheen_r"), column(row, "sheen_g"), column(row, "sheen_b"));
+        assert_close("sheen", own, colors[row] * sum, 1e-4);
+        let kept = 1.0 - colors[row].max_element() * albedo;
+        assert!((column(row, "sheen_base_share") - kept).abs() < 1e-5, "{row}");
+    }
 }
 
 #[test]

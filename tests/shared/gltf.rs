@@ -32,9 +32,13 @@ fn data(bytes: &[u8]) -> String {
 
 /// An image of 8-bit texels, as a `data:` URI.
 pub fn png(width: u32, height: u32, texel: impl Fn(u32, u32) -> [u8; 3]) -> Value {
+    uri(image::RgbImage::from_fn(width, height, |x, y| image::Rgb(texel(x, y))))
+}
+
+/// The picture as an entry of `images`.
+pub fn uri(image: impl Into<image::DynamicImage>) -> Value {
     let mut file = std::io::Cursor::new(Vec::new());
-    let image = image::RgbImage::from_fn(width, height, |x, y| image::Rgb(texel(x, y)));
-    image.write_to(&mut file, image::ImageFormat::Png).expect("a picture in memory");
+    image.into().write_to(&mut file, image::ImageFormat::Png).expect("a picture in memory");
     json!({ "uri": format!("data:image/png;base64,{}", BASE64_STANDARD.encode(file.into_inner())) })
 }
 

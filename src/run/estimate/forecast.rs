@@ -1,9 +1,8 @@
 //! Predicts the time that a run still takes.
 //!
-//! The remaining work is scaled, kind by kind, by the times of earlier runs and by how this run compares with them. A correction
-//! follows: seconds on the clock over predicted seconds of the finished part. It has full weight after a tenth of the work.
+//! The remaining work is scaled, kind by kind, by measured over stated seconds of the finished part. A correction follows: seconds on the
+//! clock over predicted seconds of that part. It has full weight after a tenth of the work.
 
-use super::speeds::Speeds;
 use super::work::{END, SCORE, Steps, TIMED, Work, timed};
 use crate::experiment::plan::{Cell, Plan};
 use crate::run::statistics::median;
@@ -57,10 +56,8 @@ pub struct Forecast<'p> {
     steps: HashMap<String, Work>,
     left: Work,
     done: Work,
-    earlier: Speeds,
-    /// Speeds of this run: absolute, and relative to `earlier`.
-    own: Speeds,
-    beside_earlier: Speeds,
+    /// Measured and stated seconds by kind.
+    measured: BTreeMap<String, [f64; 2]>,
     host: Host,
 }
 
@@ -71,7 +68,6 @@ impl<'p> Forecast<'p> {
         cells: &[&Cell],
         jobs: &[TimingJob],
         kept: impl IntoIterator<Item = String>,
-        earlier: Speeds,
         host: Host,
     ) -> Self {
         let mut of = Steps::new(plan, jobs, kept);
@@ -84,8 +80,7 @@ impl<'p> Forecast<'p> {
             // Tables and pages are written after the last step.
             step.0.remove(END);
         }
-        let (own, beside_earlier) = (Speeds::default(), Speeds::default());
-        Self { plan, steps, left, done: Work::default(), earlier, own, beside_earlier, host }
+        Self { plan, steps, left, done: Work::default(), measured: BTreeMap::new(), host }
     }
 
     /// Notes a cell that was tried, and the time that it took.
@@ -106,9 +101,9 @@ impl<'p> Forecast<'p> {
         self.left.remove(&work);
         self.done.append(&work);
         for (kind, [_, stated]) in &work.0 {
-            if let Some(taken) = taken(kind, *stated) {
-                self.own.add(kind, taken, *stated);
-                self.beside_earlier.add(kind, taken, stated * self.earlier.ratio(kind));
+            if let Some(taken) = taken(kind, *stated).filter(|taken| taken.is_finite() && *stated > 0.0) {
+                let [sum, of] = self.measured.entry(kind.clone()).or_default();
+                (*sum, *of) = (*sum + taken, *of + stated);
             }
         }
     }
@@ -116,7 +111,21 @@ impl<'p> Forecast<'p> {
     /// Predicts the seconds of work of a kind from its stated seconds; threads share scores.
     fn predicted(&self, kind: &str, stated: f64) -> f64 {
         let threads = if kind.starts_with(SCORE) { self.host.threads as f64 } else { 1.0 };
-        stated.max(0.0) * self.earlier.ratio(kind) * self.beside_earlier.ratio(kind) / threads
+        stated.max(0.0) * self.slowness(kind) / threads
+    }
+
+    /// Measured over stated seconds of a kind, else of the same work untimed, of all kinds with its first word, or of all
+    /// work; 1 if nothing is measured.
+    fn slowness(&self, kind: &str) -> f64 {
+        let untimed = kind.strip_prefix(TIMED).unwrap_or(kind);
+        let word = untimed.split(' ').next().unwrap_or_default();
+        let likenesses: [&dyn Fn(&str) -> bool; 4] =
+            [&|own| own == kind, &|own| own == untimed, &|own| own.starts_with(word), &|_| true];
+        let sum = |is_alike: &&dyn Fn(&str) -> bool| {
+            let own = self.measured.iter().filter(|(own, _)| is_alike(own)).map(|(_, sum)| *sum);
+            own.reduce(|a, b| [a[0] + b[0], a[1] + b[1]])
+        };
+        likenesses.iter().find_map(sum).map_or(1.0, |[taken, stated]| taken / stated)
     }
 
     /// Predicts the rest after `elapsed` seconds of work.
@@ -153,10 +162,5 @@ impl<'p> Forecast<'p> {
             (*sum, *seconds) = (*sum + count, *seconds + self.predicted(kind, *stated));
         }
         parts.into_iter().map(|(place, [count, seconds])| (PARTS[place].1, count, seconds)).collect()
-    }
-
-    /// Speeds of this run, for later ones.
-    pub fn own_speeds(&self) -> &Speeds {
-        &self.own
     }
 }

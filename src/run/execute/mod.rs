@@ -12,7 +12,7 @@ pub use outcome::{Outcome, Progress, RunError, RunOptions, Work};
 use crate::experiment::plan::{Cell, Plan, ReferenceGroup};
 use crate::files::holds;
 use crate::run::environments;
-use crate::run::estimate::{Ahead, Forecast, Host, Speeds, SpeedsFile};
+use crate::run::estimate::{Ahead, Forecast, Host};
 use crate::run::images;
 use crate::run::live::{self, LIVE_FILE};
 use crate::run::provenance::device_words;
@@ -201,7 +201,6 @@ impl<'p> Run<'p> {
 
     /// Predicts the open work. References in the cache or the folder are free.
     fn forecast(&self, renderer: &dyn Renderer) -> Forecast<'p> {
-        let device = renderer.device();
         let groups = self.plan.groups();
         let cells = groups.iter().flat_map(|group| group.radiances.iter().flat_map(|(_, cells)| cells));
         let open: Vec<&Cell> = cells.copied().filter(|cell| !self.is_done(cell)).collect();
@@ -213,9 +212,7 @@ impl<'p> Run<'p> {
                 .then(|| group.id.to_owned())
         };
         let kept: Vec<String> = groups.iter().filter_map(is_kept).collect();
-        let file = self.options.speeds.as_ref().map(|path| SpeedsFile::read(path)).unwrap_or_default();
-        let speeds = file.of(Some(&device)).map_or_else(Speeds::default, |(_, speeds)| speeds.clone());
-        Forecast::new(self.plan, &open, &self.open_jobs(), kept, speeds, Host::here(device.device_type))
+        Forecast::new(self.plan, &open, &self.open_jobs(), kept, Host::here(renderer.device().device_type))
     }
 
     fn ahead(&self) -> Ahead {

@@ -18,8 +18,6 @@ pub struct RunOptions<'a> {
     pub command_line: Vec<String>,
     /// The part of the plan to do, if several processes share the folder. [`merge`](super::merge) then writes the tables.
     pub shard: Option<Shard>,
-    /// The file with the speeds of earlier runs.
-    pub speeds: Option<PathBuf>,
     /// Ends the run at the first cell that fails.
     pub fail_fast: bool,
 }
@@ -28,7 +26,7 @@ impl<'a> RunOptions<'a> {
     /// A whole run in `dir` with defaults.
     pub fn new(dir: &Path, stop: &'a AtomicBool) -> Self {
         let command_line = Vec::new();
-        Self { dir: dir.to_owned(), stop, command_line, shard: None, speeds: None, fail_fast: false }
+        Self { dir: dir.to_owned(), stop, command_line, shard: None, fail_fast: false }
     }
 }
 

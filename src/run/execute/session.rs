@@ -3,7 +3,6 @@
 use super::{Progress, Run, RunError, Work, milliseconds};
 use crate::files::holds;
 use crate::pipeline::DeviceInfo;
-use crate::run::estimate::SpeedsFile;
 use crate::run::frozen::EXPERIMENT_FILE;
 use crate::run::live::LIVE_FILE;
 use crate::run::provenance;
@@ -91,9 +90,6 @@ impl Run<'_> {
             shared: renderer.shared_work(),
             references_read_back: self.references_read,
         };
-        if let (Some(path), Some(forecast)) = (&self.options.speeds, &self.forecast) {
-            SpeedsFile::keep(path, &renderer.device(), forecast.own_speeds());
-        }
         let path = self.store.sessions_path();
         let Some(mut value) = provenance::read_file(&path)? else { return Ok(()) };
         if let Some(session) = value["sessions"].as_array_mut().and_then(|sessions| sessions.last_mut()) {

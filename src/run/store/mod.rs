@@ -109,10 +109,6 @@ impl Store {
         remove(self.dir.join(folder).join(name))
     }
 
-    pub fn table_path(&self, name: &str) -> PathBuf {
-        self.dir.join("tables").join(name)
-    }
-
     pub fn cell_path(&self, id: &str) -> PathBuf {
         self.record_path(CELLS_FOLDER, id)
     }

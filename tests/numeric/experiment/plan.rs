@@ -162,12 +162,14 @@ fn ids_depend_on_everything_that_determines_pixels() {
 }
 
 /// Two values of an axis have two cells each. They have two references if the axis distinguishes cases; else one reference judges both.
-/// Tables without a coat have the columns that they had before coats.
+/// Tables without a coat and sheen have the columns that they had before both.
 #[test]
 fn layers_are_columns_only_where_they_are_named() {
     let names = |text: &str| -> Vec<&str> { plan(text).columns.iter().map(|axis| AXES[*axis].name).collect() };
-    let layers = |text: &str| names(text).into_iter().filter(|name| name.starts_with("coat")).count();
-    assert_eq!([layers(SWEEP), layers(&format!("{SWEEP}coat = [1]\ncoat_alpha = [0.1]\n"))], [0, 2]);
+    let is_layer = |name: &&str| name.starts_with("coat") || name.starts_with("sheen");
+    let layers = |text: &str| names(text).into_iter().filter(is_layer).count();
+    let named = ["", "coat = [1]\ncoat_alpha = [0.1]\n", "sheen_color = [1]\nsheen_lookup = [\"three\"]\n"];
+    assert_eq!(named.map(|more| layers(&format!("{SWEEP}{more}"))), [0, 2, 2]);
 }
 
 #[test]

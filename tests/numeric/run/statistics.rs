@@ -12,16 +12,6 @@ fn a_median_lies_between_its_neighbours() {
     assert!(median(&[]).is_nan());
 }
 
-#[test]
-fn infinite_samples_are_limits_of_large_ones() {
-    const INFINITY: f64 = f64::INFINITY;
-    assert_eq!(median(&[1.0, 2.0, INFINITY]), 2.0);
-    assert_eq!(median(&[2.0, INFINITY, INFINITY]), INFINITY);
-    assert_eq!(median(&[-INFINITY, 2.0]), -INFINITY);
-    assert_eq!(median(&[2.0, INFINITY]), INFINITY);
-    assert!(median(&[-INFINITY, INFINITY]).is_nan());
-}
-
 /// A number of the exponential distribution, whose median is ln 2: skewed, as times are.
 fn exponential(random: &mut Random) -> f64 {
     -random.next().max(f64::MIN_POSITIVE).ln()

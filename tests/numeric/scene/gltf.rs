@@ -1,7 +1,7 @@
 //! glTF files, made by the tests in memory.
 
 use crate::gbuffer_twin::gbuffer;
-use crate::gltf_files::{load, mesh, png, sheet, textured};
+use crate::gltf_files::{load, mesh, png, sheet, textured, uri};
 use crate::snapshot::assert_snapshot;
 use glam::{DQuat, DVec3};
 use serde_json::{Value, json};
@@ -361,6 +361,26 @@ fn a_clear_coat_has_its_own_maps_and_normal() {
     assert_eq!((set.weight, set.weight_map, set.alpha, set.roughness_map), (1.0, None, 0.5, None));
 }
 
+/// The sheen of a file: colour by its sRGB map, roughness by the alpha channel; a smooth one is raised to the least width.
+#[test]
+fn a_sheen_has_its_color_and_roughness() {
+    let sheen = json!({
+        "sheenColorFactor": [0.5, 1.0, 0.0], "sheenColorTexture": { "index": 0 },
+        "sheenRoughnessFactor": 0.5, "sheenRoughnessTexture": { "index": 0 },
+    });
+    let material = |sheen: Value| json!({ "extensions": { "KHR_materials_sheen": sheen } });
+    let image = || uri(image::RgbaImage::from_pixel(1, 1, image::Rgba([188, 188, 188, 204])));
+    let scene = loaded(&textured(quad(), material(sheen), &[image()]));
+    let seen = |scene: &Scene| seen(scene, [1, 1], DVec3::Z);
+    let (lobe, colors) = (seen(&scene.sheen()), seen(&scene.sheen_colors()));
+    assert!((lobe.normal_alpha.data[0][3] - 0.25 * 0.8 * 0.8).abs() < F32);
+    let [r, g, b, _] = colors.albedo_metallic.data[0];
+    assert!((r - 0.251).abs() < 2e-3 && (g - 2.0 * r).abs() < F32 && b == 0.0, "{r} {g} {b}");
+    assert!(scene.has_sheen() && !scene.without_sheen().has_sheen());
+    let smooth = loaded(&textured(quad(), material(json!({ "sheenColorFactor": [1, 1, 1] })), &[image()]));
+    assert_eq!(smooth.materials[0].sheen.alpha, 0.01);
+}
+
 #[test]
 fn only_double_sided_materials_show_their_back() {
     let mut model = quad();
@@ -387,6 +407,9 @@ fn unsupported_and_broken_files_are_refused() {
         }),
         ("a coat that is not one", |m| {
             m["materials"] = json!([{ "extensions": { "KHR_materials_clearcoat": { "clearcoatFactor": "much" } } }]);
+        }),
+        ("a sheen that is not one", |m| {
+            m["materials"] = json!([{ "extensions": { "KHR_materials_sheen": { "sheenColorFactor": [1] } } }]);
         }),
         ("an extension", |m| m["extensionsRequired"] = json!(["KHR_draco_mesh_compression"])),
         ("two extensions", |m| m["extensionsRequired"] = json!(["KHR_a", "KHR_b"])),

@@ -1,0 +1,170 @@
+//! Sheen and coats: the reference against f64, lookups against twins and closed forms, and nothing without layers.
+
+use crate::harness::{constant_environment, render_by_seeds, request, scene, with_pipeline};
+use crate::methods::{EXACT, radiance, sights};
+use crate::symmetry::smooth_environment;
+use glam::{DVec2, DVec3};
+use splitsum::brdf::{MaskingShadowing, SheenVisibility, f_schlick};
+use splitsum::environment::Environment;
+use splitsum::pipeline::RenderRequest;
+use splitsum::precompute::dfg::reference::dfg;
+use splitsum::precompute::exact_quadrature;
+use splitsum::precompute::irradiance::reference::irradiance;
+use splitsum::precompute::prefilter::{Kernel, reference::prefilter};
+use splitsum::scene::{CameraKind, MaterialOverride};
+use splitsum::shade::coat::{COAT_F0, COAT_RENDERERS, CoatLayering};
+use splitsum::shade::reference::{Surface, integrate, specular};
+use splitsum::shade::sheen::{SHEEN_LOOKUPS, SheenMap, shares};
+use splitsum::shade::{Diffuse, Method};
+use splitsum::spelling::Listed;
+use std::f64::consts::PI;
+use std::sync::Arc;
+
+const COLOR: [f32; 3] = [0.9, 0.5, 0.25];
+/// On a level of the default maps.
+const ALPHA: f32 = 0.25;
+const COAT_ALPHA: f32 = 0.2;
+const CORRELATED: MaskingShadowing = MaskingShadowing::Correlated;
+
+/// A brown plastic.
+fn cloth(environment: &Arc<Environment>, sheen: Option<[f32; 3]>, coat: Option<f32>) -> RenderRequest {
+    let material = MaterialOverride {
+        albedo: Some([0.8, 0.4, 0.2]),
+        metallic: Some(0.25),
+        alpha: Some(0.5),
+        f0: Some([0.04, 0.05, 0.06]),
+        coat,
+        coat_alpha: Some(COAT_ALPHA),
+        sheen_color: sheen,
+        sheen_alpha: Some(ALPHA),
+        ..MaterialOverride::default()
+    };
+    let plain = request(environment, scene("sphere", material), CameraKind::Ortho, [9, 9]);
+    RenderRequest { reference_samples: 16384, ..plain }
+}
+
+/// The reference of both visibilities, each under a coat of another layering, against the integrals of all layers.
+#[test]
+fn the_reference_of_layers_is_the_sum_of_their_integrals() {
+    with_pipeline(|pipeline| {
+        let color = DVec3::from_array(COLOR.map(f64::from));
+        for (visibility, layering) in SheenVisibility::all().zip(CoatLayering::all()) {
+            let request = cloth(&smooth_environment(), Some(COLOR), Some(0.75)).shaded(|s| {
+                (s.sheen_visibility, s.coat_layering) = (*visibility, *layering);
+                (s.method, s.diffuse) = (Method::listed("reference"), Diffuse::listed("reference"));
+            });
+            let quadrature = exact_quadrature(&request.environment.image);
+            let frame = render_by_seeds(pipeline, &request);
+            for sight in sights(&request, 7) {
+                let Surface { model, masking, n, v, alpha, f0, .. } = sight.surface;
+                let of = |alpha: f64| dfg(model, masking, n.dot(v), alpha);
+                let base = integrate(&quadrature, &sight.surface, EXACT);
+                let diffuse = 0.75 * sight.albedo * (DVec3::ONE - f0 * of(alpha).f0_scale - of(alpha).f90_scale);
+                let base = base.specular.value + diffuse * base.diffuse.value;
+                let lobe = Surface::new(visibility, CORRELATED, ALPHA.into(), DVec3::ONE, [n, v]);
+                let sheen = specular(&quadrature, &lobe, EXACT).combine([DVec3::ONE, DVec3::ZERO]).value;
+                let albedo = dfg(visibility, CORRELATED, n.dot(v), ALPHA.into()).albedo();
+                let cloth = color * sheen + (1.0 - color.x * albedo).max(0.0) * base;
+                let over = Surface::new(model, masking, COAT_ALPHA.into(), DVec3::splat(COAT_F0), [n, v]);
+                let over = integrate(&quadrature, &over, EXACT);
+                let (fresnel, pair) = (f_schlick(DVec3::splat(COAT_F0), n.dot(v)).x, of(COAT_ALPHA.into()));
+                let (lost, coat) = match layering {
+                    CoatLayering::Khr => (fresnel, fresnel * over.specular_white.value),
+                    CoatLayering::Albedo => (COAT_F0 * pair.f0_scale + pair.f90_scale, over.specular.value),
+                };
+                let exact = (1.0 - 0.75 * lost) * cloth + 0.75 * coat;
+                let [x, y] = sight.pixel;
+                let sigma = frame.standard_error.as_ref().unwrap().get(x, y).map(f64::from);
+                let most = 5.0 * DVec3::from_array(sigma) + 3e-4 * exact;
+                let own = radiance(&frame, sight.pixel);
+                assert!((own - exact).abs().cmple(most).all(), "{visibility:?} {:?}: {own} for {exact}", sight.pixel);
+                assert!(most.max_element() < 0.02 * exact.max_element(), "{most} of {exact}");
+            }
+        }
+    });
+}
+
+/// Each lookup against exact means of its kernel along its direction, over the frame without sheen.
+#[test]
+fn lookups_of_sheen_are_means_along_their_directions() {
+    with_pipeline(|pipeline| {
+        let color = DVec3::from_array(COLOR.map(f64::from));
+        let base = pipeline.render(&cloth(&smooth_environment(), None, None)).unwrap();
+        for lookup in SHEEN_LOOKUPS {
+            let request = cloth(&smooth_environment(), Some(COLOR), None).shaded(|s| s.sheen_lookup = lookup);
+            let quadrature = exact_quadrature(&request.environment.image);
+            let frame = pipeline.render(&request).unwrap();
+            for sight in sights(&request, 5) {
+                let Surface { model, n, v, .. } = sight.surface;
+                let (direction, level) = lookup.place([n, v], ALPHA.into());
+                let mean = |kernel| prefilter(&quadrature, kernel, level, direction, EXACT).value;
+                let mean = match lookup.map {
+                    SheenMap::Levels => mean(Kernel::cosine(model)),
+                    SheenMap::Charlie => mean(Kernel::cosine(&SheenVisibility::Charlie)),
+                    SheenMap::Irradiance => irradiance(&quadrature, n, EXACT).value / PI,
+                };
+                let albedo = dfg(&SheenVisibility::Charlie, CORRELATED, n.dot(v), ALPHA.into()).albedo();
+                let [under, over] = shares(Some(lookup), color, ALPHA.into(), n.dot(v), albedo);
+                let exact = under * radiance(&base, sight.pixel) + over * mean;
+                let own = radiance(&frame, sight.pixel);
+                let off = (own - exact).abs().max_element();
+                assert!(off < 2e-3 * exact.max_element(), "{} {:?}: {own} for {exact}", lookup.name, sight.pixel);
+            }
+        }
+    });
+}
+
+/// A black sheen and a coat of weight 0 give the bits of a scene that has never heard of layers, with background.
+#[test]
+fn layers_without_weight_change_no_bit() {
+    with_pipeline(|pipeline| {
+        let frames = [(Some([0.0; 3]), Some(0.0)), (None, None)].map(|(sheen, coat)| {
+            let request =
+                RenderRequest { background: true, antialias: true, ..cloth(&smooth_environment(), sheen, coat) };
+            pipeline.render(&request.shaded(|s| s.diffuse = Diffuse::listed("sh9"))).unwrap().radiance
+        });
+        assert_eq!(frames[0], frames[1]);
+    });
+}
+
+/// In radiance 1 a lookup gives 1: what remains are the shares of each renderer.
+#[test]
+fn renderers_of_a_coat_meet_their_closed_forms_in_constant_light() {
+    with_pipeline(|pipeline| {
+        let white = constant_environment([1.0; 3]);
+        for renderer in COAT_RENDERERS {
+            let request = cloth(&white, None, Some(0.75)).shaded(|s| {
+                s.coat_renderer = renderer;
+                s.diffuse = Diffuse::listed("irradiance-map");
+            });
+            let frame = pipeline.render(&request).unwrap();
+            for sight in sights(&request, 5) {
+                let n_dot_v = sight.surface.n.dot(sight.surface.v);
+                let pair = |alpha: f64| {
+                    let found = dfg(sight.surface.model, sight.surface.masking, n_dot_v, alpha);
+                    DVec2::new(found.f0_scale, found.f90_scale)
+                };
+                let (under, over) = (pair(sight.surface.alpha), pair(COAT_ALPHA.into()));
+                let specular = sight.surface.f0 * under.x + under.y;
+                let diffuse = 0.75 * sight.albedo * (DVec3::ONE - specular);
+                let fresnel = f_schlick(DVec3::splat(COAT_F0), n_dot_v).x;
+                let albedo = COAT_F0 * over.x + over.y;
+                let [lost, coat] = match renderer.name {
+                    "exact" => [fresnel, fresnel * (over.x + over.y)],
+                    "three" => [fresnel, albedo],
+                    "openpbr" => [albedo, albedo],
+                    _ => [fresnel, fresnel],
+                };
+                let left = 1.0 - 0.75 * lost;
+                let [of_specular, of_diffuse] = match renderer.name {
+                    "bevy" => [left * left, left],
+                    "unity" => [left * left, 1.0],
+                    _ => [left, left],
+                };
+                let exact = of_specular * specular + of_diffuse * diffuse + 0.75 * coat;
+                let own = radiance(&frame, sight.pixel);
+                assert!((own - exact).abs().max_element() < 4e-3, "{}: {own} for {exact}", renderer.name);
+            }
+        }
+    });
+}

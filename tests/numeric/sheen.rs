@@ -1,0 +1,148 @@
+//! Sheen against identities, closed forms and a quadrature over directions that shares no code with the program.
+
+use crate::brdf::integrate_sphere;
+use crate::chi_square::{Random, fit_of_half_vectors};
+use glam::DVec3;
+use splitsum::brdf::{Brdf, MaskingShadowing, SHEEN_ALPHA_MIN, SheenVisibility, eval_without_fresnel};
+use splitsum::math::sampling::direction_from_polar;
+use splitsum::precompute::dfg::{Albedos, reference::dfg};
+use splitsum::precompute::prefilter::Kernel;
+use splitsum::shade::sheen::{SHEEN_LOOKUPS, SheenAlbedo, SheenLookup, shares};
+use splitsum::spelling::Listed;
+use std::f64::consts::TAU;
+
+const ALPHAS: [f64; 5] = [SHEEN_ALPHA_MIN, 0.04, 0.16, 0.36, 1.0];
+const VIEWS: [f64; 4] = [0.05, 0.3, 0.6, 0.95];
+const CORRELATED: MaskingShadowing = MaskingShadowing::Correlated;
+
+/// The lobe times n·l about +y, as the extension's text has it: Charlie's D over its visibility.
+pub fn lobe(visibility: SheenVisibility, alpha: f64, v: DVec3, l: DVec3) -> f64 {
+    let lambda = |x: f64| {
+        let w = (1.0 - alpha) * (1.0 - alpha);
+        let of = |[rough, smooth]: [f64; 2]| w * smooth + (1.0 - w) * rough;
+        let fit = |x: f64| {
+            let [a, b, c] = [[21.5473, 25.3245], [3.82987, 3.32435], [0.19823, 0.16801]].map(of);
+            a / (1.0 + b * x.powf(c)) + of([-1.97760, -1.27393]) * x + of([-4.32054, -4.85967])
+        };
+        if x < 0.5 { fit(x) } else { 2.0 * fit(0.5) - fit(1.0 - x) }.exp()
+    };
+    let sin2 = 1.0 - (v + l).normalize().y.powi(2);
+    let d = (2.0 + 1.0 / alpha) * sin2.max(0.0).powf(0.5 / alpha) / TAU;
+    match visibility {
+        SheenVisibility::Charlie => d / ((1.0 + lambda(v.y) + lambda(l.y)) * 4.0 * v.y),
+        SheenVisibility::Ashikhmin => d * l.y / (4.0 * (l.y + v.y - l.y * v.y)),
+    }
+}
+
+/// Sums `f` times the solid angle over directions above the horizon, closer to each other near it.
+pub fn over_directions(steps: u32, mut f: impl FnMut(DVec3, f64)) {
+    for (i, j) in (0..steps).flat_map(|i| (0..2 * steps).map(move |j| (i, j))) {
+        let u = (f64::from(i) + 0.5) / f64::from(steps);
+        let (cos, turn) = (u * u * u, (f64::from(j) + 0.5) / f64::from(2 * steps));
+        let l = direction_from_polar((1.0 - cos * cos).sqrt(), cos, turn);
+        f(DVec3::new(l.x, l.z, l.y), 3.0 * u * u * TAU / f64::from(2 * steps * steps));
+    }
+}
+
+fn view(n_dot_v: f64) -> DVec3 {
+    DVec3::new((1.0 - n_dot_v * n_dot_v).sqrt(), n_dot_v, 0.0)
+}
+
+#[test]
+fn the_distribution_has_unit_projection_and_its_sampler_follows_it() {
+    let model = &SheenVisibility::Charlie;
+    for (k, alpha) in ALPHAS.into_iter().enumerate() {
+        let one = integrate_sphere(1e-7, |h| model.d(h, alpha) * h.z.max(0.0));
+        assert!((one - 1.0).abs() < 1e-6, "alpha {alpha}: {one}");
+        let mut random = Random(k as u64);
+        let drawn: Vec<DVec3> = (0..20_000).map(|_| model.sample_d(random.xi(), alpha)).collect();
+        let p = fit_of_half_vectors(1.0, |h| model.d(h, alpha) * h.z.max(0.0), &drawn);
+        assert!(p > 0.01 / ALPHAS.len() as f64, "alpha {alpha}: p = {p}");
+    }
+}
+
+/// The lobe as a microfacet model is the extension's, and reciprocal; albedos are its integral, and with
+/// `ashikhmin` at v = n they have a closed form.
+#[test]
+fn the_lobe_and_its_albedo_are_those_of_the_extension() {
+    for (visibility, alpha) in SheenVisibility::all().flat_map(|v| ALPHAS.map(|alpha| (*v, alpha))) {
+        let model = SheenVisibility::listed(Brdf::name(&visibility));
+        let albedos = Albedos::new(Kernel::cosine(model), CORRELATED, alpha);
+        for n_dot_v in VIEWS {
+            let v = view(n_dot_v);
+            let mut albedo = 0.0;
+            over_directions(300, |l, weight| albedo += weight * lobe(visibility, alpha, v, l));
+            let what = format!("{visibility:?} alpha {alpha} n_dot_v {n_dot_v}");
+            let own = [dfg(model, CORRELATED, n_dot_v, alpha).albedo(), albedos.exact(n_dot_v).element_sum()];
+            assert!(own.iter().all(|own| (own - albedo).abs() <= 1e-4 * albedo + 1e-9), "{what}: {own:?} for {albedo}");
+            for l in [view(0.4), DVec3::new(-0.48, 0.6, 0.64)] {
+                let [local_v, local_l] = [v, l].map(|w| DVec3::new(w.x, w.z, w.y));
+                let f = eval_without_fresnel(model, local_v, local_l, alpha, CORRELATED);
+                let back = eval_without_fresnel(model, local_l, local_v, alpha, CORRELATED);
+                let expected = lobe(visibility, alpha, v, l) / l.y;
+                assert!((f - expected).abs() <= 1e-9 * expected && (f - back).abs() <= 1e-12 * f, "{what}: {f} {back}");
+            }
+        }
+        if visibility == SheenVisibility::Ashikhmin {
+            let (own, p) = (dfg(model, CORRELATED, 1.0, alpha).albedo(), 1.0 / alpha);
+            let closed = 0.5f64.powf(0.5 * p) / (p + 4.0);
+            assert!((own - closed).abs() <= 1e-6 * closed, "alpha {alpha}: {own} for {closed}");
+        }
+    }
+}
+
+/// The direction of `moment` is the lobe's first moment within 4 degrees, and within 2 where it reflects most.
+#[test]
+fn the_moment_is_the_mean_direction_of_the_lobe() {
+    for (visibility, alpha, n_dot_v) in
+        SheenVisibility::all().flat_map(|v| ALPHAS.iter().flat_map(move |a| VIEWS.map(|n_dot_v| (*v, *a, n_dot_v))))
+    {
+        let (v, mut moment, mut albedo) = (view(n_dot_v), DVec3::ZERO, 0.0);
+        over_directions(200, |l, weight| {
+            let f = weight * lobe(visibility, alpha, v, l);
+            (moment, albedo) = (moment + f * l, albedo + f);
+        });
+        let (direction, level) = SheenLookup::listed("moment").place([DVec3::Y, v], alpha);
+        let degrees = direction.angle_between(moment).to_degrees();
+        let most = if albedo > 0.25 { 2.0 } else { 4.0 };
+        assert!(degrees < most && level == 1.0, "{visibility:?} {alpha} {n_dot_v}: {degrees}");
+        // The lobe is on the side of the viewer, and wide: the clamped cosine has 2/3.
+        assert!(moment.x > 0.0 && (albedo < 0.1 || moment.length() / albedo < 0.72), "{alpha} {n_dot_v}: {moment}");
+    }
+}
+
+/// Fits of engines follow the albedo of `ashikhmin`. PlayCanvas takes the smoothness for the roughness, and gives the base a constant.
+#[test]
+fn fits_of_engines_are_near_the_albedo() {
+    for (name, most) in [("three", 0.15), ("materialx", 0.2)] {
+        let (mut off, mut count) = (0.0, 0.0);
+        for (alpha, n_dot_v) in [0.1, 0.2, 0.5, 0.9].into_iter().flat_map(|a| VIEWS.map(|n_dot_v| (a, n_dot_v))) {
+            let exact = dfg(&SheenVisibility::Ashikhmin, CORRELATED, n_dot_v, alpha).albedo();
+            let lookup = Some(SheenLookup::listed(name));
+            let [base, sheen] = shares(lookup, DVec3::new(1.0, 0.5, 0.0), alpha, n_dot_v, 9.0);
+            assert!((base.x - (1.0 - sheen.x).max(0.0)).abs() < 1e-12 && sheen.z == 0.0, "{name} {alpha} {n_dot_v}");
+            (off, count) = (off + (sheen.x / exact - 1.0).abs(), count + 1.0);
+        }
+        assert!(off / count < most, "{name}: {}", off / count);
+    }
+    // At roughness 1 its fit has the roughness 0, with a = -25.9 and b = 3.26; at n·v 0.5 it nearly vanishes.
+    let [base, sheen] = shares(Some(SheenLookup::listed("playcanvas")), DVec3::ONE, 1.0, 0.5, 9.0);
+    assert!((sheen.x - (3.26f64 - 12.95).exp()).abs() < 1e-9 && (base.x - 0.843).abs() < 1e-12, "{base} {sheen}");
+}
+
+/// The largest channel of a white base under sheen is white if its albedo is at most 1; no base is negative beyond.
+#[test]
+fn a_white_furnace_stays_white() {
+    let color = DVec3::new(0.9, 0.4, 0.0);
+    for lookup in
+        SHEEN_LOOKUPS.iter().filter(|lookup| matches!(lookup.factor, SheenAlbedo::Exact)).map(Some).chain([None])
+    {
+        for albedo in [0.0, 0.3, 1.0, 1.2] {
+            let [base, sheen] = shares(lookup, color, 0.25, 0.3, albedo);
+            let total = base + sheen * if lookup.is_some() { 1.0 } else { albedo };
+            let most = (0.9 * albedo).max(1.0);
+            assert!((total.x - most).abs() < 1e-12 && total.y <= most && base.x >= 0.0, "{albedo}: {total}");
+        }
+    }
+    assert_eq!(shares(None, DVec3::ZERO, 0.25, 0.3, 0.7), [DVec3::ONE, DVec3::ZERO]);
+}
