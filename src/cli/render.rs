@@ -123,7 +123,9 @@ fn check_used(arguments: &Arguments, point: &Point, is_linear: bool) -> Result<(
         let is_reference_count = *axis == SAMPLES && has_reference_term;
         if collapsed[*axis] == Value::Unset && !is_reference_count {
             let without = format!("with method {method} and diffuse {diffuse}");
-            let why = AXES[*axis].layer().map_or(without, |layer| format!("without --{}", layer.replace('_', "-")));
+            let is_absent = |value: &Value| [Value::Unset, Value::Count(1)].contains(value) || value.is_zero();
+            let layer = AXES[*axis].layer().filter(|layer| is_absent(collapsed.get(layer)));
+            let why = layer.map_or(without, |layer| format!("without --{}", layer.replace('_', "-")));
             faults.push(format!("--{flag}: has no effect {why}; leave it out"));
         } else if !AXES[*axis].changes_radiance() && is_linear {
             faults.push(format!("--{flag}: has no effect on an .exr, which is linear; expected --out FILE.png"));

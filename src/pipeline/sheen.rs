@@ -7,7 +7,7 @@ use crate::bakes::given::Given;
 use crate::brdf::{Brdf, Compensation, MaskingShadowing, SHEEN_ALPHA_MIN, SheenVisibility};
 use crate::precompute::PrefilterBy;
 use crate::precompute::prefilter::WEIGHTS;
-use crate::shade::sheen::{INTEGRATED, LOOKUP, SheenMap, shares};
+use crate::shade::sheen::{SheenMap, shares};
 use crate::shade::{Diffuse, Method, NONE, Shading};
 use crate::spelling::Listed;
 use std::sync::Arc;
@@ -28,15 +28,15 @@ impl RenderRequest {
         match shading.sheen_lookup.map {
             _ if shading.method.is_none() => {}
             _ if shading.method.is_integrated() => {
-                shading.method = &INTEGRATED;
+                shading.method = Method::SHEEN;
                 (shading.brdf, shading.masking_shadowing) = lobe(shading.sheen_visibility);
             }
             SheenMap::Irradiance => {
                 (shading.method, shading.diffuse) = (Method::listed(NONE), Diffuse::listed(IRRADIANCE));
             }
-            SheenMap::Levels => shading.method = &LOOKUP,
+            SheenMap::Levels => shading.method = Method::SHEEN_LOOKUP,
             SheenMap::Charlie => {
-                (shading.method, given) = (&LOOKUP, Given::default());
+                (shading.method, given) = (Method::SHEEN_LOOKUP, Given::default());
                 // Both visibilities have one D.
                 (shading.brdf, shading.masking_shadowing) = lobe(SheenVisibility::Charlie);
                 shading.precompute.prefilter = PrefilterBy::Harmonic;

@@ -1,7 +1,7 @@
 //! The device passes of the reference: dispatches over parts of nets and image, then one that adds the term.
 
+use super::Method;
 use super::pass::{Passes, TABLE};
-use super::sheen::INTEGRATED;
 use crate::brdf::{Brdf, MaskingShadowing};
 use crate::environment::distribution::EnvironmentDistribution;
 use crate::glsl::constants::{GROUP_SIDE, SCRAMBLE_COUNT};
@@ -42,7 +42,7 @@ impl Lobe {
     /// Names the shaders that take the samples and that add the term to the image.
     pub fn shaders(self, brdf: &dyn Brdf) -> [String; 2] {
         let permutation = match self {
-            Self::Specular(lobe) if lobe != INTEGRATED.name => format!("{lobe}:{}", brdf.name()),
+            Self::Specular(lobe) if lobe != Method::SHEEN.name => format!("{lobe}:{}", brdf.name()),
             Self::Specular(lobe) | Self::Diffuse(lobe) => lobe.into(),
         };
         ["reference", "reference_resolve"].map(|entry| format!("shade/{entry}.comp:{permutation}"))

@@ -6,8 +6,6 @@
 //!
 //! as KHR_materials_sheen scales the base by n·v alone \[KhrSheen20\]. E may exceed 1, hence the clamp. A coat lies over both.
 
-use super::method::Method;
-use super::twin::Twin;
 use crate::brdf::{perceptual_roughness_from_alpha, reflect};
 use crate::glsl::constants as code;
 use crate::spelling::listed;
@@ -198,23 +196,6 @@ impl SheenLookup {
         (direction, if self.level == SheenLevel::Roughest { 1.0 } else { alpha })
     }
 }
-
-/// The method of the layer: the lookup alone, without an albedo.
-pub static LOOKUP: Method = Method {
-    lookups: 1,
-    ..Method::plain(
-        "sheen-lookup",
-        "Sheen",
-        "one lookup of a sheen lobe",
-        Twin::Estimator(|surface, light, _| {
-            let (direction, alpha) = MOMENT.place([surface.n, surface.v], surface.alpha);
-            light.mean_radiance(direction, alpha)
-        }),
-    )
-};
-
-/// The method of the layer in references: the integral I.
-pub static INTEGRATED: Method = Method { name: "sheen", lobe: Some("sheen"), lookups: 0, ..LOOKUP };
 
 /// What the images of a surface with sheen count: the base's and the sheen's. Without a lookup the sheen's image is I.
 pub fn shares(lookup: Option<&SheenLookup>, color: DVec3, alpha: f64, n_dot_v: f64, albedo: f64) -> [DVec3; 2] {

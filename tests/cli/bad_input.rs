@@ -48,6 +48,8 @@ fn wrong_flags_of_render_and_compare_are_refused() {
             "render --method reference --samples 44 --out x.exr",
             "render --method split-sum --diffuse reference --samples 44 --out x.exr",
             "render --brdf phong --anisotropy 0.5 --out x.png",
+            "render --sheen-color 1 --sheen-alpha 0.001 --out x.png",
+            "render --method reference --sheen-color 1 --sheen-lookup three --out x.png",
             "render --anisotropy-widths kulla --out x.png",
             "render --method sampled --frames 0 --out x.exr",
             "render --method split-sum --frames 8 --history clamp --out x.exr",

@@ -108,7 +108,8 @@ fn lookups_of_sheen_are_means_along_their_directions() {
                 let exact = under * radiance(&base, sight.pixel) + over * mean;
                 let own = radiance(&frame, sight.pixel);
                 let off = (own - exact).abs().max_element();
-                assert!(off < 2e-3 * exact.max_element(), "{} {:?}: {own} for {exact}", lookup.name, sight.pixel);
+                // The roughest level has 8 x 8 texels.
+                assert!(off < 5e-3 * exact.max_element(), "{} {:?}: {own} for {exact}", lookup.name, sight.pixel);
             }
         }
     });

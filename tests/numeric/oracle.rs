@@ -164,7 +164,7 @@ fn the_sheen_of_a_table_is_its_integral() {
         [(SheenVisibility::Charlie, 0.3), (SheenVisibility::Ashikhmin, 0.1)].into_iter().enumerate()
     {
         let (mut sum, mut albedo) = (DVec3::ZERO, 0.0);
-        over_directions(500, |l, weight| {
+        over_directions(1000, |l, weight| {
             let f = weight * lobe(visibility, alpha, v, l);
             (sum, albedo) = (sum + f * lookup(&image, l), albedo + f);
         });

@@ -64,7 +64,7 @@ fn the_distribution_has_unit_projection_and_its_sampler_follows_it() {
 /// The lobe as a microfacet model is the extension's, and reciprocal; albedos are its integral, and with
 /// `ashikhmin` at v = n they have a closed form.
 #[test]
-fn the_lobe_and_its_albedo_are_those_of_the_extension() {
+fn the_lobe_and_its_albedo_follow_the_extension() {
     for (visibility, alpha) in SheenVisibility::all().flat_map(|v| ALPHAS.map(|alpha| (*v, alpha))) {
         let model = SheenVisibility::listed(Brdf::name(&visibility));
         let albedos = Albedos::new(Kernel::cosine(model), CORRELATED, alpha);
@@ -74,7 +74,7 @@ fn the_lobe_and_its_albedo_are_those_of_the_extension() {
             over_directions(300, |l, weight| albedo += weight * lobe(visibility, alpha, v, l));
             let what = format!("{visibility:?} alpha {alpha} n_dot_v {n_dot_v}");
             let own = [dfg(model, CORRELATED, n_dot_v, alpha).albedo(), albedos.exact(n_dot_v).element_sum()];
-            assert!(own.iter().all(|own| (own - albedo).abs() <= 1e-4 * albedo + 1e-9), "{what}: {own:?} for {albedo}");
+            assert!(own.iter().all(|own| (own - albedo).abs() <= 1e-4 * albedo + 1e-7), "{what}: {own:?} for {albedo}");
             for l in [view(0.4), DVec3::new(-0.48, 0.6, 0.64)] {
                 let [local_v, local_l] = [v, l].map(|w| DVec3::new(w.x, w.z, w.y));
                 let f = eval_without_fresnel(model, local_v, local_l, alpha, CORRELATED);
@@ -111,23 +111,28 @@ fn the_moment_is_the_mean_direction_of_the_lobe() {
     }
 }
 
-/// Fits of engines follow the albedo of `ashikhmin`. PlayCanvas takes the smoothness for the roughness, and gives the base a constant.
+/// Fits of engines at values computed by hand from their sources. MaterialX' is near the albedo of `ashikhmin`, three.js' a quarter below;
+/// PlayCanvas takes the smoothness for the roughness, and gives the base a constant.
 #[test]
-fn fits_of_engines_are_near_the_albedo() {
-    for (name, most) in [("three", 0.15), ("materialx", 0.2)] {
-        let (mut off, mut count) = (0.0, 0.0);
-        for (alpha, n_dot_v) in [0.1, 0.2, 0.5, 0.9].into_iter().flat_map(|a| VIEWS.map(|n_dot_v| (a, n_dot_v))) {
-            let exact = dfg(&SheenVisibility::Ashikhmin, CORRELATED, n_dot_v, alpha).albedo();
-            let lookup = Some(SheenLookup::listed(name));
-            let [base, sheen] = shares(lookup, DVec3::new(1.0, 0.5, 0.0), alpha, n_dot_v, 9.0);
-            assert!((base.x - (1.0 - sheen.x).max(0.0)).abs() < 1e-12 && sheen.z == 0.0, "{name} {alpha} {n_dot_v}");
-            (off, count) = (off + (sheen.x / exact - 1.0).abs(), count + 1.0);
-        }
-        assert!(off / count < most, "{name}: {}", off / count);
+fn fits_of_engines_have_their_values() {
+    let of = |name: &str, alpha: f64, n_dot_v: f64| {
+        shares(Some(SheenLookup::listed(name)), DVec3::new(1.0, 0.5, 0.0), alpha, n_dot_v, 9.0).map(|share| share.x)
+    };
+    for (name, alpha, n_dot_v, base, sheen) in [
+        ("three", 0.25, 0.5, 1.0 - 0.1353144, 0.1353144),
+        ("materialx", 0.25, 0.5, 1.0 - 0.2164882, 0.2164882),
+        // At roughness 1 it has the roughness 0: a = -25.9 and b = 3.26.
+        ("playcanvas", 1.0, 0.5, 0.843, (3.26f64 - 12.95).exp()),
+    ] {
+        let own = of(name, alpha, n_dot_v);
+        assert!((own[0] - base).abs() < 1e-6 && (own[1] - sheen).abs() < 1e-6, "{name}: {own:?}");
     }
-    // At roughness 1 its fit has the roughness 0, with a = -25.9 and b = 3.26; at n·v 0.5 it nearly vanishes.
-    let [base, sheen] = shares(Some(SheenLookup::listed("playcanvas")), DVec3::ONE, 1.0, 0.5, 9.0);
-    assert!((sheen.x - (3.26f64 - 12.95).exp()).abs() < 1e-9 && (base.x - 0.843).abs() < 1e-12, "{base} {sheen}");
+    for (alpha, n_dot_v) in [0.16, 0.36, 1.0].into_iter().flat_map(|alpha| VIEWS[..3].iter().map(move |v| (alpha, *v)))
+    {
+        let exact = dfg(&SheenVisibility::Ashikhmin, CORRELATED, n_dot_v, alpha).albedo();
+        let off = of("materialx", alpha, n_dot_v)[1] / exact - 1.0;
+        assert!(off.abs() < 0.09, "{alpha} {n_dot_v}: {off}");
+    }
 }
 
 /// The largest channel of a white base under sheen is white if its albedo is at most 1; no base is negative beyond.

@@ -5,6 +5,7 @@ pub mod own;
 mod sampled;
 mod sampled_unfiltered;
 mod sampled_vndf;
+mod sheen_lookup;
 pub mod split_sum;
 mod split_sum_bent;
 mod split_sum_cap;
@@ -111,12 +112,7 @@ const INTEGRATED: Method = Method {
 
 impl Method {
     /// A method that depends on the scene only. Each file sets its flags; every method has a twin.
-    pub(super) const fn plain(
-        name: &'static str,
-        title: &'static str,
-        about: &'static str,
-        twin: SpecularTwin,
-    ) -> Self {
+    const fn plain(name: &'static str, title: &'static str, about: &'static str, twin: SpecularTwin) -> Self {
         Self {
             name,
             title,
