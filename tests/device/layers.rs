@@ -106,8 +106,8 @@ fn lookups_of_sheen_are_means_along_their_directions() {
                 let albedo = dfg(&SheenVisibility::Charlie, CORRELATED, n.dot(v), ALPHA.into()).albedo();
                 let [under, over] = shares(Some(lookup), color, ALPHA.into(), n.dot(v), albedo);
                 let exact = under * radiance(&base, sight.pixel) + over * mean;
-                let own = radiance(&frame, sight.pixel);
-                let off = (own - exact).abs().max_element();
+                let (own, off) =
+                    (radiance(&frame, sight.pixel), (radiance(&frame, sight.pixel) - exact).abs().max_element());
                 // The roughest level has 8 x 8 texels.
                 assert!(off < 5e-3 * exact.max_element(), "{} {:?}: {own} for {exact}", lookup.name, sight.pixel);
             }
@@ -120,9 +120,8 @@ fn lookups_of_sheen_are_means_along_their_directions() {
 fn layers_without_weight_change_no_bit() {
     with_pipeline(|pipeline| {
         let frames = [(Some([0.0; 3]), Some(0.0)), (None, None)].map(|(sheen, coat)| {
-            let request =
-                RenderRequest { background: true, antialias: true, ..cloth(&smooth_environment(), sheen, coat) };
-            pipeline.render(&request.shaded(|s| s.diffuse = Diffuse::listed("sh9"))).unwrap().radiance
+            let plain = cloth(&smooth_environment(), sheen, coat).shaded(|s| s.diffuse = Diffuse::listed("sh9"));
+            pipeline.render(&RenderRequest { background: true, antialias: true, ..plain }).unwrap().radiance
         });
         assert_eq!(frames[0], frames[1]);
     });
