@@ -74,7 +74,9 @@ fn the_lobe_and_its_albedo_follow_the_extension() {
             over_directions(300, |l, weight| albedo += weight * lobe(visibility, alpha, v, l));
             let what = format!("{visibility:?} alpha {alpha} n_dot_v {n_dot_v}");
             let own = [dfg(model, CORRELATED, n_dot_v, alpha).albedo(), albedos.exact(n_dot_v).element_sum()];
-            assert!(own.iter().all(|own| (own - albedo).abs() <= 1e-4 * albedo + 1e-7), "{what}: {own:?} for {albedo}");
+            // The second is interpolated.
+            let is_near = |own: f64, floor: f64| (own - albedo).abs() <= 1e-4 * albedo + floor;
+            assert!(is_near(own[0], 0.0) && is_near(own[1], 2e-7), "{what}: {own:?} for {albedo}");
             for l in [view(0.4), DVec3::new(-0.48, 0.6, 0.64)] {
                 let [local_v, local_l] = [v, l].map(|w| DVec3::new(w.x, w.z, w.y));
                 let f = eval_without_fresnel(model, local_v, local_l, alpha, CORRELATED);
