@@ -8,7 +8,7 @@
 //!   numbers by alpha \[EstevezKulla17\];
 //! - `ashikhmin`: `1/(4 (n_dot_l + n_dot_v - n_dot_l n_dot_v))`, the same with `Λ = 1/x - 1` \[Neubelt13\].
 //!
-//! Neither conserves energy if alpha is small: at n·v 0.05 the albedo exceeds 1 below alpha 0.011 and 0.09.
+//! Neither conserves energy if alpha is small: at n·v 0.05 the albedo exceeds 1 below alpha 0.013 and 0.09.
 
 use super::{Brdf, sin2_cos2};
 use crate::glsl::constants;
