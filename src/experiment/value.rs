@@ -84,38 +84,32 @@ impl Value {
     }
 
     pub fn number(&self) -> f64 {
-        match self {
-            Self::Number(x) => *x,
-            other => panic!("{other:?} is not a number: its axis has another kind"),
-        }
+        let Self::Number(x) = self else { self.is_not("a number") };
+        *x
     }
 
     pub fn count(&self) -> u32 {
-        match self {
-            Self::Count(n) => *n,
-            other => panic!("{other:?} is not a count: its axis has another kind"),
-        }
+        let Self::Count(n) = self else { self.is_not("a count") };
+        *n
     }
 
     pub fn color(&self) -> [f32; 3] {
-        match self {
-            Self::Color(c) => *c,
-            other => panic!("{other:?} is not a colour: its axis has another kind"),
-        }
+        let Self::Color(c) = self else { self.is_not("a colour") };
+        *c
     }
 
     pub fn pair(&self) -> [u32; 2] {
-        match self {
-            Self::Pair(p) => *p,
-            other => panic!("{other:?} is not a pair: its axis has another kind"),
-        }
+        let Self::Pair(p) = self else { self.is_not("a pair") };
+        *p
     }
 
     pub fn text(&self) -> &str {
-        match self {
-            Self::Text(text) => text,
-            other => panic!("{other:?} is not a name: its axis has another kind"),
-        }
+        let Self::Text(text) = self else { self.is_not("a name") };
+        text
+    }
+
+    fn is_not(&self, what: &str) -> ! {
+        panic!("{self:?} is not {what}: its axis has another kind")
     }
 }
 
