@@ -90,8 +90,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         ("values", Align::Left),
     ]);
     for ((name, value), metric) in scores.iter().zip(METRICS) {
-        let d = metric;
-        table.row(&[*name, &significant(*value, 4), d.better.name(), d.space.name()]);
+        table.row(&[*name, &significant(*value, 4), metric.better.name(), metric.space.name()]);
     }
     print(&table.to_string())
 }

@@ -90,8 +90,8 @@ fn listing(what: What) -> String {
         }
         What::Metrics => {
             for metric in metrics::METRICS {
-                let d = metric;
-                add(d.name, &format!("{}; {} values, {} is better", d.formula, d.space.name(), d.better.name()));
+                let (space, better) = (metric.space.name(), metric.better.name());
+                add(metric.name, &format!("{}; {space} values, {better} is better", metric.formula));
             }
         }
         What::Bends => BENDS.iter().for_each(|bend| add(bend.name, bend.about)),

@@ -110,11 +110,10 @@ pub fn provenance(plan: &Plan, dir: &Path) -> Value {
             .filter(|(name, file)| file != name).collect::<serde_json::Map<_, _>>(),
         "input_warnings": plan.inputs.warnings(),
         "metrics": crate::metrics::METRICS.iter().map(|metric| {
-            let d = metric;
             let parameters: serde_json::Map<String, Value> =
-                d.parameters.iter().map(|(name, x)| (name.to_string(), json!(x))).collect();
-            json!({ "name": d.name, "version": d.version, "better": d.better.name(), "space": d.space.name(),
-                "parameters": parameters, "formula": d.formula })
+                metric.parameters.iter().map(|(name, x)| (name.to_string(), json!(x))).collect();
+            json!({ "name": metric.name, "version": metric.version, "better": metric.better.name(),
+                "space": metric.space.name(), "parameters": parameters, "formula": metric.formula })
         }).collect::<Vec<_>>(),
         "sessions": [],
     })
