@@ -12,7 +12,7 @@ use splitsum::cost::pass::passes;
 use splitsum::cost::table::{Shaded, csv, markdown};
 use splitsum::experiment::axis::{AXES, BRDF, METHOD, Named, Point};
 use splitsum::experiment::value::Value;
-use splitsum::shade::{FILE_PREFIX, METHODS};
+use splitsum::shade::METHODS;
 use splitsum::spelling::Listed;
 use std::path::PathBuf;
 
@@ -106,9 +106,7 @@ fn points(arguments: &Arguments) -> Result<Vec<Point>, Failure> {
         methods = METHODS.iter().filter(|method| method.has_pass()).map(|method| Value::from(method.name)).collect();
     }
     let point = |method: Value| {
-        if method.text().starts_with(FILE_PREFIX) {
-            own_method(method.text())?;
-        }
+        own_method(method.text())?;
         let mut point = axes.point();
         point[METHOD] = method;
         match point.method().has_pass() {

@@ -10,7 +10,6 @@ use splitsum::experiment::axis::{AXES, METHOD, Point, Reference, SAMPLES, View, 
 use splitsum::experiment::value::{Kind, Range, Value};
 use splitsum::pixels::png;
 use splitsum::run::{RenderFault, write_radiance};
-use splitsum::shade::FILE_PREFIX;
 use splitsum::shade::reference_pass::pair_count;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -104,9 +103,7 @@ fn inputs(arguments: &Arguments) -> impl Iterator<Item = PathBuf> {
 /// Builds the point and compiles a method in a file. The reference has its own default sample count.
 fn point(arguments: &Arguments) -> Result<Point, Failure> {
     let mut point = arguments.axes.point();
-    if point[METHOD].text().starts_with(FILE_PREFIX) {
-        own_method(point[METHOD].text())?;
-    }
+    own_method(point[METHOD].text())?;
     if arguments.axes.get(SAMPLES).is_none() && point.method().is_integrated() {
         point[SAMPLES] = Value::Count(Reference::default().samples);
     }

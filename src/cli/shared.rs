@@ -32,11 +32,13 @@ impl InputFlags {
     }
 }
 
-/// Compiles a method in a file, `file:PATH`.
+/// Compiles a method in a file, `file:PATH`; does nothing for a listed one.
 pub fn own_method(name: &str) -> Result<(), Failure> {
-    let is_missing = name.strip_prefix(FILE_PREFIX).is_some_and(|path| !Path::new(path).exists());
-    let hinted = |why| if is_missing { format!("--method: {why}; expected file:PATH of your shader") } else { why };
-    own::load(name, Path::new("")).map(drop).map_err(|why| Failure::input(hinted(why)))
+    let Some(path) = name.strip_prefix(FILE_PREFIX) else { return Ok(()) };
+    own::load(name, Path::new("")).map(drop).map_err(|why| match Path::new(path).exists() {
+        true => Failure::input(why),
+        false => Failure::input(format!("--method: {why}; expected file:PATH of your shader")),
+    })
 }
 
 /// Finds a preset by its name, or reads it from a TOML file relative to the current folder.

@@ -67,9 +67,8 @@ fn after_help() -> String {
 
 pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let state = state(arguments);
-    for method in [&state.point[METHOD], &state.right].into_iter().filter(|name| name.text().starts_with(FILE_PREFIX)) {
-        own_method(method.text())?;
-    }
+    own_method(state.point[METHOD].text())?;
+    own_method(state.right.text())?;
     if let Some(axis) =
         [PREFILTERED, DFG_TABLE].into_iter().find(|axis| state.point[*axis].to_string().starts_with(FILE_PREFIX))
     {
