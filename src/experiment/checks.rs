@@ -14,6 +14,7 @@ use crate::scene::is_design;
 use crate::shade::Method;
 use crate::shade::reference_pass::pair_count;
 use crate::spelling::{Listed, expected, suggestion};
+use indexmap::IndexSet;
 
 /// Reports values that are valid alone but not together.
 pub fn check_combinations(config: &Config, faults: &mut Faults) {
@@ -169,7 +170,7 @@ pub fn black_metals<'p>(
     config: &Config,
     inputs: &Inputs,
     points: impl Iterator<Item = &'p Point>,
-) -> Vec<(Place, String)> {
+) -> IndexSet<(Place, String)> {
     let black = Value::Color([0.0; 3]);
     let describe = |point: &Point| {
         let scene = inputs.scene(point[SCENE].text());
@@ -182,30 +183,21 @@ pub fn black_metals<'p>(
             (config.place_of(ALBEDO, point), text)
         })
     };
-    points.filter_map(describe).fold(Vec::new(), |mut all, fault| {
-        if !all.contains(&fault) {
-            all.push(fault);
-        }
-        all
-    })
+    points.filter_map(describe).collect()
 }
 
 /// Returns the values of an axis in the file and by `--set`, or its one fixed value.
 fn values_of(config: &Config, axis: usize) -> Vec<&Value> {
     let sweeps: Vec<&Sweep> = config.axes.iter().chain(&config.set_aside).filter(|sweep| sweep.axis == axis).collect();
-    let mut known: Vec<&Value> = Vec::new();
-    for placed in sweeps.iter().flat_map(|sweep| &sweep.values) {
-        if !known.contains(&&placed.value) {
-            known.push(&placed.value);
-        }
-    }
+    let placed = || sweeps.iter().flat_map(|sweep| &sweep.values);
+    let mut known: IndexSet<&Value> = placed().map(|placed| &placed.value).collect();
     // An axis that only `--set` sweeps had this value in the file.
     if config.set_aside.iter().all(|sweep| sweep.axis != axis)
-        && sweeps.iter().flat_map(|sweep| &sweep.values).all(|placed| matches!(placed.place, Place::Set(_)))
+        && placed().all(|placed| matches!(placed.place, Place::Set(_)))
     {
-        known.push(&config.base.0[axis]);
+        known.insert(&config.base.0[axis]);
     }
-    known
+    known.into_iter().collect()
 }
 
 fn off_axis(named: Named, value: &Value, known: &[&Value]) -> String {

@@ -44,7 +44,7 @@ impl ConfigError {
 }
 
 /// Where a value was written.
-#[derive(Clone, Debug, Default, Hash, PartialEq)]
+#[derive(Clone, Debug, Default, Eq, Hash, PartialEq)]
 pub enum Place {
     /// Byte offset in the experiment file.
     File(usize),

@@ -16,7 +16,7 @@ use crate::table::csv::Cell as Field;
 use blake3::Hash;
 use rayon::prelude::*;
 use std::borrow::Cow;
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::{BTreeMap, BTreeSet, HashSet};
 use std::path::Path;
 
 /// The layer of a reference that holds its standard error.
@@ -113,7 +113,7 @@ fn index_names(plan: &Plan, cell: &Cell) -> [String; 5] {
 }
 
 /// The content hashes that the records of finished cells name for each file.
-pub(super) type Recorded = BTreeMap<String, Vec<Hash>>;
+pub(super) type Recorded = BTreeMap<String, HashSet<Hash>>;
 
 /// Notes the files of a finished cell with the hashes in its record.
 pub(super) fn note(recorded: &mut Recorded, plan: &Plan, cell: &Cell, hashes: &BTreeMap<String, String>) {
@@ -121,16 +121,13 @@ pub(super) fn note(recorded: &mut Recorded, plan: &Plan, cell: &Cell, hashes: &B
         // A missing or invalid hash fits no file.
         let hash = hashes.get(&name).and_then(|hex| Hash::from_hex(hex).ok());
         let hash = hash.unwrap_or(Hash::from_bytes([0; blake3::OUT_LEN]));
-        let known = recorded.entry(name).or_default();
-        if !known.contains(&hash) {
-            known.push(hash);
-        }
+        recorded.entry(name).or_default().insert(hash);
     }
 }
 
 /// Files that are missing or differ from their records, by name.
 pub(super) fn damaged(store: &Store, recorded: Recorded) -> BTreeSet<String> {
-    let is_sound = |name: &str, hashes: &[Hash]| {
+    let is_sound = |name: &str, hashes: &HashSet<Hash>| {
         let found = content_hash(&store.image_path(name));
         found.is_ok_and(|found| hashes.iter().all(|hash| *hash.to_hex() == *found))
     };

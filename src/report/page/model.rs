@@ -13,6 +13,7 @@ use crate::study::finished::FinishedCell;
 use crate::study::names::Names;
 use crate::table::colormap::{NAN_COLOR, OFF_MASK_COLOR, Palette, RELATIVE_ERROR, Range, SIGNED_ERROR};
 use crate::table::csv::Cell;
+use indexmap::IndexMap;
 use serde::ser::{Serialize, SerializeMap, Serializer};
 use serde_json::{Value as Json, json};
 use std::collections::BTreeMap;
@@ -79,15 +80,11 @@ fn page_axis(runs: &[PageRun], names: &Names, index: usize) -> Option<PageAxis> 
     let cells = runs.iter().flat_map(|run| &run.finished.cells);
     let found = cells.clone().map(|cell| &cell.point.0[index]).filter(|value| **value != Value::Unset);
     // Distinct by text, by which a cell's value is looked up.
-    let mut seen = Vec::new();
-    let mut distinct: Vec<&Value> = Vec::new();
+    let mut distinct: IndexMap<String, &Value> = IndexMap::new();
     for value in found {
-        let text = names.shown(index, value).to_string();
-        if !seen.contains(&text) {
-            seen.push(text);
-            distinct.push(value);
-        }
+        distinct.entry(names.shown(index, value).to_string()).or_insert(value);
     }
+    let (seen, distinct): (Vec<String>, Vec<&Value>) = distinct.into_iter().unzip();
     let role = match (distinct.len(), AXES[index].part) {
         (0, _) => return None,
         (1, _) => Role::Fixed,
@@ -170,10 +167,7 @@ pub struct Model<'a> {
 
 impl Serialize for Model<'_> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let metric = |metric: &&Metric| {
-            let description = metric;
-            json!({ "name": description.name, "formula": description.formula })
-        };
+        let metric = |metric: &&Metric| json!({ "name": metric.name, "formula": metric.formula });
         let mut map = serializer.serialize_map(None)?;
         map.serialize_entry("headline", self.headline.name)?;
         map.serialize_entry("runs", &self.runs)?;

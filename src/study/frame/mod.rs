@@ -23,8 +23,8 @@ use crate::run::tables::DISPLAY_HEADLINE;
 use crate::scene::is_design;
 use crate::shade::NONE;
 use crate::table::csv::Cell;
-use indexmap::IndexMap;
-use std::collections::{HashMap, HashSet};
+use indexmap::{IndexMap, IndexSet};
+use std::collections::HashMap;
 
 /// Mean FLIP of a visible difference: a convention of this project, since FLIP's authors give none.
 pub const VISIBLE_FROM: f64 = 0.05;
@@ -278,9 +278,8 @@ fn set_values(rows: &[&Row], axis: usize) -> Vec<Value> {
 }
 
 /// Each value once, in order of appearance.
-pub fn distinct_in_order<T: Clone + Eq + std::hash::Hash>(values: impl IntoIterator<Item = T>) -> Vec<T> {
-    let mut seen = HashSet::new();
-    values.into_iter().filter(|value| seen.insert(value.clone())).collect()
+pub fn distinct_in_order<T: Eq + std::hash::Hash>(values: impl IntoIterator<Item = T>) -> Vec<T> {
+    values.into_iter().collect::<IndexSet<T>>().into_iter().collect()
 }
 
 /// Groups items with equal keys, in order of appearance.
