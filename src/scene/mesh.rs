@@ -42,6 +42,17 @@ impl Mesh {
     pub fn triangles(&self) -> impl Iterator<Item = [u32; 3]> + '_ {
         self.indices.chunks_exact(3).map(|triangle| [triangle[0], triangle[1], triangle[2]])
     }
+
+    /// Winds triangles counter-clockwise seen from their normals' side.
+    pub(super) fn wind_by_normals(&mut self) {
+        for triangle in self.indices.chunks_exact_mut(3) {
+            let [a, b, c] = [0, 1, 2].map(|k| position(&self.positions, triangle[k]));
+            let normal: DVec3 = triangle.iter().map(|&index| position(&self.normals, index)).sum();
+            if (b - a).cross(c - a).dot(normal) < 0.0 {
+                triangle.swap(1, 2);
+            }
+        }
+    }
 }
 
 pub(super) fn position(positions: &[[f32; 3]], index: u32) -> DVec3 {

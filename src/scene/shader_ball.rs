@@ -82,27 +82,16 @@ fn revolved(parts: &[Part], turn: DQuat) -> Mesh {
         for row in 0..part.len() as u32 - 1 {
             for column in 0..COLUMNS {
                 let [a, b] = [row, row + 1].map(|row| first + row * (COLUMNS + 1) + column);
-                for triangle in [[a, a + 1, b + 1], [a, b + 1, b]] {
-                    push(&mut mesh, triangle);
-                }
+                // Two corners of a triangle at a pole coincide.
+                let has_area = |triangle: &[u32; 3]| !is_degenerate(triangle.map(|i| position(&mesh.positions, i)));
+                mesh.indices.extend([[a, a + 1, b + 1], [a, b + 1, b]].iter().filter(|t| has_area(t)).flatten());
             }
         }
     }
+    mesh.wind_by_normals();
     mesh.uvs = vec![[0.0; 2]; mesh.positions.len()];
     mesh.tangents = vec![[0.0; 4]; mesh.positions.len()];
     mesh
-}
-
-/// Adds a triangle, counter-clockwise seen from its normals' side, unless two corners meet at a pole.
-fn push(mesh: &mut Mesh, triangle: [u32; 3]) {
-    let corners = triangle.map(|index| position(&mesh.positions, index));
-    if is_degenerate(corners) {
-        return;
-    }
-    let normal: DVec3 = triangle.iter().map(|&index| position(&mesh.normals, index)).sum();
-    let [a, b, c] = triangle;
-    let faces = (corners[1] - corners[0]).cross(corners[2] - corners[0]).dot(normal) > 0.0;
-    mesh.indices.extend(if faces { [a, b, c] } else { [a, c, b] });
 }
 
 pub(super) fn shader_ball() -> Scene {

@@ -202,6 +202,6 @@ fn assemble(models: Vec<tobj::Model>, warnings: &mut Vec<String>) -> (Vec<Mesh>,
     ];
     warnings.extend(counted.iter().filter(|(count, _)| *count > 0).map(|(count, what)| format!("{count} {what}")));
     normals::fill_missing(&mut meshes);
-    meshes.iter_mut().for_each(normals::wind_by_normals);
+    meshes.iter_mut().for_each(Mesh::wind_by_normals);
     (meshes, used)
 }

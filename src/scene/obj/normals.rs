@@ -1,4 +1,4 @@
-//! Missing normals, and winding that agrees with normals.
+//! Missing normals.
 
 use crate::scene::Mesh;
 use crate::scene::mesh::position;
@@ -35,17 +35,6 @@ pub fn fill_missing(meshes: &mut [Mesh]) {
                 // Positions without a sum belong to dropped triangles.
                 *normal = sums.get(&key(p)).map_or(Vec3::Z, Sum::normal).to_array();
             }
-        }
-    }
-}
-
-/// Winds triangles counter-clockwise seen from their normals' side.
-pub fn wind_by_normals(mesh: &mut Mesh) {
-    for triangle in mesh.indices.chunks_exact_mut(3) {
-        let corner = |k: usize| position(&mesh.positions, triangle[k]);
-        let sum: DVec3 = triangle.iter().map(|&i| Vec3::from_array(mesh.normals[i as usize]).as_dvec3()).sum();
-        if face_normal([corner(0), corner(1), corner(2)]).dot(sum) < 0.0 {
-            triangle.swap(1, 2);
         }
     }
 }
