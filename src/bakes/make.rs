@@ -33,9 +33,9 @@ use super::source::{FACES, MANIFEST, Reading, read};
 use crate::brdf::{Brdf, Ggx, MaskingShadowing};
 use crate::environment::Environment;
 use crate::environment::layout::LAYOUTS;
-use crate::math::equirect_quadrature::EquirectQuadrature;
 use crate::pixels::{Fault, GrayImage, Pixels, PixelsError, Rgb8Image, RgbImage, exr, png, write_atomically};
 use crate::precompute::dfg::patches;
+use crate::precompute::exact_quadrature;
 use crate::precompute::prefilter::{Kernel, Weight};
 use crate::precompute::sh9::reference::project_bilinear;
 use crate::spelling::Listed;
@@ -125,8 +125,7 @@ pub fn make(making: &Making, out: &Path) -> Result<Baked, PixelsError> {
         let exact = exact::exact_irradiance(&truth, &directions);
         maps.push(planned(name, vec![(directions, exact)], vec![1.0]));
     }
-    let image = &making.environment.image;
-    let radiance = project_bilinear(&EquirectQuadrature::new(image.width, image.height, |x, y| image.get(x, y)));
+    let radiance = project_bilinear(&exact_quadrature(&making.environment.image));
     let radiance = sh::turned(&radiance, |file| convention.axes.to_world(file));
 
     let manifest = manifest(making, &convention, &alphas);
