@@ -1,6 +1,6 @@
 //! `splitsum answers`.
 
-use super::report::{answered, known_metric, line};
+use super::report::{AnswerFlags, line};
 use super::{Failure, print, progress};
 use clap::Args;
 use splitsum::report::blocks::fill_pages;
@@ -21,12 +21,8 @@ pub struct Arguments {
     /// Answer these runs.
     #[arg(required = true, value_name = "DIR")]
     dirs: Vec<PathBuf>,
-    /// Answer by this metric (`splitsum list metrics`) [default: the experiment's].
-    #[arg(long, value_name = "NAME", value_parser = known_metric)]
-    metric: Option<String>,
-    /// Weigh views by these, first the leading one [default: the experiment's].
-    #[arg(long, value_name = "NAME", value_delimiter = ',')]
-    weights: Vec<String>,
+    #[command(flatten)]
+    answers: AnswerFlags,
     /// Copy each run's tables to FOLDER/NAME; update README.md and docs/ next to it.
     #[arg(long, value_name = "FOLDER")]
     publish: Option<PathBuf>,
@@ -54,12 +50,12 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let mut published = BTreeMap::new();
     for dir in &arguments.dirs {
         progress::doing(format!("answering the questions of {}", dir.display()));
-        let (run, answers) = answered(dir, arguments.metric.as_deref(), &arguments.weights)?;
+        let (run, answers) = arguments.answers.answered(dir)?;
         let written = Written::new(&run, &answers).map_err(Failure::failed)?;
         let is_new = written.write().map_err(Failure::failed)?;
         print(&format!("{}: {}\n", dir.display(), written.record.headline()))?;
         // All files of a run use one metric.
-        let options = PageOptions { metric: arguments.metric.clone(), ..PageOptions::in_folder(dir) };
+        let options = PageOptions { metric: arguments.answers.metric.clone(), ..PageOptions::in_folder(dir) };
         if is_new && is_page(&options.out) {
             print(&line(&write(&options, &PageRun::of_runs(&[(run, answers)]))?))?;
         }

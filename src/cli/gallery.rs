@@ -1,6 +1,6 @@
 //! `splitsum gallery`.
 
-use super::report::answered;
+use super::report::AnswerFlags;
 use super::{Failure, print, progress};
 use clap::Args;
 use splitsum::report::gallery::{INDEX_FILE, write};
@@ -26,7 +26,7 @@ pub struct Arguments {
 
 pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     progress::doing("writing the site");
-    let runs = arguments.dirs.iter().map(|dir| answered(dir, None, &[])).collect::<Result<Vec<_>, _>>()?;
+    let runs = arguments.dirs.iter().map(|dir| AnswerFlags::default().answered(dir)).collect::<Result<Vec<_>, _>>()?;
     let (bytes, notes) = write(&arguments.results, &runs, &arguments.out)?;
     let notes: String = notes.iter().map(|note| format!("{note}\n")).collect();
     print(&format!("{notes}Site: {} ({:.1} MB)\n", arguments.out.join(INDEX_FILE).display(), bytes as f64 / 1e6))

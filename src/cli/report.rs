@@ -22,20 +22,21 @@ pub struct Arguments {
     /// Link the images instead of embedding them.
     #[arg(long)]
     no_images: bool,
-    /// Answer by this metric (`splitsum list metrics`) [default: the experiment's].
-    #[arg(long, value_name = "NAME", value_parser = known_metric)]
-    metric: Option<String>,
-    /// Weigh views by these, first the leading one [default: the experiment's].
-    #[arg(long, value_name = "NAME", value_delimiter = ',')]
-    weights: Vec<String>,
+    #[command(flatten)]
+    answers: AnswerFlags,
     /// Write to FILE [default: report.html in the first folder].
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
 }
 
-/// Checks the value of `--metric`.
-pub fn known_metric(name: &str) -> Result<String, String> {
-    Metric::parse(name).map(|metric| metric.name().to_owned())
+#[derive(Args, Debug, Default)]
+pub struct AnswerFlags {
+    /// Answer by this metric (`splitsum list metrics`) [default: the experiment's].
+    #[arg(long, value_name = "NAME", value_parser = |name: &str| Metric::parse(name).map(|metric| metric.name().to_owned()))]
+    pub metric: Option<String>,
+    /// Weigh views by these, first the leading one [default: the experiment's].
+    #[arg(long, value_name = "NAME", value_delimiter = ',')]
+    weights: Vec<String>,
 }
 
 pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
@@ -46,12 +47,8 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     }
     check_out(&out)?;
     progress::doing("answering the questions");
-    let runs: Vec<(Finished, Vec<Answer>)> = arguments
-        .dirs
-        .iter()
-        .map(|dir| answered(dir, arguments.metric.as_deref(), &arguments.weights))
-        .collect::<Result<_, Failure>>()?;
-    let metric = arguments.metric.clone();
+    let runs = arguments.dirs.iter().map(|dir| arguments.answers.answered(dir)).collect::<Result<Vec<_>, _>>()?;
+    let metric = arguments.answers.metric.clone();
     let options = PageOptions { out, is_alone: false, images, budget: BUDGET_BYTES, metric };
     progress::doing("writing the report");
     print(&line(&write(&options, &PageRun::of_runs(&runs))?))
@@ -63,21 +60,23 @@ impl From<PageError> for Failure {
     }
 }
 
-/// Reads a run and answers its questions by these weights of views, by default its own. A metric of pictures is refused
-/// for a run without pictures.
-pub fn answered(dir: &Path, metric: Option<&str>, weights: &[String]) -> Result<(Finished, Vec<Answer>), Failure> {
-    let mut run = Finished::read(dir).map_err(Failure::input)?;
-    let shown = dir.display();
-    if !weights.is_empty() {
-        run = run.with_weights(weights).map_err(|fault| Failure::input(format!("--weights: {shown}: {fault}")))?;
+impl AnswerFlags {
+    /// Reads a run and answers its questions, by default by its own metric and weights of views. A metric of pictures is
+    /// refused for a run without pictures.
+    pub fn answered(&self, dir: &Path) -> Result<(Finished, Vec<Answer>), Failure> {
+        let mut run = Finished::read(dir).map_err(Failure::input)?;
+        let (shown, metric) = (dir.display(), self.metric.as_deref());
+        if !self.weights.is_empty() {
+            let fault = |fault| Failure::input(format!("--weights: {shown}: {fault}"));
+            run = run.with_weights(&self.weights).map_err(fault)?;
+        }
+        if let Some(name) = metric.filter(|_| Frame::new(&run, metric).has_no_picture()) {
+            let why = format!("--metric {name}: scores pictures, and {shown} has only the scene design");
+            return Err(Failure::input(why));
+        }
+        let answers = answers(&run, metric);
+        Ok((run, answers))
     }
-    if let Some(name) = metric
-        && Frame::new(&run, metric).has_no_picture()
-    {
-        return Err(Failure::input(format!("--metric {name}: scores pictures, and {shown} has only the scene design")));
-    }
-    let answers = answers(&run, metric);
-    Ok((run, answers))
 }
 
 /// Describes a written report.
