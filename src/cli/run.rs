@@ -116,15 +116,10 @@ pub fn conclude(plan: &Plan, outcome: &Outcome) -> Result<Option<Failure>, Failu
     let failed = cells_failed(outcome);
     let line = match report {
         Ok(written) => super::report::line(&written),
+        Err(error) if failed.is_none() => return Err(Failure::failed(format!("no report: {error}"))),
         Err(error) => {
-            let fault = Failure::failed(format!("no report: {error}"));
-            return match failed {
-                None => Err(fault),
-                Some(failed) => {
-                    log(&fault.text);
-                    Ok(Some(failed))
-                }
-            };
+            log(&format!("no report: {error}"));
+            return Ok(failed);
         }
     };
     print(&line)?;
