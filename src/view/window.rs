@@ -307,24 +307,18 @@ impl App {
         self.shown = shown;
         self.panel.arrive(&self.shown);
         let inputs = [ENVIRONMENT, SCENE].map(|axis| self.state.point[axis].clone());
-        match &self.shown.status {
+        match self.shown.status.clone() {
             // Returns to the last file that loaded.
             Status::Refused(why) if self.shown.generation == self.generation => {
                 if let Some(before) = self.accepted.clone().filter(|before| *before != inputs) {
-                    self.panel.report(Err(why.clone()));
+                    self.panel.report(Err(why));
                     for (axis, value) in [ENVIRONMENT, SCENE].into_iter().zip(before) {
                         self.state.point[axis] = value;
                     }
                 }
             }
-            Status::Lost(why) => {
-                let why = why.clone();
-                self.end(events, Windowed::Lost(why));
-            }
-            Status::Failed(why) => {
-                let why = why.clone();
-                self.end(events, Windowed::Failed(why));
-            }
+            Status::Lost(why) => self.end(events, Windowed::Lost(why)),
+            Status::Failed(why) => self.end(events, Windowed::Failed(why)),
             _ if self.shown.generation == self.generation => self.accepted = Some(inputs),
             _ => {}
         }
