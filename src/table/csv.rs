@@ -20,41 +20,24 @@ pub enum Cell {
     Missing,
 }
 
-impl From<&str> for Cell {
-    fn from(text: &str) -> Self {
-        Self::Text(text.to_owned())
-    }
+macro_rules! cell_from {
+    ($($value:ident: $of:ty => $cell:expr),+ $(,)?) => {
+        $(impl From<$of> for Cell {
+            fn from($value: $of) -> Self {
+                $cell
+            }
+        })+
+    };
 }
 
-impl From<String> for Cell {
-    fn from(text: String) -> Self {
-        Self::Text(text)
-    }
-}
-
-impl From<f64> for Cell {
-    fn from(number: f64) -> Self {
-        Self::Number(number)
-    }
-}
-
-impl From<u32> for Cell {
-    fn from(number: u32) -> Self {
-        Self::Integer(number.into())
-    }
-}
-
-impl From<usize> for Cell {
-    fn from(number: usize) -> Self {
-        Self::Integer(number as u64)
-    }
-}
-
-/// 1 or 0.
-impl From<bool> for Cell {
-    fn from(is: bool) -> Self {
-        Self::Integer(is.into())
-    }
+cell_from! {
+    text: &str => Self::Text(text.to_owned()),
+    text: String => Self::Text(text),
+    number: f64 => Self::Number(number),
+    number: u32 => Self::Integer(number.into()),
+    number: usize => Self::Integer(number as u64),
+    // 1 or 0.
+    is: bool => Self::Integer(is.into()),
 }
 
 impl<T: Into<Cell>> From<Option<T>> for Cell {
