@@ -148,23 +148,18 @@ impl<'f> Frame<'f> {
     /// Rows with scores, each linear image once: with the default tone curve, else the first.
     pub fn images(&self) -> Vec<&Row<'f>> {
         let silent = self.silent_scenes();
-        let mut places: HashMap<Key, usize> = HashMap::new();
         let linear = |row: &Row| -> Key {
             AXES.iter().zip(&row.point.0).filter(|(axis, _)| axis.changes_radiance()).map(|(_, v)| v.clone()).collect()
         };
-        let mut images: Vec<&Row<'f>> = Vec::new();
+        let mut images: IndexMap<Key, &Row<'f>> = IndexMap::new();
         let is_counted = |row: &&Row| row.cell.scores.is_some() && !silent.contains(&row.point[SCENE]);
         for row in self.rows.iter().filter(is_counted) {
-            match places.get(&linear(row)) {
-                Some(&place) if row.has_plain_curve() => images[place] = row,
-                Some(_) => {}
-                None => {
-                    places.insert(linear(row), images.len());
-                    images.push(row);
-                }
+            let known = images.entry(linear(row)).or_insert(row);
+            if row.has_plain_curve() {
+                *known = row;
             }
         }
-        images
+        images.into_values().collect()
     }
 
     /// The run as seen at each band of n·v, if all images are of designs: with a camera n·v is tied to a place on the map.
@@ -322,8 +317,7 @@ fn by_size(a: &Value, b: &Value) -> std::cmp::Ordering {
 fn distinct(run: &Finished) -> Vec<Row<'_>> {
     // Two clips above the peak are the same light: the first replaces both.
     let mut clips: HashMap<(Value, [u64; 2]), Value> = HashMap::new();
-    let mut places: HashMap<Key, usize> = HashMap::new();
-    let mut rows: Vec<Row> = Vec::new();
+    let mut rows: IndexMap<Key, Row> = IndexMap::new();
     for cell in &run.cells {
         let light = run.light(&cell.point);
         // Without methods, any parameter may change the pixels.
@@ -333,21 +327,13 @@ fn distinct(run: &Finished) -> Vec<Row<'_>> {
             let key = (point[ENVIRONMENT].clone(), [light.mean.to_bits(), light.peak.to_bits()]);
             point[ENVIRONMENT_CLIP] = clips.entry(key).or_insert_with(|| cell.point[ENVIRONMENT_CLIP].clone()).clone();
         }
-        match places.get(&point.0) {
-            Some(&place) => {
-                let known = &mut rows[place];
-                let other = if known.cell.scores.is_none() && cell.scores.is_some() {
-                    std::mem::replace(&mut known.cell, cell)
-                } else {
-                    cell
-                };
-                known.copies.push(&other.id);
-            }
-            None => {
-                places.insert(point.0.clone(), rows.len());
-                rows.push(Row { cell, copies: Vec::new(), point });
-            }
+        if let Some(known) = rows.get_mut(&point.0) {
+            let is_better = known.cell.scores.is_none() && cell.scores.is_some();
+            let other = if is_better { std::mem::replace(&mut known.cell, cell) } else { cell };
+            known.copies.push(&other.id);
+        } else {
+            rows.insert(point.0.clone(), Row { cell, copies: Vec::new(), point });
         }
     }
-    rows
+    rows.into_values().collect()
 }
