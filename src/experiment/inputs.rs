@@ -67,14 +67,9 @@ fn each<T, E: Display>(
 
 /// Compiles the experiment's methods in files.
 pub fn load_methods(config: &Config, faults: &mut Faults) -> BTreeMap<String, &'static Method> {
-    let mut loaded = BTreeMap::new();
-    for (value, place) in config.values(METHOD).filter(|(value, _)| value.text().starts_with(FILE_PREFIX)) {
-        match own::load(value.text(), config.dir_of(place)) {
-            Ok(method) => drop(loaded.insert(value.text().to_owned(), method)),
-            Err(fault) => faults.add(place, fault),
-        }
-    }
-    loaded
+    let load = |name: &str, dir: &Path| name.starts_with(FILE_PREFIX).then(|| own::load(name, dir)).transpose();
+    let loaded = each(config, METHOD, faults, load).into_iter();
+    loaded.filter_map(|(name, method)| Some((name, method?))).collect()
 }
 
 impl Inputs {
