@@ -1,9 +1,9 @@
 //! Irradiance from spherical harmonics by the diffuse methods, and light returned by compensation.
 
 use crate::brdf_twins::reflectance;
+use crate::math::spread;
 use glam::{DQuat, DVec2, DVec3};
 use splitsum::brdf::{Compensation, MODELS, MaskingShadowing};
-use splitsum::math::sampling::{direction_from_polar, hammersley};
 use splitsum::math::spherical_harmonics::{COUNT, basis, irradiance};
 use splitsum::precompute::dfg::reference::dfg;
 use splitsum::spelling::Listed;
@@ -11,14 +11,6 @@ use splitsum::spelling::Listed;
 /// Coefficients of lamps of one direction each, with their colours.
 fn lamps(lamps: &[(DVec3, DVec3)]) -> [DVec3; COUNT] {
     std::array::from_fn(|k| lamps.iter().map(|(direction, color)| *color * basis(*direction)[k]).sum())
-}
-
-fn directions() -> impl Iterator<Item = DVec3> {
-    (0..200).map(|i| {
-        let xi = hammersley(i, 200);
-        let z = 1.0 - 2.0 * xi.x;
-        direction_from_polar((1.0 - z * z).sqrt(), z, xi.y)
-    })
 }
 
 #[test]
@@ -30,7 +22,7 @@ fn turning_light_and_normal_together_changes_nothing() {
     ];
     let turn = DQuat::from_axis_angle(DVec3::new(0.6, -0.64, 0.48), 2.1);
     let turned = light.map(|(direction, color)| (turn * direction, color));
-    for n in directions() {
+    for n in spread(200) {
         let [still, moved] = [irradiance(&lamps(&light), n), irradiance(&lamps(&turned), turn * n)];
         assert!((still - moved).abs().max_element() < 1e-12, "{n}: {still} {moved}");
     }

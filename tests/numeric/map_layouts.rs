@@ -1,22 +1,16 @@
 //! Layouts of filtered maps: mappings and their inverses, solid angles, and filtering across edges.
 
+use crate::math::spread;
 use glam::{DVec2, DVec3};
 use splitsum::environment::layout::{FilteredMap, LAYOUTS, MapLayout};
-use splitsum::math::sequence::SEQUENCES;
 use splitsum::pixels::Pixels;
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::PI;
 
 /// Evenly spread unit vectors, and the directions of edges, corners and poles of layouts.
 fn directions(count: u32) -> Vec<DVec3> {
-    let of_point = |xi: DVec2| {
-        let (z, phi) = (1.0 - 2.0 * xi.x, TAU * xi.y);
-        let r = (1.0 - z * z).sqrt();
-        DVec3::new(r * phi.cos(), r * phi.sin(), z)
-    };
-    let spread = (0..count).map(|i| of_point((SEQUENCES[0].point)(i, count, 0)));
     let signs = [-1.0, 0.0, 1.0];
     let special = signs.iter().flat_map(|&x| signs.iter().flat_map(move |&y| signs.map(|z| DVec3::new(x, y, z))));
-    spread.chain(special.filter(|d| *d != DVec3::ZERO).map(DVec3::normalize)).collect()
+    spread(count).chain(special.filter(|d| *d != DVec3::ZERO).map(DVec3::normalize)).collect()
 }
 
 fn size(layout: &MapLayout, side: u32) -> [u32; 2] {

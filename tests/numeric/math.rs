@@ -11,16 +11,20 @@ use splitsum::math::sampling::{direction_from_polar, hammersley, radical_inverse
 use splitsum::math::spherical_harmonics::{COUNT, basis, irradiance};
 use std::f64::consts::{PI, TAU};
 
-/// Directions that cover the sphere, including the axes and the singular directions of frames and mappings.
-fn directions() -> Vec<DVec3> {
-    let spread = (0..200).map(|i| {
-        let xi = hammersley(i, 200);
+/// Directions spread evenly over the sphere.
+pub fn spread(count: u32) -> impl Iterator<Item = DVec3> {
+    (0..count).map(move |i| {
+        let xi = hammersley(i, count);
         let z = 1.0 - 2.0 * xi.x;
         direction_from_polar((1.0 - z * z).sqrt(), z, xi.y)
-    });
+    })
+}
+
+/// Directions that cover the sphere, including the axes and the singular directions of frames and mappings.
+fn directions() -> Vec<DVec3> {
     let axes = [DVec3::X, DVec3::Y, DVec3::Z, DVec3::NEG_X, DVec3::NEG_Y, DVec3::NEG_Z];
     let near_axis = [DVec3::new(1e-9, 0.0, -1.0), DVec3::new(0.0, -1e-5, -1.0), DVec3::new(1e-8, 1.0, -1e-8)];
-    spread.chain(axes).chain(near_axis.map(|d| d.normalize())).collect()
+    spread(200).chain(axes).chain(near_axis.map(|d| d.normalize())).collect()
 }
 
 #[test]
