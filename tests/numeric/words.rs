@@ -1,5 +1,6 @@
 //! Documents, help and messages avoid banned words, and documents take measured numbers from published runs.
 
+use crate::layering::{self, files};
 use std::path::{Path, PathBuf};
 
 /// Banned phrases, and their replacements.
@@ -120,7 +121,7 @@ fn banned(text: &str) -> Vec<(usize, &'static str)> {
 fn assert_plain(files: &[PathBuf], read: fn(&str) -> String) {
     let mut faults = Vec::new();
     for file in files {
-        let text = std::fs::read_to_string(file).unwrap_or_else(|error| panic!("{}: {error}", file.display()));
+        let text = layering::read(file);
         let name = file.strip_prefix(env!("CARGO_MANIFEST_DIR")).unwrap_or(file).display().to_string();
         for (line, phrase) in banned(&read(&text)) {
             let instead = BANNED.iter().find(|(p, _)| *p == phrase).map_or("", |(_, instead)| instead);
@@ -135,33 +136,17 @@ fn documents_use_plain_words() {
     assert_plain(&documents(), prose);
 }
 
-/// Files below a folder with one of the extensions.
-fn files_below(folder: &Path, extensions: &[&str]) -> Vec<PathBuf> {
-    let entries = std::fs::read_dir(folder).unwrap_or_else(|error| panic!("{}: {error}", folder.display()));
-    let below = |path: PathBuf| match path.is_dir() {
-        true => files_below(&path, extensions),
-        false => vec![path],
-    };
-    let is_source = |file: &PathBuf| file.extension().is_some_and(|end| extensions.iter().any(|known| end == *known));
-    entries.flat_map(|entry| below(entry.unwrap().path())).filter(is_source).collect()
-}
-
 #[test]
 fn help_messages_comments_and_names_of_tests_use_plain_words() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let is_checked = |file: &PathBuf| EXEMPT.iter().all(|(exempt, _)| !file.ends_with(exempt));
-    let rust = ["src", "tests", "examples", "benches", "shaders", "python/src"]
-        .map(|folder| files_below(&root.join(folder), &["rs"]));
+    let rust = ["src", "tests", "examples", "benches", "shaders", "python/src"].map(|folder| files(folder, &["rs"]));
     let rust: Vec<PathBuf> = rust.concat().into_iter().filter(is_checked).collect();
     assert!(rust.len() > 400, "{} files", rust.len());
     assert_plain(&rust, words_of_rust);
-    let shaders = files_below(&root.join("shaders"), &["glsl", "comp", "vert", "frag"]);
-    let python = ["package", "tests", "examples"].map(|folder| files_below(&root.join("python").join(folder), &["py"]));
-    let scripts = [
-        files_below(&root.join("scripts"), &["sh", "mjs", "py"]),
-        files_below(&root.join("cluster"), &["yaml"]),
-        python.concat(),
-    ];
+    let shaders = files("shaders", &["glsl", "comp", "vert", "frag"]);
+    let python = ["python/package", "python/tests", "python/examples"].map(|folder| files(folder, &["py"]));
+    let scripts = [files("scripts", &["sh", "mjs", "py"]), files("cluster", &["yaml"]), python.concat()];
     let is_text = |file: &PathBuf| file.extension().is_some_and(|end| end == "js" || end == "html");
     let of_page = |folder: &str| std::fs::read_dir(root.join("assets").join(folder)).unwrap();
     let page = of_page("report").chain(of_page("bakes")).map(|entry| entry.unwrap().path());
