@@ -1,6 +1,5 @@
 //! Runs of experiments. No test needs a device: runs use a synthetic renderer.
 
-mod environments;
 pub mod fake;
 mod forecast;
 mod frozen;

@@ -18,5 +18,4 @@ mod sentences;
 mod steps;
 mod tables;
 mod times;
-mod under_way;
 mod weights;
