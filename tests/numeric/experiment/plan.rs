@@ -261,18 +261,9 @@ fn ranges_hold_their_ends_and_even_steps() {
 }
 
 #[test]
-fn zipped_axes_step_together() {
-    let zipped = |alphas: &str, samples: &str| {
-        plan(&format!(
-            "name = \"x\"\n[axes]\nbrdf = [\"ggx\", \"phong\"]\nalpha = {alphas}\nsamples = {samples}\n[[zip]]\naxes = [\"alpha\", \"samples\"]\n"
-        ))
-    };
-    let plan = zipped("[0.1, 0.5]", "[4, 16]");
-    assert_eq!(values(&plan, "brdf"), ["ggx", "ggx", "phong", "phong"]);
-    assert_eq!(values(&plan, "alpha"), ["0.1", "0.5", "0.1", "0.5"]);
-    assert_eq!(values(&plan, "samples"), ["4", "16", "4", "16"]);
-    // One axis may repeat a value, as long as the rows differ.
-    let plan = zipped("[0.1, 0.1, 0.2]", "[1, 2, 2]");
+fn a_zipped_axis_may_repeat_a_value_if_the_rows_differ() {
+    let axes = "brdf = [\"ggx\", \"phong\"]\nalpha = [0.1, 0.1, 0.2]\nsamples = [1, 2, 2]";
+    let plan = plan(&format!("name = \"x\"\n[axes]\n{axes}\n[[zip]]\naxes = [\"alpha\", \"samples\"]\n"));
     assert_eq!(values(&plan, "samples").join(" "), "1 2 2 1 2 2");
 }
 
