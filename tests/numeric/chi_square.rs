@@ -1,5 +1,6 @@
 //! Pearson's chi-square test, and points that are random enough for it.
 
+use fastrand::Rng;
 use glam::{DVec2, DVec3};
 use libm::erfc;
 use splitsum::math::sampling::direction_from_polar;
@@ -12,23 +13,9 @@ pub fn chi_square_tail(statistic: f64, degrees_of_freedom: f64) -> f64 {
     0.5 * erfc(deviate / std::f64::consts::SQRT_2)
 }
 
-/// A small deterministic generator (SplitMix64): low-discrepancy points would pass a chi-square test too well.
-pub struct Random(pub u64);
-
-impl Random {
-    pub fn word(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        z ^ (z >> 31)
-    }
-    pub fn next(&mut self) -> f64 {
-        self.word() as f64 / 2f64.powi(64)
-    }
-    pub fn xi(&mut self) -> DVec2 {
-        DVec2::new(self.next(), self.next())
-    }
+/// The next two numbers in [0, 1). Low-discrepancy points would pass a chi-square test too well.
+pub fn xi(random: &mut Rng) -> DVec2 {
+    DVec2::new(random.f64(), random.f64())
 }
 
 /// Bins of half vectors: `ln tan(θ/2)` about the lobe's width, times azimuth.

@@ -1,7 +1,7 @@
 //! The ladder's integrals against sums over a latitude-longitude grid, written from the formulas alone. They use no
 //! frame, BRDF or lookup of the program, and their kernels are functions of cosines, without half vectors.
 
-use crate::chi_square::Random;
+use fastrand::Rng;
 use glam::DVec3;
 use rayon::prelude::*;
 use splitsum::brdf::Brdf;
@@ -22,7 +22,7 @@ const QUERIES: u64 = 60;
 
 /// The k-th of a sequence of pseudo-random numbers in [0, 1).
 fn random(k: u64) -> f64 {
-    Random(k.wrapping_mul(0x9e37_79b9_7f4a_7c15)).next()
+    Rng::with_seed(k.wrapping_mul(0x9e37_79b9_7f4a_7c15)).f64()
 }
 
 /// Rough light with a lamp 40 times as bright, and light at both poles.

@@ -2,8 +2,8 @@
 
 mod display;
 
-use crate::chi_square::Random;
 use crate::study::estimate::normal;
+use fastrand::Rng;
 use splitsum::metrics::Metric;
 use splitsum::metrics::{
     Comparison, Epsilon, METRICS, MetricsError, N_DOT_V_BIN_EDGES, ReferenceNoise, Space, Verdict, linear_metrics,
@@ -39,9 +39,9 @@ fn assert_relative(found: f64, expected: f64, tolerance: f64, what: &str) {
 
 /// A noisy image over a noisy reference, both positive.
 fn noisy_pair(width: u32, height: u32) -> [RgbImage; 2] {
-    let mut random = Random(7);
-    let reference = RgbImage::from_fn(width, height, |_, _| std::array::from_fn(|_| (2.0 * random.next()) as f32));
-    let test = reference.map(|pixel| pixel.map(|value| value * (0.5 + random.next()) as f32));
+    let mut random = Rng::with_seed(7);
+    let reference = RgbImage::from_fn(width, height, |_, _| std::array::from_fn(|_| (2.0 * random.f64()) as f32));
+    let test = reference.map(|pixel| pixel.map(|value| value * (0.5 + random.f64()) as f32));
     [test, reference]
 }
 
@@ -188,7 +188,7 @@ fn the_noise_floor_is_the_score_of_an_exact_test() {
     // A reference over two decades of radiance with errors of 0.1 to 4 %. As in a renderer, the channels of a pixel
     // share the samples and so the deviate.
     let (width, height) = (80, 60);
-    let mut random = Random(99);
+    let mut random = Rng::with_seed(99);
     let exact = RgbImage::from_fn(width, height, |x, y| {
         let level = 10f32.powf(x as f32 / 40.0 - 1.0);
         [level, 0.8 * level, 0.5 * level].map(|value| value * (1.0 + 0.3 * (y % 5) as f32))

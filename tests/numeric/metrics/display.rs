@@ -1,6 +1,6 @@
 //! FLIP against the authors' program.
 
-use super::{LINEAR_CURVE, Random, assert_relative, radiance_of_code, whole};
+use super::{LINEAR_CURVE, Rng, assert_relative, radiance_of_code, whole};
 use splitsum::metrics::{Comparison, PIXELS_PER_DEGREE};
 use splitsum::pixels::Rgb8Image;
 
@@ -16,7 +16,7 @@ fn map_of_the_authors(test: &Rgb8Image, reference: &Rgb8Image) -> Vec<f32> {
 #[test]
 fn flip_equals_the_authors_program_pixel_by_pixel() {
     assert_relative(f64::from(PIXELS_PER_DEGREE), 3840f64.to_radians(), 1e-6, "0.7 m, 3840 pixels, 0.7 m");
-    let mut random = Random(3);
+    let mut random = Rng::with_seed(3);
     // Stripes and blocks under a ramp; the test image has another contrast, blur in a corner and speckles, some narrower than the filters.
     for (width, height) in [(64, 48), (5, 70), (1, 1), (33, 3)] {
         let code = |value: f64| value.clamp(0.0, 250.0).round();
@@ -25,7 +25,7 @@ fn flip_equals_the_authors_program_pixel_by_pixel() {
             [20.0 + 2.0 * f64::from(x) + block, 160.0 - block, 4.0 * f64::from(y)]
         });
         let test = Codes::from_fn(width, height, |x, y| {
-            let speckle = if random.next() < 0.1 { 80.0 } else { 0.0 };
+            let speckle = if random.f64() < 0.1 { 80.0 } else { 0.0 };
             reference.get(x, y).map(|value| 0.9 * value + 10.0 + speckle)
         });
         let [test, reference] = [test, reference].map(|image| image.map(|pixel| pixel.map(code)));

@@ -1,19 +1,19 @@
 //! OpenEXR files.
 
 use super::{folder, put};
-use crate::chi_square::Random;
 use crate::snapshot::assert_snapshot;
 use exr::prelude::{
     AnyChannel, AnyChannels, Compression, Encoding, FlatSamples, Image, Layer, LayerAttributes, LineOrder,
     WritableImage, f16,
 };
+use fastrand::Rng;
 use splitsum::pixels::{Decoded, GrayImage, PixelsError, RgbImage, exr as exr_file};
 
 fn test_image(seed: u64, width: u32, height: u32) -> RgbImage {
-    let mut random = Random(seed);
+    let mut random = Rng::with_seed(seed);
     // All finite bit patterns, subnormals and negative numbers included.
     let mut float = || loop {
-        let value = f32::from_bits(random.word() as u32);
+        let value = f32::from_bits(random.u32(..));
         if value.is_finite() {
             return value;
         }

@@ -1,9 +1,9 @@
 //! Mutation of files, as `cargo fuzz` does it, without its feedback, on any toolchain.
 
-use crate::chi_square::Random;
+use fastrand::Rng;
 
 /// Makes mutated files from a fixed seed.
-pub struct Mutator(Random);
+pub struct Mutator(Rng);
 
 /// Extreme integers, as bytes of a file.
 const EDGES: [i64; 10] = [0, 1, -1, 127, 128, 255, i16::MAX as i64, i32::MAX as i64, i32::MIN as i64, i64::MAX];
@@ -14,12 +14,12 @@ const WORDS: [&str; 14] =
 
 impl Mutator {
     pub fn new(seed: u64) -> Self {
-        Self(Random(seed))
+        Self(Rng::with_seed(seed))
     }
 
     /// A pseudo-random number below `end`.
     fn below(&mut self, end: usize) -> usize {
-        (self.0.word() % end.max(1) as u64) as usize
+        self.0.usize(..end.max(1))
     }
 
     /// One of `seeds` with one to eight changes.

@@ -1,6 +1,6 @@
 //! Intervals over environments, compared with simulated studies whose truth is known.
 
-use crate::chi_square::Random;
+use fastrand::Rng;
 use splitsum::experiment::value::Value;
 use splitsum::run::statistics::order_coverage;
 use splitsum::study::frame::estimate::{Middle, estimate};
@@ -12,9 +12,9 @@ const LIMITS: [f64; 2] = [0.93, 0.97];
 const ENVIRONMENTS: [usize; 3] = [6, 10, 20];
 
 /// A normal deviate (Box-Muller).
-pub fn normal(random: &mut Random) -> f64 {
-    let radius = (-2.0 * random.next().max(f64::MIN_POSITIVE).ln()).sqrt();
-    radius * (TAU * random.next()).cos()
+pub fn normal(random: &mut Rng) -> f64 {
+    let radius = (-2.0 * random.f64().max(f64::MIN_POSITIVE).ln()).sqrt();
+    radius * (TAU * random.f64()).cos()
 }
 
 /// Standard deviations of the logarithm of a number.
@@ -34,7 +34,7 @@ const MEASURED: Spread = Spread { light: 1.0, model: 0.2, alpha: 0.5, luck: 0.1 
 
 /// A study of three models, five alphas and four point sets under each environment. Effects are normal, so the truth is
 /// 1 for the geometric mean and the median alike. A case is the mean of its point sets.
-fn study(random: &mut Random, environments: usize, spread: Spread) -> Vec<(Value, f64)> {
+fn study(random: &mut Rng, environments: usize, spread: Spread) -> Vec<(Value, f64)> {
     let mut values = Vec::new();
     for environment in 0..environments {
         let name = Value::Count(environment as u32);
@@ -51,7 +51,7 @@ fn study(random: &mut Random, environments: usize, spread: Spread) -> Vec<(Value
 
 /// How often the interval of studies, transformed by `seen`, contains the truth of 1.
 fn coverage(environments: usize, middle: Middle, seen: impl Fn(Vec<(Value, f64)>) -> Vec<(Value, f64)>) -> f64 {
-    let mut random = Random(environments as u64);
+    let mut random = Rng::with_seed(environments as u64);
     let covers = |_: &usize| {
         let rows = seen(study(&mut random, environments, MEASURED));
         let [lo, hi] = estimate(&rows, middle).unwrap().interval.unwrap();
@@ -77,7 +77,7 @@ fn intervals_over_environments_have_their_stated_coverage() {
 fn prediction_intervals_hold_one_new_environment() {
     for environments in ENVIRONMENTS {
         for middle in [Middle::GeometricMean, Middle::Median] {
-            let mut random = Random(environments as u64);
+            let mut random = Rng::with_seed(environments as u64);
             let holds = |_: &usize| {
                 let [lo, hi] =
                     estimate(&study(&mut random, environments, MEASURED), middle).unwrap().prediction.unwrap();
@@ -112,7 +112,7 @@ fn the_interval_of_a_median_lies_between_two_pairs_of_order_statistics() {
 
 #[test]
 fn more_rows_of_one_environment_are_not_more_evidence() {
-    let mut random = Random(5);
+    let mut random = Rng::with_seed(5);
     let few: Vec<_> = study(&mut random, 8, MEASURED).into_iter().step_by(15).collect();
     let many: Vec<(Value, f64)> = few.iter().flat_map(|row| vec![row.clone(); 20]).collect();
     for middle in [Middle::GeometricMean, Middle::Median] {

@@ -1,8 +1,8 @@
 //! Scores of the scene `design` under a weight of views, against integrals over n·v.
 
 use super::paper::{F64, Made, Paper, bin, column, finished_of, numbers, only};
-use crate::chi_square::Random;
 use crate::run::runs::Bench;
+use fastrand::Rng;
 use splitsum::math::design::frame;
 use splitsum::metrics::{Comparison, Epsilon, METRICS, Metric, N_DOT_V_BIN_EDGES, Pooling, ReferenceNoise, Weight};
 use splitsum::pixels::{GrayImage, RgbImage};
@@ -85,14 +85,14 @@ fn the_picture_weight_integrates_an_error_over_2_n_dot_v() {
 fn weighted_noise_floors_are_the_scores_of_an_exact_image() {
     let sigma = |cosine: f64| 0.02 * (1.2 - cosine);
     let (exact, error) = (image(|cosine| 0.5 + cosine), image(sigma));
-    let mut random = Random(3);
+    let mut random = Rng::with_seed(3);
     let rounds = 60;
     let pooled = || METRICS.iter().filter(|metric| metric.pooling != Pooling::None);
     let (mut sums, mut floors) = (vec![0.0; METRICS.len()], vec![0.0; METRICS.len()]);
     for _ in 0..rounds {
         // The error of a pixel is uniform, as `metrics::noise` says of one stated standard error.
         let noisy = RgbImage::from_fn(SIZE, SIZE, |x, y| {
-            let deviate = 3f64.sqrt() * (2.0 * random.next() - 1.0);
+            let deviate = 3f64.sqrt() * (2.0 * random.f64() - 1.0);
             exact.get(x, y).map(|value| value + (deviate * f64::from(error.get(x, y)[0])) as f32)
         });
         let run = run(&exact, &noisy, &error).weighted(&Weight::Picture);
