@@ -226,18 +226,14 @@ fn config(dir: &Path, experiment: &str, provenance: &Json) -> Option<Config> {
     is_understood.then_some(config)
 }
 
+/// A folder without tables: of a run if a command worked on it.
 fn unfinished(dir: &Path, provenance: &Json) -> FinishedError {
-    match last_command(provenance) {
-        Some(command) => FinishedError::Unfinished { dir: dir.to_owned(), command },
-        None => FinishedError::NotARun { dir: dir.to_owned(), file: "errors.csv" },
+    let last = provenance["sessions"].as_array().and_then(|sessions| sessions.last()?["command_line"].as_array());
+    let words: Vec<&str> = last.into_iter().flatten().filter_map(Json::as_str).collect();
+    match words.join(" ") {
+        none if none.is_empty() => FinishedError::NotARun { dir: dir.to_owned(), file: "errors.csv" },
+        command => FinishedError::Unfinished { dir: dir.to_owned(), command },
     }
-}
-
-/// The last command that worked on the run.
-fn last_command(provenance: &Json) -> Option<String> {
-    let words = provenance["sessions"].as_array()?.last()?["command_line"].as_array()?;
-    let words: Vec<&str> = words.iter().filter_map(serde_json::Value::as_str).collect();
-    Some(words.join(" ")).filter(|command| !command.is_empty())
 }
 
 pub fn provenance(dir: &Path) -> Result<Json, FinishedError> {
