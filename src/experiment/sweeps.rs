@@ -2,9 +2,9 @@
 
 use super::axis::{AXES, ENVIRONMENT, Named, Point};
 use super::config::{AXIS, Config, Placed, Sweep, Zip, axis_names};
-use super::fault::Faults;
+use super::fault::{Faults, Place};
 use super::inputs::short_names;
-use super::toml_tree::{at, checked, checked_as, entries, list, raw, section, table, unknown_key};
+use super::toml_tree::{at, checked, entries, list, raw, section, table, unknown_key};
 use super::value::{Kind, Raw, decimal, number};
 use std::collections::{BTreeMap, HashSet};
 use toml::Spanned;
@@ -32,19 +32,12 @@ impl Config {
                     .add(&place, format!("{name}: {one} and {other} are two names of one axis; expected one of them"));
                 continue;
             }
-            let mut values = Vec::new();
-            let mut written = 0;
-            match value.get_ref() {
+            let items: Vec<(Raw, Place)> = match value.get_ref() {
                 DeValue::Array(items) => {
-                    written = items.len();
                     if items.is_empty() {
                         faults.add(&at(value), format!("{name}: an axis needs at least one value"));
                     }
-                    for item in items {
-                        if let Some(value) = checked_as(|raw| named.parse(raw), &name, item, faults) {
-                            values.push(Placed { value, place: at(item) });
-                        }
-                    }
+                    items.iter().map(|item| (raw(item), at(item))).collect()
                 }
                 DeValue::Table(range) => {
                     let mut unknown = entries(range);
@@ -57,15 +50,19 @@ impl Config {
                         faults.add(&at(value), format!("{name}: {fault}"));
                         Vec::new()
                     });
-                    written = items.len();
-                    for item in items {
-                        match named.parse(&item) {
-                            Ok(one) => values.push(Placed { value: one, place: at(value) }),
-                            Err(fault) => faults.add(&at(value), format!("{name}: {fault}")),
-                        }
-                    }
+                    items.into_iter().map(|item| (item, at(value))).collect()
                 }
-                _ => faults.add(&at(value), format!("{name}: {} is not a list of values", raw(value))),
+                _ => {
+                    faults.add(&at(value), format!("{name}: {} is not a list of values", raw(value)));
+                    Vec::new()
+                }
+            };
+            let (mut values, written) = (Vec::new(), items.len());
+            for (item, place) in items {
+                match named.parse(&item) {
+                    Ok(value) => values.push(Placed { value, place }),
+                    Err(fault) => faults.add(&place, format!("{name}: {fault}")),
+                }
             }
             self.axes.push(Sweep { axis, named, values, written });
         }
