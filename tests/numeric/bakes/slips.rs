@@ -39,6 +39,13 @@ fn each_face(map: &mut Map, change: impl Fn(&mut Vec<RgbImage>)) {
     map.levels.iter_mut().for_each(change);
 }
 
+/// Puts texels of each face at other places of it.
+fn each_place(map: &mut Map, from: impl Fn(u32, u32) -> [u32; 2]) {
+    for face in map.levels.iter_mut().flatten() {
+        *face = RgbImage::from_fn(SIDE, SIDE, |x, y| face.get(from(x, y)[0], from(x, y)[1]));
+    }
+}
+
 fn largest(texel: [f32; 3]) -> f32 {
     texel.into_iter().fold(0.0, f32::max)
 }
@@ -53,13 +60,7 @@ fn slips_of_faces_and_texels_are_named() {
         ("good: every part", |_| ()),
         ("levels 0 to 2: face -z is black", |map| each_face(map, |faces| faces[5].data.fill([0.0; 3]))),
         ("faces +x and -z are swapped", |map| each_face(map, |faces| faces.swap(0, 5))),
-        ("every face is flipped top to bottom", |map| {
-            each_face(map, |faces| {
-                for face in faces {
-                    *face = RgbImage::from_fn(SIDE, SIDE, |x, y| face.get(x, SIDE - 1 - y));
-                }
-            });
-        }),
+        ("every face is flipped top to bottom", |map| each_place(map, |x, y| [x, SIDE - 1 - y])),
         // The top left texel of a face that was turned clockwise was at the bottom left.
         ("face +y is turned by 90° clockwise", |map| {
             each_face(map, |faces| faces[2] = RgbImage::from_fn(SIDE, SIDE, |x, y| faces[2].get(y, SIDE - 1 - x)));
@@ -74,13 +75,7 @@ fn slips_of_faces_and_texels_are_named() {
         ("one texel is wrong: face 4, column 9, row 7", |map| {
             map.levels[1][4].data[(7 * SIDE + 9) as usize] = [6e4; 3];
         }),
-        ("every face is flipped left to right", |map| {
-            each_face(map, |faces| {
-                for face in faces {
-                    *face = RgbImage::from_fn(SIDE, SIDE, |x, y| face.get(SIDE - 1 - x, y));
-                }
-            });
-        }),
+        ("every face is flipped left to right", |map| each_place(map, |x, y| [SIDE - 1 - x, y])),
         ("cut at 1.000", |map| each_texel(map, |rgb| rgb.map(|x| x.min(1.0)))),
         ("RGBM read", |map| {
             each_texel(map, |rgb| {
