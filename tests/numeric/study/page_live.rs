@@ -15,7 +15,7 @@ use splitsum::report::page::PageRun;
 use splitsum::report::page::live::{BUDGET_BYTES, Light};
 use splitsum::report::page::render::shaders;
 use splitsum::run::live::{LIVE_FILE, LiveEnvironment, LiveLobe, LiveRecord, LiveShader, half_scale};
-use splitsum::run::live_model::{self, TRIANGLES_MAX};
+use splitsum::run::live_model::{self, LiveModel, TRIANGLES_MAX};
 use splitsum::scene::Scene;
 use splitsum::shade::{METHODS, Method};
 use std::f64::consts::{PI, TAU};
@@ -103,6 +103,13 @@ fn unpacked(text: &str, count: usize) -> Vec<[u16; 3]> {
     (0..count).map(|i| [0, 1, 2].map(|c| word(i, c))).collect()
 }
 
+/// The models of an experiment with these axes in a folder.
+fn models(dir: &Path, axes: &str) -> Vec<LiveModel> {
+    let text = format!("name = \"live\"\nsize = [8, 8]\n[axes]\n{axes}");
+    let plan = Plan::from_text(&dir.join("live.toml"), &text, &[]).unwrap_or_else(|error| panic!("{error}"));
+    live_model::models(&plan)
+}
+
 #[test]
 fn a_model_is_packed_within_the_errors_that_it_states() {
     let dir = tempfile::tempdir().unwrap();
@@ -125,11 +132,7 @@ fn a_model_is_packed_within_the_errors_that_it_states() {
         }
     }
     std::fs::write(dir.path().join("ball.obj"), obj).unwrap();
-    let plan = |scenes: &str| {
-        let text = format!("name = \"live\"\nsize = [8, 8]\n[axes]\nscene = [{scenes}]\nalpha = [0.5]\n");
-        Plan::from_text(&dir.path().join("live.toml"), &text, &[]).unwrap_or_else(|error| panic!("{error}"))
-    };
-    let models = live_model::models(&plan("\"ball.obj\", \"sphere\""));
+    let models = models(dir.path(), "scene = [\"ball.obj\", \"sphere\"]\nalpha = [0.5]\n");
     assert_eq!(models.iter().map(|model| model.label.as_str()).collect::<Vec<_>>(), ["ball", "sphere"]);
     let ball = &models[0];
     let scene = Scene::load("ball.obj", dir.path()).unwrap();
@@ -164,7 +167,7 @@ fn a_model_is_packed_within_the_errors_that_it_states() {
         format!("v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 1\nvn 0 0 1\nvn 0 0 1\n{twice}"),
     )
     .unwrap();
-    let large = &live_model::models(&plan("\"large.obj\""))[0];
+    let large = &self::models(dir.path(), "scene = [\"large.obj\"]\nalpha = [0.5]\n")[0];
     assert_eq!((large.spheres.len(), large.parts.len()), (1, 0));
     assert!(large.note.contains("large has 100001 triangles"), "{}", large.note);
 }
@@ -179,9 +182,7 @@ fn a_model_has_the_means_of_its_maps() {
     } });
     let images = [png(2, 1, |x, _| [255 * x as u8, 51, 255]), png(2, 1, |x, _| [0, 255 * x as u8, 51 * x as u8])];
     std::fs::write(dir.path().join("x.gltf"), textured(quad(), material, &images).to_string()).unwrap();
-    let text = "name = \"live\"\nsize = [8, 8]\n[axes]\nscene = [\"x.gltf\"]\nmethod = [\"split-sum\"]\n";
-    let plan = Plan::from_text(&dir.path().join("live.toml"), text, &[]).unwrap_or_else(|error| panic!("{error}"));
-    let model = &live_model::models(&plan)[0];
+    let model = &models(dir.path(), "scene = [\"x.gltf\"]\nmethod = [\"split-sum\"]\n")[0];
     let surface = &model.parts[0].surface;
     let green = splitsum::color::srgb_decode(0.2);
     for (found, wanted) in surface.albedo.into_iter().zip([0.25, green, 1.0]) {
