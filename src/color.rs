@@ -14,8 +14,12 @@ pub fn luminance(rgb: [f32; 3]) -> f64 {
 pub fn srgb_encode(linear: f32) -> f32 {
     // In f32 1.055 - 0.055 is not 1.
     let linear = if linear.is_nan() { 0.0 } else { f64::from(linear.clamp(0.0, 1.0)) };
-    let signal = if linear <= 0.003_130_8 { 12.92 * linear } else { 1.055 * linear.powf(1.0 / 2.4) - 0.055 };
-    signal as f32
+    srgb_curve(linear) as f32
+}
+
+/// The curve of [`srgb_encode`], which goes on above 1.
+pub fn srgb_curve(linear: f64) -> f64 {
+    if linear <= 0.003_130_8 { 12.92 * linear } else { 1.055 * linear.powf(1.0 / 2.4) - 0.055 }
 }
 
 /// Decodes an sRGB signal; inverse of [`srgb_encode`].

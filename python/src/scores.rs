@@ -58,7 +58,7 @@ pub fn integrate<'py>(
     Ok((names, shaped(py, values, shape)?))
 }
 
-/// Judges a bake; returns the scores as JSON. `preset` is a name or JSON, `limits` JSON; flags: guess, image.
+/// Judges a bake; returns the scores as JSON. `preset` is a name or JSON, `limits` JSON.
 #[pyfunction]
 pub fn check_bake(
     py: Python,
@@ -66,7 +66,7 @@ pub fn check_bake(
     source: Option<Source>,
     preset: Option<String>,
     model: String,
-    flags: [bool; 2],
+    is_guessed: bool,
     limits: String,
 ) -> PyResult<String> {
     let brdf = <dyn Brdf>::parse(&model).map_err(value_error)?;
@@ -88,8 +88,7 @@ pub fn check_bake(
         None => Environment::open("builtin:constant").map_err(value_error)?,
     };
     let judging = Judging::by(preset, &bake.stated).map_err(value_error)?;
-    let [is_guessed, has_image] = flags;
-    let judging = Judging { brdf, is_guessed, has_image, ..judging };
+    let judging = Judging { brdf, is_guessed, ..judging };
     let judged = py.detach(|| judging.judge(&environment, &bake)).map_err(value_error)?;
     Ok(as_json(&environment.name, preset.name, &limits, &judged).to_string())
 }

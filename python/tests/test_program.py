@@ -31,8 +31,8 @@ def test_baked_tables(bake):
 
 @pytest.mark.parametrize("options", [{}, {"fail_on_wrong": True, "fail_between_above": 1e-9}, {"guess": True}])
 def test_check_bake(program, bake, options):
-    flags = ["--no-image", *(["--guess"] if "guess" in options else [])]
-    found = splitsum.check_bake(bake, MAP, image=False, **options)
+    flags = ["--guess"] if "guess" in options else []
+    found = splitsum.check_bake(bake, MAP, **options)
     expected = json.loads(program("check-bake", bake, "--environment", MAP, "--json", *flags))
     assert found["verdict"].startswith("good")
     if "fail_between_above" in options:

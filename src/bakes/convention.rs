@@ -49,11 +49,6 @@ impl Axes {
         DVec3::from_array(std::array::from_fn(|i| self.sign(i) * file[self.of[i].0]))
     }
 
-    pub fn is_mirror(self) -> bool {
-        let [x, y, z] = [DVec3::X, DVec3::Y, DVec3::Z].map(|axis| self.to_world(axis));
-        x.cross(y).dot(z) < 0.0
-    }
-
     fn sign(self, i: usize) -> f64 {
         if self.of[i].1 { -1.0 } else { 1.0 }
     }

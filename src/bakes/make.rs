@@ -1,25 +1,4 @@
-//! Bakes tables for an engine: exact levels by its preset, written, read back and compared.
-//!
-//! A small map for Bevy, without a device:
-//!
-//! ```
-//! use splitsum::bakes::convention::Preset;
-//! use splitsum::bakes::make::{Making, make};
-//! use splitsum::environment::Environment;
-//! use splitsum::spelling::Listed;
-//!
-//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
-//! let environment = Environment::open("builtin:sky")?;
-//! let preset = Preset::listed("bevy");
-//! let making = Making { irradiance_side: 8, table_side: 8, ..Making::new(preset, &environment, 16) };
-//! making.check()?;
-//! let folder = tempfile::tempdir()?;
-//! let baked = make(&making, folder.path())?;
-//! assert_eq!(baked.files[0].file_name(), Some("specular.ktx2".as_ref()));
-//! assert!(baked.levels.iter().all(|level| level.relmse < 1e-3), "{:?}", baked.levels);
-//! # Ok(())
-//! # }
-//! ```
+//! Bakes tables for an engine: exact levels by its preset, written, read back and compared. `examples/judge_bake.rs` does it.
 
 pub use super::check::GOOD;
 use super::check::{Directions, Truth, errors, exact, level, table};
@@ -116,13 +95,14 @@ pub fn make(making: &Making, out: &Path) -> Result<Baked, PixelsError> {
     let sides = (0..making.level_count).map(|k| (making.side >> k).max(1));
     let specular = alphas.iter().zip(sides).map(|(alpha, side)| {
         let directions = Directions::new(&LAYOUTS[0], convention.axes, [side; 2]);
-        let exact = exact::exact(&truth, &directions, *alpha);
+        let exact = exact::exact(&truth, kernel, &directions, *alpha);
         (directions, exact)
     });
     let mut maps = vec![planned(product.specular, specular.collect(), alphas.clone())];
     if let Some(name) = product.irradiance {
         let directions = Directions::new(&LAYOUTS[0], convention.axes, [making.irradiance_side; 2]);
-        let exact = exact::exact_irradiance(&truth, &directions);
+        let (kernel, alpha) = Truth::of_irradiance();
+        let exact = exact::exact(&truth, kernel, &directions, alpha);
         maps.push(planned(name, vec![(directions, exact)], vec![1.0]));
     }
     let radiance = project_bilinear(&exact_quadrature(&making.environment.image));

@@ -8,18 +8,14 @@ use super::parts::Stated;
 use super::source::MANIFEST;
 use crate::brdf::{Brdf, MaskingShadowing};
 use crate::environment::Environment;
-use crate::environment::layout::{FilteredMap, MapLayout};
+use crate::environment::layout::MapLayout;
 use crate::files::{RECORD_BYTES_MAX, names_in, read_text};
-use crate::math::harmonics::Harmonics;
-use crate::math::sequence::SEQUENCES;
 use crate::pixels::{Fault, Pixels, PixelsError, exr};
-use crate::precompute::prefilter::{Kernel, harmonic, reference};
+use crate::precompute::prefilter::{Kernel, harmonic};
 use crate::precompute::sh9::reference::project_bilinear;
 use crate::precompute::taps::{Chain, TapCount, TapTable};
-use crate::precompute::{HALF_MAX, PrecomputeSettings, PrefilterBy, StorageFormat, exact_quadrature, mips};
+use crate::precompute::{PrecomputeSettings, exact_quadrature};
 use crate::spelling::Listed;
-use half::f16;
-use rayon::prelude::*;
 use serde_json::json;
 use std::path::{Path, PathBuf};
 
@@ -30,14 +26,10 @@ pub const SETTINGS: &[&str] = &[
     "layout",
     "prefilter_size",
     "prefilter_level_count",
-    "prefilter",
-    "prefilter_sample_count",
     "level_mapping",
     "prefilter_weight",
-    "prefilter_lod_bias",
     "dfg_size",
     "irradiance_size",
-    "storage_format",
 ];
 
 #[derive(Clone, Copy, Debug)]
@@ -84,30 +76,26 @@ impl Baking<'_> {
         }
         let (layout, level_count) = (settings.layout, settings.prefilter_level_count);
         let alpha = |level: u32| settings.level_mapping.alpha_from_mip(level.into(), level_count);
-        let (degree, mips) = match settings.prefilter {
-            PrefilterBy::Harmonic => (harmonic::degree_of_map(alpha(1)), Vec::new()),
-            PrefilterBy::Sampled => (harmonic::degree(1.0), mips::reference::chain(&environment.image)),
-        };
-        let light = Light {
-            settings: &settings,
-            environment,
-            harmonics: harmonic::harmonics(&environment.image, degree),
-            mips: FilteredMap {
-                layout: MapLayout::listed("equirect"),
-                levels: mips.into_iter().map(|level| vec![level]).collect(),
-            },
-        };
-        let mut files = Files { out, paths: Vec::new(), storage: settings.storage };
+        let degree = harmonic::degree_of_map(alpha(1));
+        let harmonics = harmonic::harmonics(&environment.image, degree);
+        let mut files = Files { out, paths: Vec::new() };
         files.json("sh9.json", &sh9(environment))?;
         let size = settings.irradiance_size;
         let factors = harmonic::cosine_factors(degree);
-        let irradiance = harmonic::texels(&light.harmonics, &factors, layout, size);
+        let irradiance = harmonic::texels(&harmonics, &factors, layout, size);
         files.image("irradiance_over_pi.exr", &faces(layout, size, irradiance), &["R", "G", "B"])?;
         for brdf in brdfs {
             let (name, kernel) = (brdf.name(), Kernel::new(*brdf, settings.prefilter_weight, masking));
             for level in 0..level_count {
                 let size = settings.prefilter_size.map(|side| side >> level);
-                let texels = light.level(kernel, alpha(level), size);
+                let texels = match alpha(level) {
+                    // A mirror's are means of the environment.
+                    0.0 => {
+                        let means = exact::mirror(environment, &Directions::new(layout, Axes::SAME, size));
+                        means.into_iter().map(|texel| texel.as_vec3().extend(1.0).to_array()).collect()
+                    }
+                    alpha => harmonic::level(&harmonics, kernel, alpha, layout, size),
+                };
                 let file = format!("prefiltered_{name}_{level}.exr");
                 files.image(&file, &faces(layout, size, texels), &["R", "G", "B"])?;
             }
@@ -124,7 +112,6 @@ impl Baking<'_> {
             }
         }
         let names: Vec<_> = files.paths.iter().filter_map(|path| path.file_name()?.to_str()).collect();
-        let is_sampled = settings.prefilter == PrefilterBy::Sampled;
         let manifest = json!({
             "version": format!("splitsum {}", env!("CARGO_PKG_VERSION")),
             "environment": environment.name,
@@ -139,10 +126,6 @@ impl Baking<'_> {
             "prefilter_alphas": (0..level_count).map(alpha).collect::<Vec<_>>(),
             "level_mapping": settings.level_mapping.name,
             "prefilter_weight": settings.prefilter_weight.name,
-            "prefilter": settings.prefilter.name(),
-            "prefilter_sample_count": is_sampled.then_some(settings.prefilter_sample_count),
-            "prefilter_lod_bias": is_sampled.then_some(settings.prefilter_lod_bias),
-            "storage_format": settings.storage.name(),
             "files": names,
         });
         files.json(MANIFEST, &manifest)?;
@@ -150,38 +133,9 @@ impl Baking<'_> {
     }
 }
 
-struct Light<'a> {
-    settings: &'a PrecomputeSettings,
-    environment: &'a Environment,
-    harmonics: Harmonics,
-    /// The environment's own levels, which a sampled map reads; empty for others.
-    mips: FilteredMap,
-}
-
-impl Light<'_> {
-    /// Computes the texels of a level, face by face. A mirror's are means of the environment.
-    fn level(&self, kernel: Kernel, alpha: f64, size: [u32; 2]) -> Vec<[f32; 4]> {
-        let settings = self.settings;
-        if settings.prefilter == PrefilterBy::Harmonic && alpha > 0.0 {
-            return harmonic::level(&self.harmonics, kernel, alpha, settings.layout, size);
-        }
-        let directions = Directions::new(settings.layout, Axes::SAME, size);
-        let count = settings.prefilter_sample_count;
-        let points: Vec<_> = (0..count).map(|i| (SEQUENCES[0].point)(i, count, 0)).collect();
-        let sampled =
-            |r| reference::estimate(&self.mips, kernel, alpha, r, &points, settings.prefilter_lod_bias.into());
-        let texels = match alpha {
-            0.0 => exact::mirror(self.environment, &directions),
-            _ => directions.world.par_iter().map(|r| sampled(*r)).collect(),
-        };
-        texels.into_iter().map(|texel| texel.as_vec3().extend(1.0).to_array()).collect()
-    }
-}
-
 struct Files<'a> {
     out: &'a Path,
     paths: Vec<PathBuf>,
-    storage: StorageFormat,
 }
 
 impl Files<'_> {
@@ -199,11 +153,7 @@ impl Files<'_> {
     /// Writes the first channels of an image by these names.
     fn image(&mut self, name: &str, texels: &Pixels<[f32; 4]>, channels: &[&str]) -> Result<(), PixelsError> {
         let path = self.out.join(name);
-        let stored = |value: f32| match self.storage {
-            StorageFormat::F32 => value,
-            StorageFormat::F16 => f16::from_f32(value.min(HALF_MAX)).to_f32(),
-        };
-        let channel = |(i, name): (usize, &&str)| (name.to_string(), texels.map(|texel| stored(texel[i])));
+        let channel = |(i, name): (usize, &&str)| (name.to_string(), texels.map(|texel| texel[i]));
         exr::write_channels(&path, channels.iter().enumerate().map(channel).collect())?;
         self.paths.push(path);
         Ok(())

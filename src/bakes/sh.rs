@@ -13,8 +13,8 @@ use std::path::Path;
 #[derive(Clone, Debug, PartialEq)]
 pub struct Coefficients {
     pub radiance: Sh9,
-    /// Meaning of the file's numbers.
-    pub form: &'static str,
+    /// The file's number over each coefficient.
+    pub factors: [f64; COUNT],
 }
 
 /// Reads `.json` as ours and other text as cmgen's.
@@ -42,7 +42,7 @@ fn from_json(text: &str) -> Result<Coefficients, Fault> {
     let count = file.radiance.len();
     let radiance = <[[f64; 3]; COUNT]>::try_from(file.radiance)
         .map_err(|_| Fault::new(format!("\"radiance\" has {count} triples"), EXPECTED))?;
-    finite(Coefficients { radiance: radiance.map(DVec3::from_array), form: "radiance" })
+    finite(Coefficients { radiance: radiance.map(DVec3::from_array), factors: [1.0; COUNT] })
 }
 
 /// Parses cmgen's lines `( r, g, b); // L00, irradiance, pre-scaled base`. Each number multiplies its polynomial, such
@@ -65,10 +65,7 @@ fn from_cmgen(text: &str) -> Result<Coefficients, Fault> {
     let count = found.len();
     let scaled = Sh9::try_from(found).map_err(|_| Fault::new(format!("it has {count} coefficients"), EXPECTED))?;
     let factors = prescaled();
-    finite(Coefficients {
-        radiance: std::array::from_fn(|k| scaled[k] / factors[k]),
-        form: "irradiance over pi, times the constants of the basis",
-    })
+    finite(Coefficients { radiance: std::array::from_fn(|k| scaled[k] / factors[k]), factors })
 }
 
 /// Returns cmgen's coefficient over ours for each function: `A_l / π` times the constant of its polynomial.

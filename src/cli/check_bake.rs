@@ -1,17 +1,17 @@
 //! `splitsum check-bake`: how wrong a bake is.
 
-use super::bake_scores::as_text;
 use super::shared::{InputFlags, preset};
 use super::{Failure, print, print_data, progress};
 use clap::Args;
 use splitsum::bakes::Stated;
-use splitsum::bakes::check::{Judging, Limits, as_json};
+use splitsum::bakes::check::{GOOD, Judged, Judging, Limits, as_json, guess};
 use splitsum::bakes::convention::{Axes, PRESETS, Preset, TableAxes, TableChannels};
 use splitsum::bakes::source::{Reading, read};
 use splitsum::brdf::{Brdf, MaskingShadowing};
 use splitsum::environment::layout::MapLayout;
 use splitsum::precompute::prefilter::{LevelMapping, Weight};
 use splitsum::spelling::Listed;
+use splitsum::table::markdown::{Align, MarkdownTable};
 
 /// Score tables baked by any tool against exact integrals, level by level.
 #[derive(Args, Debug)]
@@ -75,9 +75,6 @@ pub struct Arguments {
     /// Try all 48 axes and every table convention; use the best fit.
     #[arg(long, conflicts_with_all = ["axes", "table_axes", "table_channels", "masking"])]
     guess: bool,
-    /// Skip the effect on an image, which takes half of the time.
-    #[arg(long)]
-    no_image: bool,
     /// Print JSON.
     #[arg(long)]
     json: bool,
@@ -158,7 +155,7 @@ fn judging(arguments: &Arguments, preset: &'static Preset, stated: &Stated) -> R
     convention.axes = arguments.axes.unwrap_or(convention.axes);
     convention.scale = arguments.scale.unwrap_or(convention.scale);
     convention.irradiance_scale = arguments.irradiance_scale.unwrap_or(convention.irradiance_scale);
-    Ok(Judging { brdf: arguments.brdf, convention, is_guessed: arguments.guess, has_image: !arguments.no_image })
+    Ok(Judging { brdf: arguments.brdf, convention, is_guessed: arguments.guess })
 }
 
 fn positive(text: &str) -> Result<f64, String> {
@@ -169,4 +166,63 @@ fn positive(text: &str) -> Result<f64, String> {
 fn alpha(text: &str) -> Result<f64, String> {
     let number = text.parse::<f64>().ok().filter(|x| (0.0..=1.0).contains(x));
     number.ok_or_else(|| format!("{text} is outside [0, 1]"))
+}
+
+fn as_text(judged: &Judged, is_guessed: bool) -> String {
+    let mut text = String::new();
+    for (what, fits) in &judged.axes {
+        match judged.doubt(what, fits) {
+            Some(doubt) => super::warn(what, &doubt.words),
+            None if is_guessed => text += &format!("{what}: {}\n", guess::in_words(fits)),
+            None => {}
+        }
+    }
+    if let Some(way) = &judged.table_way {
+        text += &format!("DFG table: {way}\n");
+    }
+    let levels = judged.levels.iter().enumerate().map(|(k, score)| (k.to_string(), score));
+    let maps: Vec<_> = levels.chain(judged.irradiance.iter().map(|score| ("irradiance".to_owned(), score))).collect();
+    if !maps.is_empty() {
+        let columns = ["size", "alpha", "rms %", "between texels", "bias %"].map(|name| (name, Align::Right));
+        let mut table = MarkdownTable::new(&[&[("level", Align::Left)], &columns[..]].concat());
+        let rms = |relmse: f64| format!("{:.2}", 100.0 * relmse.sqrt());
+        for (name, score) in &maps {
+            table.row(&[
+                name.clone(),
+                format!("{}x{}", score.size[0], score.size[1]),
+                format!("{:.4}", score.alpha),
+                rms(score.errors.relmse),
+                score.between.map_or_else(String::new, rms),
+                format!("{:+.2}", 100.0 * score.errors.bias_rel),
+            ]);
+        }
+        text += &format!("{table}");
+    }
+    let worst = maps.iter().max_by(|(_, a), (_, b)| a.errors.relmse.total_cmp(&b.errors.relmse));
+    if let Some((name, score)) = worst.filter(|(_, score)| score.errors.relmse > GOOD) {
+        let worst = &score.worst;
+        let ([x, y, z], [face, column, row]) = (worst.direction.to_array(), worst.texel);
+        let [found, exact] = [worst.found, worst.exact].map(|rgb| rgb.element_sum() / 3.0);
+        text += &format!(
+            "Worst direction, level {name}: ({x:.2}, {y:.2}, {z:.2}), face {face} texel {column},{row}: \
+             {found:.3} for {exact:.3}\n"
+        );
+    }
+    if let Some(dfg) = &judged.dfg {
+        text += &format!(
+            "DFG table: max error {:.2e}, rms {:.1e}, worst at n·v {:.3}, roughness {:.3}\n",
+            dfg.max_error, dfg.rms, dfg.worst.x, dfg.worst.y
+        );
+    }
+    if let Some(sh) = &judged.sh {
+        text += &format!(
+            "SH: {:.2} % rms in irradiance, bias {:+.2} %\n",
+            100.0 * sh.errors.relmse.sqrt(),
+            100.0 * sh.errors.bias_rel
+        );
+    }
+    for (name, verdict) in judged.parts() {
+        text += &format!("{name}: {verdict}\n");
+    }
+    text + &format!("Verdict: {}\n", judged.verdict())
 }

@@ -2,7 +2,6 @@
 
 mod answers;
 mod bake;
-mod bake_scores;
 mod cache;
 mod check_bake;
 mod check_shader;

@@ -24,6 +24,8 @@ mod ladder;
 mod layers;
 mod layouts;
 mod methods;
+#[path = "../shared/mips.rs"]
+mod mips_twin;
 mod own_method;
 mod placement;
 mod prefilter;

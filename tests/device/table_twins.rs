@@ -5,16 +5,34 @@ use crate::layouts::{check_texels, filtered_environment, read_map};
 use crate::tables::environment_image;
 use crate::twins::{STEP, environments, lookup_tolerance, tables};
 use glam::{DVec2, DVec3, DVec4};
-use splitsum::brdf::{MODELS, MaskingShadowing};
-use splitsum::environment::layout::{LAYOUTS, lod_from_solid_angles};
+use splitsum::brdf::{MODELS, MaskingShadowing, reflect};
+use splitsum::environment::layout::{FilteredMap, LAYOUTS, lod_from_solid_angles};
 use splitsum::glsl::constants::POINTS_PER_DISPATCH;
 use splitsum::math::frame::Frame;
 use splitsum::math::sequence::{PixelPoints, SEQUENCES};
 use splitsum::precompute::points::Points;
 use splitsum::precompute::prefilter::pass::Recipe;
-use splitsum::precompute::prefilter::{Kernel, LEVEL_MAPPINGS, WEIGHTS, reference::estimate};
+use splitsum::precompute::prefilter::{Kernel, LEVEL_MAPPINGS, WEIGHTS};
 use splitsum::precompute::{PrecomputeSettings, irradiance, prefilter};
 use std::f64::consts::TAU;
+
+/// Estimates prefiltered radiance as the device does, from half vectors at `points`. Each lookup reads the level whose texels cover the
+/// solid angle of the sample, `1/(N p_l)`, plus `lod_bias`. At least one sample must lie above the horizon.
+fn estimate(environment: &FilteredMap, kernel: Kernel, alpha: f64, r: DVec3, points: &[DVec2], lod_bias: f64) -> DVec3 {
+    let frame = Frame::from_normal(r);
+    let (mut sum, mut weight_sum) = (DVec3::ZERO, 0.0);
+    for point in points {
+        let h = kernel.brdf.sample_d(*point, alpha);
+        let l_local = reflect(DVec3::Z, h);
+        let l = frame.to_world(l_local);
+        let omega_s = 4.0 / (points.len() as f64 * kernel.brdf.d(h, alpha));
+        let lod = lod_from_solid_angles(omega_s, environment.texel_solid_angle(l, omega_s)) + lod_bias;
+        let weight = kernel.weight(alpha, l_local.z);
+        sum += weight * environment.value(l, lod);
+        weight_sum += weight;
+    }
+    sum / weight_sum
+}
 
 /// Far from convergence every texel is the sum over its own lookups, also at poles; 2,048 points take two dispatches.
 #[test]

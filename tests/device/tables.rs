@@ -3,6 +3,7 @@
 use crate::compare::{Tolerance, Worst, absolute, relative};
 use crate::harness::{golden_environment, poison_image, poisoned_buffer, read_level, with_gpu, xyz};
 use crate::layouts::{check_texels, read_map};
+use crate::mips_twin::chain;
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 use splitsum::brdf::{self, Brdf, MODELS, MaskingShadowing};
@@ -13,7 +14,7 @@ use splitsum::math::spherical_harmonics::COUNT;
 use splitsum::pixels::{Pixels, RgbImage};
 use splitsum::precompute::dfg::{self, DfgAxes, reference::dfg_within};
 use splitsum::precompute::irradiance::{self, reference::irradiance as exact_irradiance};
-use splitsum::precompute::mips::{self, level_count, reference::chain};
+use splitsum::precompute::mips::{self, level_count};
 use splitsum::precompute::sh9;
 use splitsum::precompute::{PrecomputeSettings, exact_quadrature};
 use splitsum::spelling::Listed;

@@ -3,7 +3,6 @@
 pub mod files;
 mod make;
 mod plain;
-mod rungs;
 mod scores;
 mod slips;
 

@@ -27,6 +27,8 @@ mod library;
 mod map_layouts;
 mod math;
 mod metrics;
+#[path = "../shared/mips.rs"]
+mod mips_twin;
 mod oracle;
 mod paste;
 mod pixels;

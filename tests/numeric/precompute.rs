@@ -1,5 +1,6 @@
 //! The tables' f64 references against published numbers, identities and each other; the tables' mappings.
 
+use crate::mips_twin;
 use crate::oracle::golden_environment;
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
@@ -202,7 +203,7 @@ fn mips_keep_the_integral_at_every_size() {
         let image = RgbImage::from_fn(size[0], size[1], |x, y| {
             [(x * 7 + y * 13) as f32 % 5.0, if (x, y) == (3, 0) { 7e4 } else { 0.1 }, 1.0]
         });
-        let levels = mips::reference::chain(&image);
+        let levels = mips_twin::chain(&image);
         assert_eq!(levels.len() as u32, mips::level_count(size));
         let total = sphere_integral(&levels[0]);
         for (mip, level) in levels.iter().enumerate() {
@@ -222,10 +223,10 @@ fn mips_keep_the_integral_at_every_size() {
 fn mips_weigh_rows_by_solid_angle() {
     // 2 x 4 to 1 x 2: the row at the pole has the solid angle 1 - cos 45°, the next cos 45°; equal in u.
     let image = RgbImage::from_fn(2, 4, |_, y| [if y == 0 { 1.0 } else { 0.0 }; 3]);
-    let level = &mips::reference::chain(&image)[1];
+    let level = &mips_twin::chain(&image)[1];
     assert!((level.get(0, 0).x - (1.0 - 0.5f64.sqrt())).abs() < 1e-15 && level.get(0, 1).x == 0.0);
     // 5 texels to 2: each gets half of the middle one.
-    let shares: Vec<_> = mips::overlaps(0, 2, 5).collect();
+    let shares: Vec<_> = mips_twin::overlaps(0, 2, 5).collect();
     assert_eq!(shares, [(0, 0.0, 1.0), (1, 1.0, 2.0), (2, 2.0, 2.5)]);
 }
 

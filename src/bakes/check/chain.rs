@@ -10,9 +10,16 @@ const SAME: f64 = 1.06;
 /// Most levels that may be missing.
 const MISSING_MAX: usize = 8;
 
-/// Describes the chain whose levels have the fitted widths; `None` if it is the assumed one, if no known one fits, or if
-/// the widths are given.
-pub fn slip(convention: &Convention, scores: &[LevelScore]) -> Option<String> {
+/// A chain of other levels.
+#[derive(Clone, Debug)]
+pub struct Chain {
+    pub words: String,
+    pub alphas: Vec<f64>,
+}
+
+/// Finds the chain whose levels have the fitted widths; `None` if it is the assumed one, if no known one fits, or if the
+/// widths are given.
+pub fn slip(convention: &Convention, scores: &[LevelScore]) -> Option<Chain> {
     // A chain explains every level, or none.
     let is_unexplained = |score: &LevelScore| {
         let is_fitted = score.slip.is_some() || score.fit.is_some_and(|fit| fit.left <= EXPLAINED);
@@ -50,7 +57,10 @@ pub fn slip(convention: &Convention, scores: &[LevelScore]) -> Option<String> {
                 (missing > first).then(|| format!("the last {} {of} missing", missing - first)),
             ];
             let parts: Vec<String> = parts.into_iter().flatten().collect();
-            (!parts.is_empty() && (found.len() > 1 || **mapping == *convention.mapping)).then(|| parts.join("; "))
+            let is_sure = found.len() > 1 || **mapping == *convention.mapping;
+            let alpha = |level: usize| mapping.alpha_from_mip((first + level) as f64, (count + missing) as u32);
+            (!parts.is_empty() && is_sure)
+                .then(|| Chain { words: parts.join("; "), alphas: (0..count).map(alpha).collect() })
         })
     })
 }

@@ -12,8 +12,10 @@ pub struct Directions {
     pub world: Vec<DVec3>,
     /// Solid angle of each, sr.
     pub weights: Vec<f64>,
+    /// Places of these texels among all.
+    indices: Vec<usize>,
     pub(super) layout: &'static MapLayout,
-    axes: Axes,
+    pub(super) axes: Axes,
     pub(super) size: [u32; 2],
 }
 
@@ -26,6 +28,7 @@ impl Directions {
         Self {
             world: file.into_iter().map(|direction| axes.to_world(direction)).collect(),
             weights,
+            indices: (0..count).collect(),
             layout,
             axes,
             size,
@@ -43,26 +46,34 @@ impl Directions {
         let points: Vec<DVec2> =
             (0..n * n).map(|k| DVec2::new(f64::from(k % n) + 0.5, f64::from(k / n) + 0.5) / f64::from(n)).collect();
         let mean = |index: usize| {
-            let values =
-                points.iter().map(|point| value(self.axes.to_world(place(self.layout, self.size, index, *point))));
+            let values = points
+                .iter()
+                .map(|point| value(self.axes.to_world(place(self.layout, self.size, self.indices[index], *point))));
             values.sum::<DVec3>() / points.len() as f64
         };
         (0..self.world.len()).into_par_iter().map(mean).collect()
     }
 
-    /// Lists every `stride`-th texel of each row and column.
-    pub fn subset(&self, stride: usize) -> Vec<usize> {
-        let is_in = |index: &usize| {
-            let [_, x, y] = self.texel(*index);
-            x % stride == stride / 2 && y % stride == stride / 2
+    /// Lists about `count` texels, on a grid that turns and mirror images of a face keep.
+    pub fn grid(&self, count: usize) -> Vec<usize> {
+        let [width, height] = self.size.map(|side| side as usize);
+        let rows = (count * height) as f64 / (self.layout.face_count as usize * width) as f64;
+        let rows = (rows.sqrt() as usize).clamp(1, height);
+        let lines = |side: usize, count: usize| -> Vec<usize> {
+            let at = |i: usize| (2 * i + 1) * side / (2 * count);
+            (0..count).map(|i| if 2 * i < count { at(i) } else { side - 1 - at(count - 1 - i) }).collect()
         };
-        (0..self.world.len()).filter(is_in).collect()
+        let (rows, columns) = (lines(height, rows), lines(width, (rows * width / height).clamp(1, width)));
+        let faces = 0..self.world.len() / (width * height);
+        let row = |face: usize, y: usize| columns.iter().map(move |x| (face * height + y) * width + x);
+        faces.flat_map(|face| rows.iter().flat_map(move |y| row(face, *y))).collect()
     }
 
     pub fn only(&self, chosen: &[usize]) -> Self {
         Self {
             world: chosen.iter().map(|index| self.world[*index]).collect(),
             weights: chosen.iter().map(|index| self.weights[*index]).collect(),
+            indices: chosen.iter().map(|index| self.indices[*index]).collect(),
             ..*self
         }
     }

@@ -3,25 +3,19 @@
 use super::directions::Directions;
 use super::{Truth, has_width};
 use crate::environment::Environment;
-use crate::math::harmonics::SmoothMap;
+use crate::precompute::prefilter::Kernel;
 use glam::DVec3;
 use rayon::prelude::*;
 
 /// Returns exact texels of a level: prefiltered radiance, or the averaged environment for a mirror level.
-pub fn exact(truth: &Truth, directions: &Directions, alpha: f64) -> Vec<DVec3> {
+pub fn exact(truth: &Truth, kernel: Kernel, directions: &Directions, alpha: f64) -> Vec<DVec3> {
     match has_width(alpha) {
-        true => values(&truth.prefiltered(alpha), directions),
+        true => {
+            let map = truth.prefiltered_by(kernel, alpha);
+            directions.world.par_iter().map(|direction| map.value(*direction)).collect()
+        }
         false => mirror(truth.environment, directions),
     }
-}
-
-/// Returns exact texels of an irradiance map: irradiance over π.
-pub fn exact_irradiance(truth: &Truth, directions: &Directions) -> Vec<DVec3> {
-    values(&truth.irradiance(), directions)
-}
-
-fn values(map: &SmoothMap, directions: &Directions) -> Vec<DVec3> {
-    directions.world.par_iter().map(|direction| map.value(*direction)).collect()
 }
 
 /// Averages the environment over each texel, at least two points per texel of the environment.

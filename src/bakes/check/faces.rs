@@ -1,12 +1,10 @@
 //! Finds faces of a cube that are black, swapped, turned or flipped.
 
 use super::directions::Directions;
-use super::{EXPLAINED, Truth, relative_square};
+use super::{Cause, EXPLAINED, Truth, relative_square};
 use crate::bakes::container::FACE_COUNT;
+use crate::bakes::convention::Axes;
 use glam::DVec3;
-
-/// Largest side of the compared faces, blocks of texels.
-const SIDE: usize = 32;
 
 /// Faces in the order of a cube map.
 const NAMES: [&str; FACE_COUNT] = ["+x", "-x", "+y", "-y", "+z", "-z"];
@@ -29,28 +27,31 @@ fn turned(turn: usize, x: usize, y: usize, last: usize) -> (usize, usize) {
     [(x, y), (y, u), (u, v), (v, x), (u, y), (x, v), (y, x), (v, u)][turn]
 }
 
-/// Describes the slip in the faces, with the relMSE that it leaves over the level's own; `None` if all faces are right, or
-/// wrong in another way.
-pub fn slip(truth: &Truth, directions: &Directions, found: &[DVec3], exact: &[DVec3]) -> Option<(String, f64)> {
-    let [width, height] = directions.size.map(|side| side as usize);
-    let side = width.min(SIDE);
-    if directions.layout.face_count as usize != FACE_COUNT || width != height || width % side > 0 {
+/// Names the slip in the faces of a grid of texels, with the relMSE that it leaves; `None` if all faces are right, or wrong in
+/// another way.
+pub fn slip(truth: &Truth, directions: &Directions, found: &[DVec3], exact: &[DVec3]) -> Option<(Cause, f64)> {
+    let [width, height] = directions.size;
+    if directions.layout.face_count as usize != FACE_COUNT || width != height {
         return None;
     }
-    let [found, exact] = [found, exact].map(|texels| blocks(texels, width, side));
+    let texels = found.len() / FACE_COUNT;
+    let side = texels.isqrt();
     let epsilon = truth.epsilon();
+    let place = |turn: usize, index: usize| {
+        let (x, y) = turned(turn, index % side, index / side, side - 1);
+        y * side + x
+    };
     let off = |face: usize, of: usize, turn: usize| -> f64 {
         let square = |index: usize| {
-            let (x, y) = turned(turn, index % side, index / side, side - 1);
-            relative_square(found[face][index], exact[of][y * side + x], epsilon)
+            let at = face * texels + index;
+            directions.weights[at] * relative_square(found[at], exact[of * texels + place(turn, index)], epsilon)
         };
-        (0..side * side).map(square).sum()
+        (0..texels).map(square).sum()
     };
-    let is_black = |face: usize| found[face].iter().all(|texel| *texel == DVec3::ZERO);
-    let (mut own, mut left, mut held) = (0.0, 0.0, [None; FACE_COUNT]);
+    let is_black = |face: usize| found[face * texels..][..texels].iter().all(|texel| *texel == DVec3::ZERO);
+    let (mut left, mut held) = (0.0, [None; FACE_COUNT]);
     for (face, held) in held.iter_mut().enumerate() {
         let as_it_is = off(face, face, 0);
-        own += as_it_is;
         if is_black(face) {
             continue;
         }
@@ -61,7 +62,20 @@ pub fn slip(truth: &Truth, directions: &Directions, found: &[DVec3], exact: &[DV
         left += best.2;
         *held = Some((best.0, best.1));
     }
-    Some((words(held)?, left / own))
+    // Other axes move every face.
+    let lands = |axes: Axes, face: usize, (of, turn): (usize, usize)| {
+        let is_at = |index: usize| {
+            let from = directions.axes.to_file(directions.world[face * texels + index]);
+            axes.to_world(from).distance(directions.world[of * texels + place(turn, index)]) < 1e-6
+        };
+        is_at(0) && is_at(1)
+    };
+    let holds = |axes: &Axes| (0..FACE_COUNT).all(|face| held[face].is_some_and(|held| lands(*axes, face, held)));
+    let cause = match Axes::all().find(holds).filter(|axes| *axes != directions.axes) {
+        Some(axes) => Cause { kind: "axes", words: format!("other axes: --axes={axes}") },
+        None => Cause { kind: "faces", words: words(held)? },
+    };
+    Some((cause, left / directions.weights.iter().sum::<f64>()))
 }
 
 /// Finds which face each face holds, and its turn. `None` for a black face.
@@ -86,17 +100,4 @@ fn words(held: [Option<(usize, usize)>; FACE_COUNT]) -> Option<String> {
         Some((of, turn)) => format!("face {} holds {}, {}", NAMES[*face], NAMES[of], TURNS[turn]),
     };
     (!odd.is_empty()).then(|| odd.iter().map(one).collect::<Vec<_>>().join("; "))
-}
-
-/// Averages the texels of each face over blocks.
-fn blocks(texels: &[DVec3], width: usize, side: usize) -> Vec<Vec<DVec3>> {
-    let block = width / side;
-    let face = |texels: &[DVec3]| {
-        let mut means = vec![DVec3::ZERO; side * side];
-        for (index, texel) in texels.iter().enumerate() {
-            means[index / width / block * side + index % width / block] += *texel / (block * block) as f64;
-        }
-        means
-    };
-    texels.chunks(width * width).map(face).collect()
 }

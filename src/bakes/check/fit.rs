@@ -31,9 +31,7 @@ pub fn fit(truth: &Truth, directions: &Directions, found: &[DVec3], alpha: f64) 
     if alpha < ALPHA_MIN {
         return None;
     }
-    let side = (directions.world.len() as f64 / DIRECTIONS as f64).sqrt();
-    // An odd stride covers all columns.
-    let chosen = directions.subset(side.round() as usize | 1);
+    let chosen = directions.grid(DIRECTIONS);
     let found: Vec<DVec3> = chosen.iter().map(|index| found[*index]).collect();
     let directions = directions.only(&chosen);
     let bands = truth.bands(&directions.world, DEGREE_MAX);

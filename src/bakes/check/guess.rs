@@ -55,7 +55,7 @@ pub fn axes(truth: &Truth, map: &Map, convention: &Convention) -> Result<Vec<Axe
     }
     let mut best = fits(1.0);
     for factor in [0.5, 0.25, 2.0, 4.0] {
-        if best[0].correlation >= SAME_LIGHT {
+        if best[0].correlation >= SURE {
             break;
         }
         let found = fits(factor);
@@ -67,7 +67,8 @@ pub fn axes(truth: &Truth, map: &Map, convention: &Convention) -> Result<Vec<Axe
 }
 
 pub fn irradiance_axes(truth: &Truth, map: &Map) -> Vec<AxesFit> {
-    let light = truth.irradiance();
+    let (kernel, alpha) = Truth::of_irradiance();
+    let light = truth.prefiltered_by(kernel, alpha);
     ranked(truth, map, 0, |direction| light.value(direction))
 }
 
@@ -115,10 +116,9 @@ pub fn is_clear(best: AxesFit, other: AxesFit) -> bool {
 
 pub fn in_words(fits: &[AxesFit]) -> String {
     let [best, next] = [fits[0], fits[1]];
-    let mirror = if best.axes.is_mirror() { ", a mirror" } else { "" };
     let how = if is_clear(best, next) { "clearly" } else { "but not clearly" };
     format!(
-        "axes {}{mirror} fit best, {how}: correlation {:.4}, next {} with {:.4}",
+        "axes {} fit best, {how}: correlation {:.4}, next {} with {:.4}",
         best.axes, best.correlation, next.axes, next.correlation
     )
 }

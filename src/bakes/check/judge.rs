@@ -1,12 +1,11 @@
 //! Judges a whole bake: every part against its integral.
 
-use super::chain;
+use super::chain::{self, Chain};
 use super::guess::{self, AxesFit};
-use super::image::{self, ImageScore};
 use super::level::{self, GOOD_WORDS, LevelScore};
 use super::sh::{self, ShScore};
 use super::table::{self, TableScore};
-use super::{GOOD, Truth};
+use super::{Cause, GOOD, Truth};
 use crate::bakes::convention::{Axes, Convention, PRESETS, Preset};
 use crate::bakes::parts::{Bake, Stated};
 use crate::brdf::{Brdf, Ggx, MaskingShadowing};
@@ -20,8 +19,6 @@ pub struct Judging {
     pub convention: Convention,
     /// Tries every convention and uses the best.
     pub is_guessed: bool,
-    /// Scores the effect on an image, which doubles the time.
-    pub has_image: bool,
 }
 
 #[derive(Clone, Debug)]
@@ -34,13 +31,21 @@ pub struct Judged {
     pub table_way: Option<String>,
     /// Finest level first.
     pub levels: Vec<LevelScore>,
-    /// Verdict on the chain from the widths of all levels, unless it is the assumed chain.
-    pub chain: Option<String>,
+    /// The chain that the widths of all levels have, unless it is the assumed one.
+    pub chain: Option<Chain>,
     pub irradiance: Option<LevelScore>,
     pub dfg: Option<TableScore>,
     pub sh: Option<ShScore>,
-    /// Empty unless requested.
-    pub image: Vec<ImageScore>,
+    /// The same bake by the axes or the chain that the verdict names.
+    pub fixed: Option<Box<Self>>,
+}
+
+/// Why the axes or the light seem wrong.
+#[derive(Clone, Debug)]
+pub struct Doubt {
+    pub words: String,
+    /// The axes that fit; `None` for another map.
+    pub axes: Option<Axes>,
 }
 
 /// Name of the irradiance map in [`Judged::axes`].
@@ -64,7 +69,7 @@ impl Judging {
         if let Some(name) = &stated.weight {
             convention.weight = Weight::parse(name)?;
         }
-        Ok(Self { brdf: &Ggx, convention, is_guessed: false, has_image: false })
+        Ok(Self { brdf: &Ggx, convention, is_guessed: false })
     }
 
     /// Scores each part of `bake` against its integral over `environment`.
@@ -85,8 +90,7 @@ impl Judging {
         let kernel = Kernel::new(self.brdf, convention.weight, convention.masking);
         let alphas = bake.specular.as_ref().map_or(Ok(Vec::new()), |map| convention.alphas(map.levels.len()))?;
         doing("integrating the exact maps");
-        // The surfaces of an image have their own widths.
-        let truth = &Truth::judging(environment, kernel, &[&alphas[..], &image::ALPHAS].concat());
+        let truth = &Truth::judging(environment, kernel, &alphas);
         doing("comparing the axes");
         let mut axes = Vec::new();
         if let Some(map) = &bake.specular {
@@ -106,42 +110,69 @@ impl Judging {
                 let best = &found[0];
                 (convention.table_axes, convention.table_channels) = (best.axes, best.channels);
                 convention.masking = best.masking;
-                table_way = Some(format!("{best}; next {}", found[1]));
+                table_way = Some(format!("{best}: rms {:.1e}; next {}: {:.1e}", best.rms, found[1], found[1].rms));
             }
         }
         doing("scoring levels");
-        let levels = match &bake.specular {
-            Some(map) => level::score(truth, map, &convention)?,
-            None => Vec::new(),
-        };
-        doing("scoring diffuse maps and the DFG table");
-        let mut judged = Judged {
-            chain: chain::slip(&convention, &levels),
-            irradiance: bake.irradiance.as_ref().map(|map| level::score_irradiance(truth, map, &convention)),
-            dfg: bake.dfg.as_ref().map(|image| table::score(image, self.brdf, &convention)),
-            sh: bake.sh.as_ref().map(|found| sh::score(truth, found, convention.axes)),
-            image: Vec::new(),
-            convention,
-            axes,
-            table_way,
-            levels,
-        };
-        // A fit explains nothing if the light or the axes are wrong.
-        if judged.axes.iter().any(|(what, fits)| judged.doubt(what, fits).is_some()) {
-            judged.levels.iter_mut().chain(&mut judged.irradiance).for_each(LevelScore::doubt);
-            judged.sh.iter_mut().for_each(ShScore::doubt);
-        }
-        if self.has_image {
-            doing("shading images with the bake");
-            judged.image = image::score(truth, bake, &judged.convention)?;
-        }
+        let mut judged = scored(truth, self.brdf, bake, convention)?;
+        (judged.axes, judged.table_way) = (axes, table_way);
+        judged.fix_convention(truth, self.brdf, bake, &doing)?;
         Ok(judged)
     }
 }
 
+/// Scores every part by a convention.
+fn scored(truth: &Truth, brdf: &'static dyn Brdf, bake: &Bake, convention: Convention) -> Result<Judged, String> {
+    let levels = match &bake.specular {
+        Some(map) => level::score(truth, map, &convention)?,
+        None => Vec::new(),
+    };
+    Ok(Judged {
+        chain: chain::slip(&convention, &levels),
+        irradiance: bake.irradiance.as_ref().map(|map| level::score_irradiance(truth, map, &convention)),
+        dfg: bake.dfg.as_ref().map(|image| table::score(image, brdf, &convention)),
+        sh: bake.sh.as_ref().map(|found| sh::score(truth, found, convention.axes)),
+        fixed: None,
+        convention,
+        axes: Vec::new(),
+        table_way: None,
+        levels,
+    })
+}
+
 impl Judged {
+    /// Scores the bake again by the axes or the chain that fit, to find further slips.
+    fn fix_convention(
+        &mut self,
+        truth: &Truth,
+        brdf: &'static dyn Brdf,
+        bake: &Bake,
+        doing: &impl Fn(&'static str),
+    ) -> Result<(), String> {
+        let doubts: Vec<Doubt> = self.axes.iter().filter_map(|(what, fits)| self.doubt(what, fits)).collect();
+        let mut convention = self.convention.clone();
+        match (doubts.first(), &self.chain) {
+            (Some(Doubt { axes: Some(axes), .. }), _) => convention.axes = *axes,
+            (None, Some(chain)) => convention.alphas = Some(chain.alphas.clone()),
+            _ => {}
+        }
+        if convention.axes != self.convention.axes || convention.alphas != self.convention.alphas {
+            doing("looking for further slips");
+            let mut fixed = scored(truth, brdf, bake, convention)?;
+            fixed.axes.clone_from(&self.axes);
+            fixed.fix_convention(truth, brdf, bake, doing)?;
+            self.fixed = Some(Box::new(fixed));
+        }
+        // A fit explains nothing if the light or the axes are wrong.
+        if !doubts.is_empty() {
+            self.levels.iter_mut().chain(&mut self.irradiance).for_each(LevelScore::doubt);
+            self.sh.iter_mut().for_each(ShScore::doubt);
+        }
+        Ok(())
+    }
+
     /// Describes why the axes or the light seem wrong, if they do.
-    pub fn doubt(&self, what: &str, fits: &[AxesFit]) -> Option<String> {
+    pub fn doubt(&self, what: &str, fits: &[AxesFit]) -> Option<Doubt> {
         let used: Axes = self.convention.axes;
         let hint =
             if what == IRRADIANCE { "; a cube of one level that holds the map itself is specular=FILE" } else { "" };
@@ -154,9 +185,10 @@ impl Judged {
         let is_like = fits[0].correlation >= guess::SAME_LIGHT && (is_sure || best.len() < guess::ALIKE_MAX);
         if is_wrong && !is_like {
             let (axes, correlation) = (fits[0].axes, fits[0].correlation);
-            return Some(format!(
+            let words = format!(
                 "seems to be a bake of another map: the best axes, {axes}, only have correlation {correlation:.2}{hint}"
-            ));
+            );
+            return Some(Doubt { words, axes: None });
         }
         let own = *fits.iter().find(|fit| fit.axes == used)?;
         let is_slip = |score: &LevelScore| score.errors.relmse <= GOOD || score.slip.is_some();
@@ -167,14 +199,38 @@ impl Judged {
         let presets: Vec<&str> = presets.map(|preset| preset.name).collect();
         let of = if presets.is_empty() { String::new() } else { format!(", of --preset {}", presets.join(" or ")) };
         is_doubtful.then(|| {
-            format!(
+            let words = format!(
                 "axes {}{alike} fit far better than {used} (correlation {:.4}, not {:.4}): --axes={}{of}, or --guess{hint}",
                 best.join(" or "),
                 fits[0].correlation,
                 own.correlation,
                 fits[0].axes
-            )
+            );
+            Doubt { words, axes: Some(fits[0].axes) }
         })
+    }
+
+    /// Lists what the verdict names, each once.
+    pub fn causes(&self) -> Vec<Cause> {
+        let whole = |kind, words: &str| vec![Cause { kind, words: words.to_owned() }];
+        let doubt = self.axes.iter().find_map(|(what, fits)| self.doubt(what, fits));
+        let mut causes = match (doubt, &self.chain) {
+            (Some(doubt), _) => whole(if doubt.axes.is_some() { "axes" } else { "map" }, &doubt.words),
+            (None, Some(chain)) => whole("levels", &chain.words),
+            _ => {
+                let levels = self.levels.iter().chain(&self.irradiance).flat_map(|score| &score.causes);
+                let sh = self.sh.iter().flat_map(|score| &score.causes);
+                levels.chain(sh).chain(self.dfg.iter().flat_map(|score| &score.causes)).cloned().collect()
+            }
+        };
+        causes.extend(self.fixed.iter().flat_map(|fixed| fixed.causes()));
+        let mut seen = Vec::new();
+        for cause in causes {
+            if !seen.contains(&cause) {
+                seen.push(cause);
+            }
+        }
+        seen
     }
 
     /// Lists each part with its verdict; neighbouring levels of one verdict share a line.
@@ -199,13 +255,24 @@ impl Judged {
 
     /// Summarises the faults in one line, the cause of the most levels first; `None` without faults.
     pub fn wrong(&self) -> Option<String> {
-        let doubt = self.axes.iter().find_map(|(what, fits)| self.doubt(what, fits));
-        if let Some(cause) = doubt.or_else(|| self.chain.clone()) {
-            return Some(format!("wrong: {cause}"));
+        self.faults().map(|faults| format!("wrong: {faults}"))
+    }
+
+    fn faults(&self) -> Option<String> {
+        let doubt = self.axes.iter().find_map(|(what, fits)| Some(self.doubt(what, fits)?.words));
+        if let Some(cause) = doubt.or_else(|| Some(self.chain.as_ref()?.words.clone())) {
+            let rest = self.fixed.as_ref().map(|fixed| match fixed.faults() {
+                Some(more) => format!("; besides, {more}"),
+                None => "; nothing else".to_owned(),
+            });
+            return Some(cause + &rest.unwrap_or_default());
         }
         let wrong = self.parts().into_iter().filter(|(_, verdict)| !verdict.starts_with(GOOD_WORDS));
         let said: Vec<String> = wrong.map(|(name, verdict)| format!("{name}: {verdict}")).collect();
-        (!said.is_empty()).then(|| format!("wrong: {}", said.join("; ")))
+        let maps = self.levels.iter().chain(&self.irradiance);
+        let left = maps.filter_map(LevelScore::left).max_by(f64::total_cmp);
+        let left = left.map(|left| format!("; fixed, at most {:.1} % rms are left", 100.0 * left.sqrt()));
+        (!said.is_empty()).then(|| said.join("; ") + &left.unwrap_or_default())
     }
 
     /// Sums up the whole bake in one line.

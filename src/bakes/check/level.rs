@@ -1,12 +1,13 @@
 //! The score of a level: errors, the worst direction, and a likely cause.
 
 use super::directions::{Directions, texels};
-use super::exact::{exact, exact_irradiance};
+use super::exact::exact;
 use super::fit::{self, Fit};
-use super::slip::{self, Slip};
-use super::{EXPLAINED, Errors, GOOD, Truth, errors, has_width, relative_square};
+use super::slip::{self, Level, Slip};
+use super::{Cause, EXPLAINED, Errors, GOOD, Truth, errors, has_width, relative_square, words};
 use crate::bakes::convention::{Axes, Convention};
 use crate::bakes::parts::Map;
+use crate::environment::Environment;
 use crate::environment::layout::{FilteredMap, MapLayout};
 use crate::pixels::RgbImage;
 use glam::DVec3;
@@ -36,45 +37,89 @@ pub struct LevelScore {
     pub fit: Option<Fit>,
     /// Slip that explains the error, if the fit does not.
     pub slip: Option<Slip>,
+    /// What the verdict names; empty if the level is [`GOOD`].
+    pub causes: Vec<Cause>,
     pub verdict: String,
 }
 
 pub fn score(truth: &Truth, map: &Map, convention: &Convention) -> Result<Vec<LevelScore>, String> {
     let alphas = convention.alphas(map.levels.len())?;
-    // The same map cut at 1, if a level needs an explanation.
-    let cut = LazyCell::new(|| truth.environment.clipped(1.0));
-    let of_cut = LazyCell::new(|| Truth::new(&cut, truth.kernel, &alphas));
     let read = convention.mapping_levels(map.levels.len()) as usize;
-    let of = |(k, (faces, &alpha)): (usize, (&Vec<RgbImage>, &f64))| {
-        let (directions, found) = level_texels(map, faces, convention.axes, convention.scale);
-        let exact = exact(truth, &directions, alpha);
-        let (errors, worst) = errors_and_worst(truth, &directions, &found, &exact);
-        let is_wrong = errors.relmse > GOOD;
-        let fit = is_wrong.then(|| fit::fit(truth, &directions, &found, alpha)).flatten();
-        let level =
-            |of_cut| slip::Level { truth, of_cut, directions: &directions, found: &found, exact: &exact, alpha };
-        let few = is_wrong.then(|| few_texels(truth, &directions, &found, &exact, errors.relmse)).flatten();
-        let slip = few.or_else(|| is_wrong.then(|| level(&of_cut).slip()).flatten());
-        // A slip must explain clearly more than width and gain do.
-        let slip = slip.filter(|slip| fit.is_none_or(|fit| slip.left < 0.5 * fit.left));
+    let sheets = map.levels.iter().map(|faces| level_texels(map, faces, convention.axes, convention.scale));
+    let sheets: Vec<(Directions, Vec<DVec3>)> = sheets.collect();
+    // One level may be wrong by itself, so the middle mean counts.
+    let mut means: Vec<DVec3> = sheets.iter().map(|(directions, found)| mean(directions, found)).collect();
+    means.sort_by(|a, b| a.element_sum().total_cmp(&b.element_sum()));
+    let lights = LazyCell::new(|| slip::sources(truth.environment, means[means.len() / 2]));
+    let sources = LazyCell::new(|| of_lights(truth, &lights, &alphas));
+    let of = |(k, (directions, found)): (usize, &(Directions, Vec<DVec3>))| {
+        let (faces, alpha) = (&map.levels[k], alphas[k]);
+        let scale = ("--scale", convention.scale);
+        let own = Level { truth, kernel: truth.kernel, sources: &|| &sources, directions, found, alpha, scale };
+        let fit = || fit::fit(truth, directions, found, alpha);
+        let mut score = own.score(fit, |alpha| level_of(convention, alphas.len(), alpha));
         let is_read = k < read && has_width(alpha);
-        let between = is_read.then(|| between_texels(truth, map.layout, faces, convention, alpha));
-        let verdict = match &slip {
-            Some(slip) => slip.words.clone(),
-            None => verdict(errors, fit, alpha, |alpha| level_of(convention, &alphas, alpha)),
-        };
-        let size = [faces[0].width, faces[0].height];
-        let mut score = LevelScore { size, alpha, errors, between, worst, fit, slip, verdict };
+        score.between = is_read.then(|| between_texels(truth, map.layout, faces, convention, alpha));
         if let Some(relmse) = score.coarseness() {
             score.verdict = format!("{GOOD_WORDS} at its texels, {:.1} % rms between them", 100.0 * relmse.sqrt());
         }
         score
     };
-    Ok(map.levels.iter().zip(&alphas).enumerate().map(of).collect())
+    Ok(sheets.iter().enumerate().map(of).collect())
+}
+
+/// The truths of other lights by the same kernel.
+fn of_lights<'l>(truth: &Truth, lights: &'l [(Cause, Environment)], alphas: &[f64]) -> Vec<(Cause, Truth<'l>)> {
+    lights.iter().map(|(cause, light)| (cause.clone(), Truth::new(light, truth.kernel, alphas))).collect()
+}
+
+fn mean(directions: &Directions, texels: &[DVec3]) -> DVec3 {
+    let sum: DVec3 = directions.weights.iter().zip(texels).map(|(weight, texel)| *weight * *texel).sum();
+    sum / directions.weights.iter().sum::<f64>()
+}
+
+impl Level<'_> {
+    fn score(&self, fit: impl FnOnce() -> Option<Fit>, level_of: impl Fn(f64) -> Option<f64>) -> LevelScore {
+        let Self { truth, directions, found, alpha, .. } = *self;
+        let exact = exact(truth, self.kernel, directions, alpha);
+        let (errors, worst) = errors_and_worst(truth, directions, found, &exact);
+        let is_wrong = errors.relmse > GOOD;
+        let fit = is_wrong.then(fit).flatten();
+        let few = is_wrong.then(|| few_texels(self, &exact, errors.relmse)).flatten();
+        let fit_left = fit.map_or(f64::INFINITY, |fit| fit.left);
+        let slip = few.or_else(|| is_wrong.then(|| self.slip(fit_left)).flatten());
+        let causes = match (&slip, fit) {
+            _ if !is_wrong => Vec::new(),
+            (Some(slip), _) => slip.causes.clone(),
+            (None, Some(fit)) if fit.left <= EXPLAINED => self.fitted(fit, level_of),
+            _ => vec![Cause { kind: "unknown", words: UNEXPLAINED.to_owned() }],
+        };
+        let verdict = if is_wrong { words(&causes) } else { GOOD_WORDS.to_owned() };
+        LevelScore { size: directions.size, alpha, errors, between: None, worst, fit, slip, causes, verdict }
+    }
+
+    /// Describes a width and a gain.
+    fn fitted(&self, fit: Fit, level_of: impl Fn(f64) -> Option<f64>) -> Vec<Cause> {
+        let alpha = self.alpha;
+        let shift = level_of(fit.alpha).zip(level_of(alpha)).map(|(found, own)| found - own);
+        let widths = format!("alpha {:.3} for {alpha:.3}", fit.alpha);
+        let width = match shift {
+            Some(shift) if shift >= SHIFT => Some(format!("{shift:.1} levels too blurred ({widths})")),
+            Some(shift) if shift <= -SHIFT => Some(format!("{:.1} levels too sharp ({widths})", -shift)),
+            None if fit.alpha > 1.1 * alpha => Some(format!("too blurred ({widths})")),
+            None if fit.alpha < 0.9 * alpha => Some(format!("too sharp ({widths})")),
+            _ => None,
+        };
+        let gain = ((fit.gain - 1.0).abs() >= 0.01).then(|| self.gain_in_words(fit.gain));
+        let causes = [("width", width), ("gain", gain)].map(|(kind, words)| Some(Cause { kind, words: words? }));
+        let causes: Vec<Cause> = causes.into_iter().flatten().collect();
+        if causes.is_empty() { vec![Cause { kind: "small", words: "slightly off".to_owned() }] } else { causes }
+    }
 }
 
 /// Describes the texels that alone are wrong, if the rest of the level is good.
-fn few_texels(truth: &Truth, directions: &Directions, found: &[DVec3], exact: &[DVec3], relmse: f64) -> Option<Slip> {
+fn few_texels(level: &Level, exact: &[DVec3], relmse: f64) -> Option<Slip> {
+    let Level { truth, directions, found, .. } = *level;
     let square = |i: usize| directions.weights[i] * relative_square(found[i], exact[i], truth.epsilon());
     let mut squares: Vec<(f64, usize)> = (0..found.len()).map(|i| (square(i), i)).collect();
     squares.sort_by(|a, b| b.0.total_cmp(&a.0));
@@ -86,7 +131,7 @@ fn few_texels(truth: &Truth, directions: &Directions, found: &[DVec3], exact: &[
         1 => format!("one texel is wrong: face {face}, column {x}, row {y}"),
         _ => format!("{count} texels are wrong, most at face {face}, column {x}, row {y}"),
     };
-    Some(Slip { words, left: left(count) })
+    Some(Slip::one("texels", words, [left(count), left(count) * relmse]))
 }
 
 /// Returns relMSE at four points per texel, looked up as a GPU does: linear, across the edges of faces.
@@ -101,33 +146,25 @@ pub fn between_texels(
     let level = FilteredMap { layout, levels: vec![faces.iter().map(|face| face.map(texel)).collect()] };
     let directions = Directions::new(layout, convention.axes, [2 * faces[0].width, 2 * faces[0].height]);
     let found = directions.world.par_iter().map(|world| level.value(convention.axes.to_file(*world), 0.0));
-    errors(&directions, &found.collect::<Vec<_>>(), &exact(truth, &directions, alpha), truth.epsilon(), 1.0).relmse
+    errors(
+        &directions,
+        &found.collect::<Vec<_>>(),
+        &exact(truth, truth.kernel, &directions, alpha),
+        truth.epsilon(),
+        1.0,
+    )
+    .relmse
 }
 
 pub fn score_irradiance(truth: &Truth, map: &Map, convention: &Convention) -> LevelScore {
-    let faces = &map.levels[0];
-    let (directions, found) = level_texels(map, faces, convention.axes, convention.irradiance_scale);
-    let exact = exact_irradiance(truth, &directions);
-    let (own, worst) = errors_and_worst(truth, &directions, &found, &exact);
+    let (directions, found) = level_texels(map, &map.levels[0], convention.axes, convention.irradiance_scale);
+    let (kernel, alpha) = Truth::of_irradiance();
+    let lights = LazyCell::new(|| slip::sources(truth.environment, mean(&directions, &found)));
+    let sources = LazyCell::new(|| of_lights(truth, &lights, &[]));
+    let scale = ("--irradiance-scale", convention.irradiance_scale);
+    let (sources, directions, found) = (&|| &sources[..], &directions, &found);
     // Irradiance has no width to fit.
-    let gain = fit::gain(&directions, &found, &exact, truth.epsilon());
-    let left = errors(&directions, &found, &exact, truth.epsilon(), 1.0 / gain).relmse / own.relmse;
-    let fit = (own.relmse > GOOD).then_some(Fit { alpha: 1.0, gain, left });
-    let verdict = match fit {
-        None => GOOD_WORDS.to_owned(),
-        Some(fit) if fit.left <= EXPLAINED => fit::gain_in_words(fit.gain),
-        Some(_) => UNEXPLAINED.to_owned(),
-    };
-    LevelScore {
-        size: [faces[0].width, faces[0].height],
-        alpha: 1.0,
-        errors: own,
-        between: None,
-        worst,
-        fit,
-        slip: None,
-        verdict,
-    }
+    Level { truth, kernel, sources, directions, found, alpha, scale }.score(|| None, |_| None)
 }
 
 fn level_texels(map: &Map, faces: &[RgbImage], axes: Axes, scale: f64) -> (Directions, Vec<DVec3>) {
@@ -147,44 +184,10 @@ fn errors_and_worst(truth: &Truth, directions: &Directions, found: &[DVec3], exa
     (errors(directions, found, exact, epsilon, 1.0), worst)
 }
 
-/// Returns the fractional level of a width on the convention's scale, among levels of widths `alphas`.
-pub(super) fn level_of(convention: &Convention, alphas: &[f64], alpha: f64) -> Option<f64> {
-    match &convention.alphas {
-        None if alphas.len() > 1 => {
-            Some(convention.mapping.mip_from_alpha(alpha, convention.mapping_levels(alphas.len())))
-        }
-        _ => between(alphas, alpha),
-    }
-}
-
-fn between(alphas: &[f64], alpha: f64) -> Option<f64> {
-    let after = alphas.iter().position(|known| *known >= alpha)?.max(1);
-    let (low, high) = (*alphas.get(after - 1)?, *alphas.get(after)?);
-    // Roughness steps are nearly even.
-    (high > low).then(|| (after - 1) as f64 + (alpha.sqrt() - low.sqrt()) / (high.sqrt() - low.sqrt()))
-}
-
-fn verdict(errors: Errors, fit: Option<Fit>, alpha: f64, level_of: impl Fn(f64) -> Option<f64>) -> String {
-    let Some(fit) = fit else {
-        return if errors.relmse <= GOOD { GOOD_WORDS } else { UNEXPLAINED }.to_owned();
-    };
-    if fit.left > EXPLAINED {
-        return UNEXPLAINED.to_owned();
-    }
-    let mut parts = Vec::new();
-    let shift = level_of(fit.alpha).zip(level_of(alpha)).map(|(found, own)| found - own);
-    let widths = format!("alpha {:.3} for {alpha:.3}", fit.alpha);
-    match shift {
-        Some(shift) if shift >= SHIFT => parts.push(format!("{shift:.1} levels too blurred ({widths})")),
-        Some(shift) if shift <= -SHIFT => parts.push(format!("{:.1} levels too sharp ({widths})", -shift)),
-        None if fit.alpha > 1.1 * alpha => parts.push(format!("too blurred ({widths})")),
-        None if fit.alpha < 0.9 * alpha => parts.push(format!("too sharp ({widths})")),
-        _ => {}
-    }
-    if (fit.gain - 1.0).abs() >= 0.01 {
-        parts.push(fit::gain_in_words(fit.gain));
-    }
-    if parts.is_empty() { "slightly off".to_owned() } else { parts.join("; ") }
+/// Returns the fractional level of a width by the convention's mapping; `None` if widths are given one by one.
+fn level_of(convention: &Convention, count: usize, alpha: f64) -> Option<f64> {
+    let by_mapping = convention.alphas.is_none() && count > 1;
+    by_mapping.then(|| convention.mapping.mip_from_alpha(alpha, convention.mapping_levels(count)))
 }
 
 /// Smallest shift in levels that a verdict mentions.
@@ -203,10 +206,18 @@ impl LevelScore {
         self.between.filter(|relmse| self.errors.relmse <= GOOD && *relmse > GOOD)
     }
 
+    /// Returns the relMSE that is left without the causes; `None` if they are unknown or there are none.
+    pub fn left(&self) -> Option<f64> {
+        let of_fit = || self.fit.filter(|fit| fit.left <= EXPLAINED).map(|fit| fit.left * self.errors.relmse);
+        let left = self.slip.as_ref().map(|slip| slip.relmse).or_else(of_fit)?;
+        (!self.causes.is_empty()).then_some(left)
+    }
+
     /// Removes width and gain from the verdict because the axes or the light do not fit.
     pub fn doubt(&mut self) {
         if self.errors.relmse > GOOD && self.slip.is_none() {
             self.verdict = DOUBT.to_owned();
+            self.causes = vec![Cause { kind: "unknown", words: DOUBT.to_owned() }];
         }
     }
 }

@@ -9,7 +9,6 @@ pub mod exact;
 mod faces;
 mod fit;
 pub mod guess;
-pub mod image;
 mod judge;
 pub mod level;
 mod scores;
@@ -34,6 +33,17 @@ pub const GOOD: f64 = 1e-3;
 
 /// Largest share of the error that an explanation may leave.
 const EXPLAINED: f64 = 0.25;
+
+/// A slip in words, with the flag or setting that fixes it if there is one.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Cause {
+    pub kind: &'static str,
+    pub words: String,
+}
+
+fn words(causes: &[Cause]) -> String {
+    causes.iter().map(|cause| cause.words.as_str()).collect::<Vec<_>>().join("; ")
+}
 
 /// The light of a bake, and the kernel that it should have.
 pub struct Truth<'a> {
@@ -64,7 +74,10 @@ impl<'a> Truth<'a> {
     }
 
     fn factors(&self, kernel: Kernel, alpha: f64, degree: usize) -> Vec<f64> {
-        harmonic::factors(kernel, alpha, degree.min(self.reach * harmonic::degree(alpha)))
+        // Other kernels only explain a level.
+        let is_own = kernel.brdf.name() == self.kernel.brdf.name() && kernel.weight == self.kernel.weight;
+        let reach = if is_own { self.reach } else { 1 };
+        harmonic::factors(kernel, alpha, degree.min(reach * harmonic::degree(alpha)))
     }
 
     /// Convolves the light for a width that [`has_width`].
@@ -87,10 +100,9 @@ impl<'a> Truth<'a> {
         bands.iter().map(|bands| bands.iter().zip(&factors).map(|(band, factor)| *band * *factor).sum()).collect()
     }
 
-    /// Convolves the light to irradiance over π.
-    pub fn irradiance(&self) -> SmoothMap {
-        // At exponent 0 Phong's distribution is constant, so the weight is n·l.
-        self.harmonics.convolved(&self.factors(Kernel::cosine(&Phong), 1.0, self.harmonics.degree()))
+    /// Kernel and width of irradiance over π: at exponent 0 Phong's distribution is constant, so the weight is n·l.
+    pub fn of_irradiance() -> (Kernel, f64) {
+        (Kernel::cosine(&Phong), 1.0)
     }
 
     pub fn epsilon(&self) -> Epsilon {

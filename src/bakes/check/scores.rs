@@ -1,8 +1,8 @@
 //! Limits of scores, and scores as JSON.
 
-use super::image;
 use super::judge::Judged;
 use super::level::LevelScore;
+use super::{Cause, words};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
@@ -53,7 +53,7 @@ impl Limits {
             Some(format!("{name}: {what} {value:.2e} is above {limit:.2e}"))
         });
         let doubts =
-            judged.axes.iter().filter_map(|(what, fits)| Some(format!("{what}: {}", judged.doubt(what, fits)?)));
+            judged.axes.iter().filter_map(|(what, fits)| Some(format!("{what}: {}", judged.doubt(what, fits)?.words)));
         let wrong = judged.wrong().filter(|_| self.fail_on_wrong);
         scores.chain(doubts.filter(|_| self.fail_on_warning)).chain(wrong).collect()
     }
@@ -61,6 +61,9 @@ impl Limits {
 
 pub fn as_json(environment: &str, preset: &str, limits: &Limits, judged: &Judged) -> Value {
     let failures = limits.failures(judged);
+    let causes = |causes: &[Cause]| -> Vec<Value> {
+        causes.iter().map(|cause| json!({ "kind": cause.kind, "words": cause.words })).collect()
+    };
     let level = |score: &LevelScore| {
         let worst = &score.worst;
         json!({
@@ -77,7 +80,9 @@ pub fn as_json(environment: &str, preset: &str, limits: &Limits, judged: &Judged
                 "found": worst.found.to_array(),
                 "exact": worst.exact.to_array(),
             },
-            "slip": score.slip.as_ref().map(|slip| json!({ "words": slip.words, "left": slip.left })),
+            "slip": score.slip.as_ref().map(|slip| json!({ "words": words(&slip.causes), "left": slip.left })),
+            "causes": causes(&score.causes),
+            "relmse_left": score.left(),
             "fit": score.fit.map(|fit| json!({ "alpha": fit.alpha, "gain": fit.gain, "left": fit.left })),
             "verdict": score.verdict,
         })
@@ -85,33 +90,34 @@ pub fn as_json(environment: &str, preset: &str, limits: &Limits, judged: &Judged
     let axes = judged.axes.iter().map(|(what, fits)| {
         let best =
             fits.iter().take(4).map(|fit| json!({ "axes": fit.axes.to_string(), "correlation": fit.correlation }));
-        json!({ "of": what, "best": best.collect::<Vec<_>>(), "warning": judged.doubt(what, fits) })
+        json!({ "of": what, "best": best.collect::<Vec<_>>(), "warning": judged.doubt(what, fits).map(|doubt| doubt.words) })
     });
     json!({
         "environment": environment,
         "preset": preset,
         "verdict": judged.verdict(),
-        "chain": judged.chain,
+        "chain": judged.chain.as_ref().map(|chain| &chain.words),
+        "causes": causes(&judged.causes()),
         "limits": limits,
         "failures": failures,
         "passes": failures.is_empty(),
         "axes": judged.convention.axes.to_string(),
         "axes_fits": axes.collect::<Vec<_>>(),
         "levels": judged.levels.iter().map(level).collect::<Vec<_>>(),
-        "image": judged.image,
-        "image_verdict": image::in_words(&judged.image),
         "irradiance": judged.irradiance.as_ref().map(level),
         "dfg": judged.dfg.as_ref().map(|dfg| json!({
             "max_error": dfg.max_error,
             "rms": dfg.rms,
             "worst": { "n_dot_v": dfg.worst.x, "perceptual_roughness": dfg.worst.y },
             "texels": dfg.count,
+            "causes": causes(&dfg.causes),
             "verdict": dfg.verdict,
         })),
         "sh": judged.sh.as_ref().map(|sh| json!({
             "relmse": sh.errors.relmse,
             "bias_rel": sh.errors.bias_rel,
             "max_error": sh.max_error,
+            "causes": causes(&sh.causes),
             "verdict": sh.verdict,
         })),
     })

@@ -1,20 +1,32 @@
 //! The score of SH, by the irradiance of its coefficients.
 
 use super::directions::Directions;
-use super::fit::gain_in_words;
+use super::fit;
 use super::level::{DOUBT, GOOD_WORDS};
-use super::{EXPLAINED, Errors, GOOD, Truth, errors};
+use super::slip::{BETTER, ORDERS};
+use super::{Cause, EXPLAINED, Errors, GOOD, Truth, errors, words};
 use crate::bakes::convention::Axes;
 use crate::bakes::sh::{Coefficients, turned};
 use crate::environment::layout::LAYOUTS;
 use crate::math::equirect_quadrature::EquirectQuadrature;
-use crate::math::spherical_harmonics::{DEGREE, irradiance};
+use crate::math::spherical_harmonics::{COUNT, DEGREE, irradiance};
 use crate::precompute::sh9::reference::{Sh9, project_bilinear};
 use glam::DVec3;
 use std::f64::consts::PI;
 
 /// Side of the cube of normals.
 const SIDE: u32 = 16;
+/// Share of the error below which a rest is rounding.
+const LEAST: f64 = 1e-6;
+
+/// The orders of other programs: the file's number of each coefficient of ours, and the sign of odd m.
+static FORMS: &[(&str, [usize; COUNT], f64)] = &[
+    ("", [0, 1, 2, 3, 4, 5, 6, 7, 8], 1.0),
+    ("odd m have the other sign, as by Condon and Shortley", [0, 1, 2, 3, 4, 5, 6, 7, 8], -1.0),
+    ("each degree is in the order m = l to -l", [0, 3, 2, 1, 8, 7, 6, 5, 4], 1.0),
+    ("degree 1 is in the order x, y, z; expected y, z, x", [0, 2, 3, 1, 4, 5, 6, 7, 8], 1.0),
+    ("degree 1 is in the order x, z, y; expected y, z, x", [0, 3, 2, 1, 4, 5, 6, 7, 8], 1.0),
+];
 
 #[derive(Clone, Debug)]
 pub struct ShScore {
@@ -22,7 +34,8 @@ pub struct ShScore {
     pub errors: Errors,
     /// Largest error of a coefficient over the largest coefficient.
     pub max_error: f64,
-    pub better: Option<Axes>,
+    /// What the verdict names; empty if the part is good.
+    pub causes: Vec<Cause>,
     pub verdict: String,
 }
 
@@ -31,42 +44,85 @@ pub fn score(truth: &Truth, found: &Coefficients, axes: Axes) -> ShScore {
     let image = &truth.environment.image;
     let exact = project_bilinear(&EquirectQuadrature::new(image.width, image.height, |x, y| image.get(x, y)));
     let directions = Directions::new(&LAYOUTS[0], Axes::SAME, [SIDE; 2]);
-    let of = |sh: &Sh9, turn: &dyn Fn(DVec3) -> DVec3| -> Vec<DVec3> {
-        directions.world.iter().map(|normal| irradiance(sh, turn(*normal)) / PI).collect()
-    };
-    let exact_values = of(&exact, &|normal| normal);
-    let score = |axes: Axes| {
-        let values = of(&found.radiance, &|normal| axes.to_file(normal));
-        errors(&directions, &values, &exact_values, truth.epsilon(), 1.0)
-    };
-    let errors = score(axes);
+    let of = |sh: &Sh9| -> Vec<DVec3> { directions.world.iter().map(|normal| irradiance(sh, *normal) / PI).collect() };
+    let own = turned(&found.radiance, |world| axes.to_file(world));
+    let errors = errors(&directions, &of(&own), &of(&exact), truth.epsilon(), 1.0);
     let largest = exact.iter().map(|value| value.abs().max_element()).fold(0.0, f64::max);
-    let turned = turned(&found.radiance, |world| axes.to_file(world));
-    let largest_error = turned.iter().zip(&exact).map(|(own, exact)| (*own - *exact).abs().max_element());
+    let largest_error = own.iter().zip(&exact).map(|(own, exact)| (*own - *exact).abs().max_element());
     let max_error = largest_error.fold(0.0, f64::max) / largest.max(f64::MIN_POSITIVE);
-    let best = Axes::all().map(|axes| (score(axes).relmse, axes)).min_by(|a, b| a.0.total_cmp(&b.0));
-    let better = best.filter(|(relmse, better)| *better != axes && *relmse < EXPLAINED * errors.relmse);
-    let window = window(&turned, &exact);
-    let left =
-        turned.iter().zip(&exact).zip(DEGREE).map(|((own, exact), l)| (*own - *exact * window[l]).length_squared());
-    let off = turned.iter().zip(&exact).map(|(own, exact)| (*own - *exact).length_squared()).sum::<f64>();
-    let verdict = match better {
-        _ if errors.relmse <= GOOD => GOOD_WORDS.to_owned(),
-        Some((relmse, axes)) => format!("axes {axes} fit better: relmse {relmse:.1e}"),
-        _ if left.sum::<f64>() > EXPLAINED * off => "wrong, and no factor a degree explains it".to_owned(),
-        _ if (window[0] - 1.0).abs() < 0.05 => {
-            format!("windowed against ringing: degree 1 times {:.2}, degree 2 times {:.2}", window[1], window[2])
-        }
-        _ => gain_in_words(window[0]),
+    let causes = if errors.relmse <= GOOD { Vec::new() } else { causes(found, &own, &exact, axes) };
+    let verdict = if errors.relmse <= GOOD { GOOD_WORDS.to_owned() } else { words(&causes) };
+    ShScore { errors, max_error, causes, verdict }
+}
+
+/// Names the form, the axes, the order of channels or the factors that leave least; at most two of them.
+fn causes(found: &Coefficients, own: &Sh9, exact: &Sh9, axes: Axes) -> Vec<Cause> {
+    let off = |values: &Sh9, right: &Sh9, window: [f64; 3]| -> f64 {
+        let square = |((own, right), l): ((&DVec3, &DVec3), usize)| (*own - *right * window[l]).length_squared();
+        values.iter().zip(right).zip(DEGREE).map(square).sum()
     };
-    ShScore { errors, max_error, better: better.map(|(_, axes)| axes), verdict }
+    let as_it_is = off(own, exact, [1.0; 3]);
+    let mut best = (f64::INFINITY, Vec::new());
+    // Ours first: signs of odd m are also a half turn about z.
+    for other in [axes].into_iter().chain(Axes::all().filter(|other| *other != axes)) {
+        for (form, order, odd) in FORMS {
+            let radiance = std::array::from_fn(|k| {
+                // Every second one has an odd m.
+                let (from, sign) = (order[k], if k % 2 == 1 { *odd } else { 1.0 });
+                sign * found.radiance[from] * (found.factors[from] / found.factors[k])
+            });
+            let turned = turned(&radiance, |world| other.to_file(world));
+            for (channels, change) in [("R, G, B", (|x| x) as fn(DVec3) -> DVec3)].iter().chain(ORDERS) {
+                // The change is put into what is right.
+                let right = exact.map(change);
+                let mut causes = Vec::new();
+                let mut add = |kind, is_so: bool, words: String| is_so.then(|| causes.push(Cause { kind, words }));
+                add("order", !form.is_empty(), (*form).to_owned());
+                add("axes", other != axes, format!("axes {other} fit: --axes={other}"));
+                add("channels", *channels != "R, G, B", format!("the channels are in the order {channels}"));
+                let window = window(&turned, &right);
+                let with_window = factors(window).map(|factors| {
+                    (off(&turned, &right, window), causes.iter().cloned().chain([factors]).collect::<Vec<_>>())
+                });
+                for (left, causes) in [(off(&turned, &right, [1.0; 3]), causes)].into_iter().chain(with_window) {
+                    // Each further cause must leave far less.
+                    let cost = (left / as_it_is).max(LEAST) * (1.0 / BETTER).powi(causes.len() as i32);
+                    if (1..=2).contains(&causes.len()) && left <= EXPLAINED * as_it_is && cost < best.0 {
+                        best = (cost, causes);
+                    }
+                }
+            }
+        }
+    }
+    let unknown = || vec![Cause { kind: "unknown", words: "no known slip explains it".to_owned() }];
+    if best.1.is_empty() { unknown() } else { best.1 }
+}
+
+/// Describes factors of the degrees.
+fn factors(window: [f64; 3]) -> Option<Cause> {
+    let [one, two] = [window[1] / window[0], window[2] / window[0]];
+    let is = |a: f64, b: f64| (one / a - 1.0).abs() < 0.02 && (two / b - 1.0).abs() < 0.02;
+    let gain = fit::gain_in_words(window[0]);
+    Some(match () {
+        () if is(1.0, 1.0) => Cause { kind: "gain", words: gain },
+        () if is(1.5, 4.0) => Cause { kind: "cosine", words: "radiance: not convolved with the cosine".to_owned() },
+        () if is(2.0 / 3.0, 0.25) => {
+            Cause { kind: "cosine", words: "convolved with the cosine once too often".to_owned() }
+        }
+        () if (window[0] - 1.0).abs() < 0.05 => {
+            let words = format!("windowed against ringing: degree 1 times {one:.2}, degree 2 times {two:.2}");
+            Cause { kind: "window", words }
+        }
+        () => return None,
+    })
 }
 
 impl ShScore {
     /// Removes factors from the verdict because the axes or the light do not fit.
     pub fn doubt(&mut self) {
-        if self.errors.relmse > GOOD && self.better.is_none() {
+        if self.errors.relmse > GOOD && self.causes.iter().all(|cause| cause.kind != "axes") {
             self.verdict = DOUBT.to_owned();
+            self.causes = vec![Cause { kind: "unknown", words: DOUBT.to_owned() }];
         }
     }
 }

@@ -1,62 +1,90 @@
-//! Names the slip that explains a level.
+//! Names the slips that explain a level.
 //!
 //! Each known slip is put into the exact level, and the result is compared with the file. The slip that comes nearest is
-//! named if it leaves at most `EXPLAINED` of the error, and at most `CLOSE`.
+//! named if it leaves at most `EXPLAINED` of the error, and at most `CLOSE`; two slips, if one leaves the level wrong.
 
 use super::directions::Directions;
 use super::exact::exact;
-use super::{EXPLAINED, Truth, errors, faces, fit, has_width};
-use crate::color::srgb_encode;
+use super::{Cause, EXPLAINED, Truth, errors, faces, fit, has_width};
+use crate::brdf::MODELS;
+use crate::color::{srgb_curve, srgb_decode};
+use crate::environment::Environment;
 use crate::precompute::prefilter::{Kernel, WEIGHTS};
-use glam::{DMat3, DVec3, Vec3Swizzles};
+use glam::{DMat3, DQuat, DVec3, Vec3Swizzles};
+use std::f64::consts::PI;
 
 #[derive(Clone, Debug, PartialEq)]
 pub struct Slip {
-    /// The slip; if there is one, the flag or setting that corrects it.
-    pub words: String,
-    /// relMSE that remains over the level's own.
+    pub causes: Vec<Cause>,
+    /// relMSE that remains, over the level's own and by itself.
     pub left: f64,
+    pub relmse: f64,
+}
+
+impl Slip {
+    pub fn one(kind: &'static str, words: String, [left, relmse]: [f64; 2]) -> Self {
+        Self { causes: vec![Cause { kind, words }], left, relmse }
+    }
 }
 
 /// Approximate number of texels that are compared.
-const TEXELS: f64 = 600.0;
+const TEXELS: usize = 864;
 /// Largest relMSE that a slip may leave: 10 % rms.
 const CLOSE: f64 = 0.01;
+/// relMSE above which a second slip is tried: 1 % rms.
+const ENOUGH: f64 = 1e-4;
+/// relMSE of a fit above which slips are tried that take longer: 0.1 % rms.
+const SURE: f64 = 1e-6;
+/// Largest share of one slip's rest that two may leave.
+pub const BETTER: f64 = 0.3;
 /// Step of the turns about y that are tried, degrees, and the bisections around the best.
 const TURN_STEP: f64 = 5.0;
 const TURNS_REFINED: u32 = 8;
+/// Points per side of a mirror level's texel.
+const MIRROR_POINTS: u32 = 3;
 /// Smallest ratio of two channels' gains that is a slip.
 const CHANNELS_APART: f64 = 1.02;
 /// Smallest turn that is a slip, degrees.
 const TURN_MIN: f64 = 0.5;
+/// Largest relative difference of a bake's mean and its source's.
+const SAME_MEAN: f64 = 0.02;
+/// Texels below this share of a cut are not cut.
+const UNCUT: f64 = 0.98;
 
 /// Slips that change each texel by itself, as functions of the right colour.
 type Change = fn(DVec3) -> DVec3;
-static CHANGES: &[(&str, Change)] = &[
-    ("the channels are in the order R, B, G", |x| x.xzy()),
-    ("the channels are in the order G, R, B", |x| x.yxz()),
-    ("the channels are in the order B, G, R", |x| x.zyx()),
-    ("the channels are in the order G, B, R", |x| x.yzx()),
-    ("the channels are in the order B, R, G", |x| x.zxy()),
-    ("encoded with gamma 2.2; decode it before the bake is read", |x| x.powf(1.0 / 2.2)),
+pub static ORDERS: &[(&str, Change)] = &[
+    ("R, B, G", |x| x.xzy()),
+    ("G, R, B", |x| x.yxz()),
+    ("B, G, R", |x| x.zyx()),
+    ("G, B, R", |x| x.yzx()),
+    ("B, R, G", |x| x.zxy()),
+];
+/// Curves of a file or of its source.
+static CURVES: &[(&str, Change)] = &[
+    ("encoded with gamma 2.2: decode it", |x| x.powf(1.0 / 2.2)),
     ("decoded with gamma 2.2 though it was linear", |x| x.powf(2.2)),
-    ("encoded as sRGB and cut at 1: an LDR file", |x| {
-        DVec3::from_array(x.to_array().map(|x| srgb_encode(x as f32).into()))
+    ("encoded as sRGB: decode it", |x| x.map(srgb_curve)),
+    ("decoded as sRGB though it was linear", |x| x.map(|x| srgb_decode(x as f32).into())),
+    ("tone-mapped by Reinhard's x/(1 + x)", |x| x / (1.0 + x)),
+    ("tone-mapped by the ACES curve of Narkowicz", |x| {
+        (x * (2.51 * x + 0.03) / (x * (2.43 * x + 0.59) + 0.14)).min(DVec3::ONE)
     }),
-    ("RGBM read as linear radiance; multiply by alpha and the range", |x| rgbm(x, 8.0)),
-    ("RGBM of range 64 read as linear radiance; multiply by alpha and 64", |x| rgbm(x, 64.0)),
-    ("RGBM of square roots read as linear radiance; decode it", |x| rgbm(x.powf(0.5), 8.0)),
-    ("RGBM with gamma 2.2 read as linear radiance; decode it", |x| rgbm(x.powf(1.0 / 2.2), 8.0)),
-    ("RGBD read as linear radiance; divide by alpha", rgbd),
-    ("RGBD with gamma 2.2 read as linear radiance; decode it", |x| rgbd(x).powf(1.0 / 2.2)),
-    ("RGBE read as linear radiance; scale by 2 to the exponent in alpha", rgbe),
-    ("LogLuv read as linear radiance; decode it", log_luv),
+];
+/// Ranges of RGBM, and the exponents of their colours.
+static RGBM: &[(f64, f64)] =
+    &[(5.0, 1.0), (6.0, 1.0), (7.0, 1.0), (8.0, 1.0), (16.0, 1.0), (64.0, 1.0), (8.0, 2.0), (5.0, 2.2), (8.0, 2.2)];
+static PACKINGS: &[(&str, Change)] = &[
+    ("RGBD read as linear radiance: divide by alpha", rgbd),
+    ("RGBD with gamma 2.2 read as linear radiance: decode it", |x| rgbd(x).powf(1.0 / 2.2)),
+    ("RGBE read as linear radiance: scale by 2 to the exponent in alpha", rgbe),
+    ("LogLuv read as linear radiance: decode it", log_luv),
 ];
 
 /// Colours of RGBM: over the range and over a multiplier of at most 1, in steps of 1/255.
 fn rgbm(x: DVec3, range: f64) -> DVec3 {
     let multiplier = (255.0 * (x.max_element() / range).min(1.0)).ceil() / 255.0;
-    if multiplier > 0.0 { x / (range * multiplier) } else { x }
+    if multiplier > 0.0 { (x / (range * multiplier)).min(DVec3::ONE) } else { x }
 }
 
 /// Colours of RGBD: times a divisor of at most 1 that brings the largest below 1.
@@ -78,130 +106,281 @@ fn log_luv(x: DVec3) -> DVec3 {
     DVec3::new(x / sum, y / sum, (log - (255.0 * log.fract()).floor() / 255.0) / 255.0)
 }
 
+/// Rounds to three digits.
+fn rounded(x: f64) -> f64 {
+    let digits = 10.0_f64.powf(2.0 - x.max(1e-9).log10().floor());
+    (x * digits).round() / digits
+}
+
+/// Lists changed maps whose mean is a bake's: convolutions keep the mean.
+pub fn sources(environment: &Environment, mean: DVec3) -> Vec<(Cause, Environment)> {
+    let image = &environment.image;
+    let changed = |most: f64, curve: Option<Change>| {
+        move |texel: [f32; 3]| {
+            let x = DVec3::from_array(texel.map(f64::from)).min(DVec3::splat(most));
+            curve.map_or(x, |curve| curve(x))
+        }
+    };
+    let mean_of = |most: f64, curve: Option<Change>| {
+        let (mut sum, mut whole) = (DVec3::ZERO, 0.0);
+        // Curves flatten lamps, so that some texels are enough.
+        let step = if curve.is_some() { 3 } else { 1 };
+        for (y, row) in image.data.chunks_exact(image.width as usize).enumerate().step_by(step) {
+            let weight = (PI * (y as f64 + 0.5) / f64::from(image.height)).sin();
+            whole += weight * row.len() as f64;
+            sum += weight * row.iter().map(|texel| changed(most, curve)(*texel)).sum::<DVec3>();
+        }
+        sum / whole
+    };
+    let (mut low, mut high) = (1e-3, image.data.iter().flatten().fold(1e-3, |most: f32, x| most.max(*x)).into());
+    for _ in 0..24 {
+        let middle = f64::sqrt(low * high);
+        let is_more = mean_of(middle, None).element_sum() > mean.element_sum();
+        if is_more { high = middle } else { low = middle }
+    }
+    let ldr = if (high - 1.0).abs() < 0.05 { ": an LDR source" } else { "" };
+    let cut = (format!("cut at {}{ldr}", rounded(high)), high, None);
+    let curves = CURVES.iter().flat_map(|(words, curve)| {
+        [((*words).to_owned(), f64::INFINITY, Some(*curve)), (format!("cut at 1 and {words}"), 1.0, Some(*curve))]
+    });
+    let is_same = |own: DVec3| (own - mean).abs().cmple(SAME_MEAN * mean).all();
+    let alike = std::iter::once(cut).chain(curves).filter(|(_, most, curve)| is_same(mean_of(*most, *curve)));
+    let source = |(words, most, curve): (String, f64, Option<Change>)| {
+        let image = image.map(|texel| changed(most, curve)(texel).as_vec3().to_array());
+        let cause = Cause { kind: "source", words: format!("a bake of the map {words}") };
+        (cause, Environment::from_image(environment.name.clone(), image))
+    };
+    alike.map(source).collect()
+}
+
+/// A level as its file has it.
+#[derive(Clone, Copy)]
 pub struct Level<'a> {
     pub truth: &'a Truth<'a>,
-    /// The truth of the same map, cut at 1.
-    pub of_cut: &'a Truth<'a>,
+    pub kernel: Kernel,
+    /// Returns truths of other sources with the same mean.
+    pub sources: &'a dyn Fn() -> &'a [(Cause, Truth<'a>)],
     pub directions: &'a Directions,
     pub found: &'a [DVec3],
-    pub exact: &'a [DVec3],
     pub alpha: f64,
+    /// The flag that scales the file, and its value.
+    pub scale: (&'static str, f64),
+}
+
+/// Values that a file with some slips would have.
+#[derive(Clone)]
+struct Slipped {
+    causes: Vec<Cause>,
+    values: Vec<DVec3>,
+}
+
+impl Slipped {
+    fn one(kind: &'static str, words: String, values: Vec<DVec3>) -> Self {
+        Self { causes: vec![Cause { kind, words }], values }
+    }
+
+    fn with(&self, kind: &'static str, words: String, change: impl Fn(DVec3) -> DVec3) -> Self {
+        let cause = Cause { kind, words };
+        let causes = self.causes.iter().cloned().chain([cause]).collect();
+        Self { causes, values: self.values.iter().map(|x| change(*x)).collect() }
+    }
 }
 
 impl Level<'_> {
-    /// Returns the slip that leaves least, if it explains the level.
-    pub fn slip(&self) -> Option<Slip> {
+    /// Describes a gain with the flag that fixes it.
+    pub fn gain_in_words(&self, gain: f64) -> String {
+        let (flag, scale) = self.scale;
+        format!("{}: {flag} {:.4}", fit::gain_in_words(gain), scale / gain)
+    }
+
+    /// Returns the slips that leave least, if they explain the level clearly better than its fit, which leaves a share.
+    pub fn slip(&self, fit_left: f64) -> Option<Slip> {
         if self.found.iter().all(|texel| *texel == DVec3::ZERO) {
-            return Some(Slip { words: "every texel is black".to_owned(), left: 0.0 });
+            return Some(Slip::one("black", "every texel is black".to_owned(), [0.0; 2]));
         }
-        let side = (self.directions.world.len() as f64 / TEXELS).sqrt().round() as usize;
-        // An odd stride covers all columns.
-        let sample = Sample::new(self, side.max(1) | 1);
-        let changes = CHANGES.iter().map(|(words, change)| sample.slip((*words).to_owned(), |x, _| change(x)));
-        let slips = changes.chain(sample.cuts()).chain(sample.gain()).chain(sample.of_cut()).chain(sample.weights());
-        let slips = slips.chain(sample.channel_gains()).chain(sample.turn()).chain(
-            faces::slip(self.truth, self.directions, self.found, self.exact).map(|(words, left)| Slip { words, left }),
-        );
+        let sample = Sample::new(self);
+        // Without error there is nothing to explain.
+        let right = Slipped { causes: Vec::new(), values: sample.of(self.truth, self.kernel) };
+        let own = sample.off(&sample.found, &right.values);
+        let (mut one, mut two): (Option<Slip>, Option<Slip>) = (None, None);
+        let is_enough = |left: f64| left <= EXPLAINED && left * own <= ENOUGH;
+        let left = |slip: &Option<Slip>| slip.as_ref().map_or(1.0, |slip| slip.left);
+        // What takes longer is tried only if it is needed.
+        for stage in 0..3 {
+            if is_enough(left(&one)) || fit_left * own <= SURE {
+                break;
+            }
+            let bases = match stage {
+                0 => vec![right.clone()],
+                1 => [sample.kernels(), sample.sources()].concat(),
+                _ => sample.turn().into_iter().collect(),
+            };
+            for (causes, off) in bases.into_iter().flat_map(|base| sample.finished(sample.coded(base))) {
+                let best = if causes.len() == 1 { &mut one } else { &mut two };
+                if !causes.is_empty() && best.as_ref().is_none_or(|best| off / own < best.left) {
+                    *best = Some(Slip { causes, left: off / own, relmse: off });
+                }
+            }
+        }
+        let known = left(&one).min(fit_left);
+        let two = two.filter(|slip| !is_enough(known) && slip.left < BETTER * known);
+        let best = two.or(one.filter(|slip| slip.left < 0.5 * fit_left))?;
         // For another map, a slip that flattens the level leaves a small part of a huge error.
-        let is_close = |slip: &Slip| slip.left <= EXPLAINED && slip.left * sample.own <= CLOSE;
-        slips.filter(is_close).min_by(|a, b| a.left.total_cmp(&b.left))
+        (best.left <= EXPLAINED && best.left * own <= CLOSE).then_some(best)
     }
 }
 
-struct Sample<'a> {
-    level: &'a Level<'a>,
+struct Sample<'a, 'l> {
+    level: &'a Level<'l>,
     directions: Directions,
     found: Vec<DVec3>,
-    exact: Vec<DVec3>,
-    /// Error without a slip.
-    own: f64,
+    /// Largest value of the level.
+    most: f64,
 }
 
-impl<'a> Sample<'a> {
-    fn new(level: &'a Level<'a>, stride: usize) -> Self {
-        let chosen = level.directions.subset(stride);
-        let only = |texels: &[DVec3]| chosen.iter().map(|index| texels[*index]).collect::<Vec<_>>();
-        let (directions, found, exact) = (level.directions.only(&chosen), only(level.found), only(level.exact));
-        let own = errors(&directions, &found, &exact, level.truth.epsilon(), 1.0).relmse;
-        Self { level, directions, found, exact, own }
+impl<'a, 'l> Sample<'a, 'l> {
+    fn new(level: &'a Level<'l>) -> Self {
+        let chosen = level.directions.grid(TEXELS);
+        let found = chosen.iter().map(|index| level.found[*index]).collect();
+        let most = level.found.iter().map(|texel| texel.max_element()).fold(0.0, f64::max);
+        Self { level, directions: level.directions.only(&chosen), found, most }
     }
 
-    fn left(&self, slipped: &[DVec3]) -> f64 {
-        errors(&self.directions, &self.found, slipped, self.level.truth.epsilon(), 1.0).relmse / self.own
+    /// The right texels by a light and a kernel.
+    fn of(&self, truth: &Truth, kernel: Kernel) -> Vec<DVec3> {
+        exact(truth, kernel, &self.directions, self.level.alpha)
     }
 
-    /// A slip as a function of the right colour and the direction.
-    fn slip(&self, words: String, change: impl Fn(DVec3, DVec3) -> DVec3) -> Slip {
-        let slipped = self.exact.iter().zip(&self.directions.world).map(|(exact, world)| change(*exact, *world));
-        Slip { words, left: self.left(&slipped.collect::<Vec<_>>()) }
+    fn off(&self, found: &[DVec3], slipped: &[DVec3]) -> f64 {
+        errors(&self.directions, found, slipped, self.level.truth.epsilon(), 1.0).relmse
     }
 
-    /// Cut at the largest value of the file: each channel, or the colour as a whole.
-    fn cuts(&self) -> impl Iterator<Item = Slip> {
-        let most = self.level.found.iter().map(|texel| texel.max_element()).fold(0.0, f64::max);
-        let words = || format!("cut at {most:.3}");
-        let each = self.slip(words(), |x, _| x.min(DVec3::splat(most)));
-        [each, self.slip(words(), |x, _| x * (most / x.max_element().max(most)))].into_iter()
-    }
-
-    /// A gain alone. Wider levels have a fit of width and gain.
-    fn gain(&self) -> impl Iterator<Item = Slip> {
-        let is_narrow = !has_width(self.level.alpha);
-        let gain = fit::gain(&self.directions, &self.found, &self.exact, self.level.truth.epsilon());
-        is_narrow.then(|| self.slip(fit::gain_in_words(gain), |x, _| gain * x)).into_iter()
-    }
-
-    fn channel_gains(&self) -> Option<Slip> {
-        let only = |texels: &[DVec3], axis: DVec3| texels.iter().map(|texel| *texel * axis).collect::<Vec<_>>();
-        let gains = [DVec3::X, DVec3::Y, DVec3::Z].map(|axis| {
-            let (found, exact) = (only(&self.found, axis), only(&self.exact, axis));
-            let is_black = found.iter().all(|texel| *texel == DVec3::ZERO);
-            if is_black { 0.0 } else { fit::gain(&self.directions, &found, &exact, self.level.truth.epsilon()) }
+    fn kernels(&self) -> Vec<Slipped> {
+        let Kernel { brdf, weight, masking } = self.level.kernel;
+        let truth = self.level.truth;
+        if !has_width(self.level.alpha) || brdf.name() != truth.kernel.brdf.name() {
+            return Vec::new();
+        }
+        let weights = WEIGHTS.iter().filter(|other| other.name != weight.name);
+        let weights = weights.map(|other| {
+            ("weight", format!("weighted otherwise: --weight {}", other.name), Kernel::new(brdf, other, masking))
         });
-        let [red, green, blue] = gains;
-        let words = format!("red, green and blue are {red:.2}, {green:.2} and {blue:.2} times what they should be");
-        let gains = DVec3::from_array(gains);
-        let is_uneven = gains.max_element() > CHANNELS_APART * gains.min_element();
-        is_uneven.then(|| self.slip(words, |x, _| gains * x))
+        let models = MODELS.iter().filter(|other| other.name() != brdf.name());
+        let models = models.map(|other| {
+            ("model", format!("of another model: --brdf {}", other.name()), Kernel::new(*other, weight, masking))
+        });
+        weights.chain(models).map(|(kind, words, kernel)| Slipped::one(kind, words, self.of(truth, kernel))).collect()
     }
 
-    fn of_cut(&self) -> impl Iterator<Item = Slip> {
-        let slipped = exact(self.level.of_cut, &self.directions, self.level.alpha);
-        let words = "a bake of the map cut at 1: an LDR source".to_owned();
-        std::iter::once(Slip { words, left: self.left(&slipped) })
-    }
-
-    fn weights(&self) -> impl Iterator<Item = Slip> {
-        let (truth, alpha) = (self.level.truth, self.level.alpha);
-        let Kernel { brdf, weight: own, masking } = truth.kernel;
-        let others = WEIGHTS.iter().filter(move |weight| has_width(alpha) && weight.name != own.name);
-        others.map(move |weight| {
-            let map = truth.prefiltered_by(Kernel::new(brdf, weight, masking), alpha);
-            self.slip(format!("weighted otherwise: --weight {}", weight.name), |_, world| map.value(world))
-        })
+    fn sources(&self) -> Vec<Slipped> {
+        let of = |own: &(Cause, Truth)| self.of(&own.1, self.level.kernel);
+        let sources = (self.level.sources)().iter();
+        sources.map(|own| Slipped::one(own.0.kind, own.0.words.clone(), of(own))).collect()
     }
 
     /// A turn about y that is not a quarter: the offset of a lat-long map.
-    fn turn(&self) -> Option<Slip> {
-        if !has_width(self.level.alpha) {
-            return None;
-        }
-        let map = self.level.truth.prefiltered(self.level.alpha);
+    fn turn(&self) -> Option<Slipped> {
+        let truth = self.level.truth;
+        let map = has_width(self.level.alpha).then(|| truth.prefiltered_by(self.level.kernel, self.level.alpha));
         let turned = |degrees: f64| {
-            let turn = glam::DQuat::from_rotation_y(degrees.to_radians());
-            let left = self.slip(String::new(), |_, world| map.value(turn * world)).left;
-            (degrees, left)
+            let turn = DQuat::from_rotation_y(degrees.to_radians());
+            match &map {
+                Some(map) => self.directions.world.iter().map(|world| map.value(turn * *world)).collect(),
+                None => self.directions.means(MIRROR_POINTS, |world| truth.environment.radiance(turn * world)),
+            }
+        };
+        let scored = |degrees: f64| {
+            let values: Vec<DVec3> = turned(degrees);
+            let gain = self.gain(&values);
+            (degrees, self.off(&self.found, &values.iter().map(|x| gain * *x).collect::<Vec<_>>()))
         };
         let nearer = |a: (f64, f64), b: (f64, f64)| if b.1 < a.1 { b } else { a };
-        let mut best = (0..(360.0 / TURN_STEP) as u32).map(|k| turned(TURN_STEP * f64::from(k))).reduce(nearer)?;
+        let mut best = (0..(360.0 / TURN_STEP) as u32).map(|k| scored(TURN_STEP * f64::from(k))).reduce(nearer)?;
         let mut step = 0.5 * TURN_STEP;
         for _ in 0..TURNS_REFINED {
-            best = nearer(nearer(best, turned(best.0 - step)), turned(best.0 + step));
+            best = nearer(nearer(best, scored(best.0 - step)), scored(best.0 + step));
             step *= 0.5;
         }
         let degrees = (best.0 + 180.0).rem_euclid(360.0) - 180.0;
         let words =
             format!("turned by {degrees:.0}° about y: an offset of {:.3} of a lat-long map's width", degrees / 360.0);
-        (degrees.abs() >= TURN_MIN).then_some(Slip { words, left: best.1 })
+        (degrees.abs() >= TURN_MIN).then(|| Slipped::one("turn", words, turned(best.0)))
+    }
+
+    /// The same with another order of channels, another encoding, or both; at most two slips.
+    fn coded(&self, base: Slipped) -> Vec<Slipped> {
+        let order = |(words, change): &(&str, Change)| {
+            base.with("channels", format!("the channels are in the order {words}"), change)
+        };
+        let orders: Vec<Slipped> = ORDERS.iter().map(order).collect();
+        let mut all: Vec<Slipped> = Vec::new();
+        for base in orders.into_iter().chain([base]).filter(|base| base.causes.len() < 2) {
+            for (words, change) in CURVES.iter().chain(PACKINGS) {
+                all.push(base.with("encoding", (*words).to_owned(), change));
+            }
+            for &(range, exponent) in RGBM {
+                let words = format!("RGBM read as linear radiance: (alpha times {range} times the colour)^{exponent}");
+                all.push(base.with("encoding", words, |x| rgbm(x.powf(1.0 / exponent), range)));
+            }
+            all.push(base);
+        }
+        all
+    }
+
+    fn gain(&self, values: &[DVec3]) -> f64 {
+        fit::gain(&self.directions, &self.found, values, self.level.truth.epsilon())
+    }
+
+    /// Adds a gain, gains by channel, a cut or moved faces to those with fewer than two slips. Returns what each leaves.
+    fn finished(&self, coded: Vec<Slipped>) -> impl Iterator<Item = (Vec<Cause>, f64)> {
+        let with_gain = |from: &Slipped, gain: f64| from.with("gain", self.level.gain_in_words(gain), |x| gain * x);
+        let cut_words = format!("cut at {}", rounded(self.most));
+        let (most, each) = (self.most, DVec3::splat(self.most));
+        coded.into_iter().flat_map(move |slipped| {
+            let (mut all, mut by_faces) = (Vec::new(), Vec::new());
+            if slipped.causes.len() < 2 {
+                all.push(with_gain(&slipped, self.gain(&slipped.values)));
+                all.extend(self.channel_gains(&slipped));
+                // The gain of what is not cut.
+                let uncut = |(found, _): &(&DVec3, &DVec3)| found.max_element() < UNCUT * most;
+                let pairs = self.found.iter().zip(&slipped.values).filter(uncut);
+                let [found, right] = pairs.fold([0.0; 2], |[a, b], (x, y)| [a + x.element_sum(), b + y.element_sum()]);
+                let before = slipped.causes.is_empty().then(|| with_gain(&slipped, found / right.max(1e-12)));
+                for from in [Some(&slipped), before.as_ref()].into_iter().flatten() {
+                    all.push(from.with("cut", cut_words.clone(), |x| x.min(each)));
+                    all.push(from.with("cut", cut_words.clone(), |x| x * (most / x.max_element().max(most))));
+                }
+                // Moved faces keep the mean.
+                let sum = |texels: &[DVec3]| -> f64 {
+                    texels.iter().zip(&self.directions.weights).map(|(x, weight)| weight * x.element_sum()).sum()
+                };
+                let gain = sum(&self.found) / sum(&slipped.values).max(1e-12);
+                let gained = slipped.causes.is_empty().then(|| with_gain(&slipped, gain));
+                for from in [Some(&slipped), gained.as_ref()].into_iter().flatten() {
+                    let moved = faces::slip(self.level.truth, &self.directions, &self.found, &from.values);
+                    by_faces.extend(moved.map(|(cause, off)| ([&[cause], &from.causes[..]].concat(), off)));
+                }
+            }
+            all.push(slipped);
+            let off = |slipped: Slipped| {
+                let off = self.off(&self.found, &slipped.values);
+                (slipped.causes, off)
+            };
+            all.into_iter().map(off).chain(by_faces).collect::<Vec<_>>()
+        })
+    }
+
+    fn channel_gains(&self, from: &Slipped) -> Option<Slipped> {
+        let only = |texels: &[DVec3], axis: DVec3| texels.iter().map(|texel| *texel * axis).collect::<Vec<_>>();
+        let gains = [DVec3::X, DVec3::Y, DVec3::Z].map(|axis| {
+            let (found, right) = (only(&self.found, axis), only(&from.values, axis));
+            let is_black = found.iter().all(|texel| *texel == DVec3::ZERO);
+            if is_black { 0.0 } else { fit::gain(&self.directions, &found, &right, self.level.truth.epsilon()) }
+        });
+        let [red, green, blue] = gains;
+        let words = format!("red, green and blue are {red:.2}, {green:.2} and {blue:.2} times what they should be");
+        let gains = DVec3::from_array(gains);
+        let is_uneven = gains.max_element() > CHANNELS_APART * gains.min_element();
+        is_uneven.then(|| from.with("gain", words, |x| gains * x))
     }
 }

@@ -1,7 +1,9 @@
 //! The score of a DFG table, and the conventions that fit it best.
 
+use super::Cause;
 use crate::bakes::convention::{Convention, TABLE_AXES, TABLE_CHANNELS, TableAxes, TableChannels};
 use crate::brdf::{Brdf, MaskingShadowing, alpha_from_perceptual_roughness};
+use crate::color::srgb_decode;
 use crate::glsl::constants::ALPHA_MIN;
 use crate::pixels::RgbImage;
 use crate::precompute::dfg::reference::dfg_within;
@@ -30,6 +32,8 @@ pub struct TableScore {
     pub worst: DVec2,
     /// Number of compared texels.
     pub count: usize,
+    /// What the verdict names; empty if the table is good.
+    pub causes: Vec<Cause>,
     pub verdict: String,
 }
 
@@ -56,57 +60,68 @@ pub fn score(table: &RgbImage, brdf: &'static dyn Brdf, convention: &Convention)
     let (worst, max_error, _) =
         errors.iter().copied().max_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or((DVec2::ZERO, 0.0, 0.0));
     let rms = (errors.iter().map(|(_, _, square)| square).sum::<f64>() / errors.len() as f64).sqrt();
-    let verdict = if max_error <= GOOD {
-        "good: below 1/255, a step of 8 bits".to_owned()
-    } else {
-        explained(table, brdf, convention, [rms, max_error])
-    };
-    TableScore { max_error, rms, worst, count: errors.len(), verdict }
+    let cause = (max_error > GOOD).then(|| explained(table, brdf, convention, [rms, max_error]));
+    let verdict = cause.as_ref().map_or("good: below 1/255, a step of 8 bits", |cause| &cause.words).to_owned();
+    TableScore { max_error, rms, worst, count: errors.len(), causes: cause.into_iter().collect(), verdict }
 }
 
-fn explained(table: &RgbImage, brdf: &'static dyn Brdf, convention: &Convention, [rms, max_error]: [f64; 2]) -> String {
+fn explained(table: &RgbImage, brdf: &'static dyn Brdf, convention: &Convention, [rms, max_error]: [f64; 2]) -> Cause {
     let Convention { table_axes, table_channels, masking, .. } = convention;
     let found = search(table, brdf).swap_remove(0);
     let is_own =
         found.axes.name == table_axes.name && found.channels.name == table_channels.name && found.masking == *masking;
     if !is_own && found.rms < 0.5 * rms {
-        return format!(
-            "--table-axes {} --table-channels {} --masking {} fit better: rms {:.1e}",
-            found.axes.name,
-            found.channels.name,
-            found.masking.name(),
-            found.rms
-        );
+        return Cause { kind: "convention", words: format!("{found} fit better: rms {:.1e}", found.rms) };
     }
-    // A table sampled at texel corners is shifted by up to a texel.
     let places = places(table, SEARCHED);
     let texel = DVec2::new(1.0 / f64::from(table.width), 1.0 / f64::from(table.height));
+    // A table sampled at texel corners is shifted by up to a texel.
     let sides = [-1.0, -0.5, 0.5, 1.0];
     let along = |axis: DVec2| sides.iter().map(move |side| axis * *side);
-    let shifts: Vec<DVec2> = [DVec2::ZERO].into_iter().chain(along(DVec2::X)).chain(along(DVec2::Y)).collect();
-    let rms_at = |shift: &DVec2| {
+    let readings = along(DVec2::X).chain(along(DVec2::Y)).map(|shift| (None, shift));
+    let readings: Vec<_> = readings.chain(READINGS.iter().map(|reading| (Some(reading), DVec2::ZERO))).collect();
+    let rms_by = |(reading, shift): &(Option<&Reading>, DVec2)| {
         let square = |place: &Place| {
             let at = table_axes.parameters(place.uv + *shift * texel).clamp(DVec2::splat(1e-3), DVec2::ONE);
-            ((table_channels.pair)(place.texel) - exact(brdf, *masking, at, SEARCHED_WITHIN)).length_squared()
+            let (at, texel) = reading.map_or((at, place.texel), |(.., read)| read(at, place.texel));
+            ((table_channels.pair)(texel) - exact(brdf, *masking, at, SEARCHED_WITHIN)).length_squared()
         };
         (0.5 * places.iter().map(square).sum::<f64>() / places.len() as f64).sqrt()
     };
-    let all: Vec<f64> = shifts.par_iter().map(rms_at).collect();
-    let own = all[0];
-    let best = (0..all.len()).min_by(|a, b| all[*a].total_cmp(&all[*b])).expect("shifts");
+    let own = rms_by(&(None, DVec2::ZERO));
+    let all: Vec<f64> = readings.par_iter().map(rms_by).collect();
+    let best = (0..all.len()).min_by(|a, b| all[*a].total_cmp(&all[*b])).expect("readings");
     if all[best] < 0.5 * own {
-        let shift = shifts[best];
-        let (far, side) = match -(shift.x + shift.y) {
-            far if shift.x != 0.0 => (far.abs(), if far > 0.0 { "far right" } else { "far left" }),
-            far => (far.abs(), if far > 0.0 { "low" } else { "high" }),
-        };
         let share = 100.0 * (all[best] / own);
-        return format!("its values are {far} texel too {side}; moving them back leaves {share:.0} % of the rms");
+        let (reading, shift) = readings[best];
+        let (kind, words) =
+            reading.map_or_else(|| ("shift", shifted(shift)), |(kind, words, _)| (*kind, (*words).to_owned()));
+        return Cause { kind, words: format!("{words}; fixing it leaves {share:.0} % of the rms") };
     }
-    if rms > NOISE {
-        return "no convention fits: not a DFG table of this model, or encoded".to_owned();
-    }
-    format!("no other convention fits better; the largest error is {:.0} steps of 8 bits", 255.0 * max_error)
+    let words = if rms > NOISE {
+        "no convention fits: not a DFG table of this model, or encoded".to_owned()
+    } else {
+        format!("no other convention fits better; the largest error is {:.0} steps of 8 bits", 255.0 * max_error)
+    };
+    Cause { kind: "unknown", words }
+}
+
+/// Another meaning of a table: how to read the parameters of a place and its texel.
+type Reading = (&'static str, &'static str, fn(DVec2, DVec2) -> (DVec2, DVec2));
+static READINGS: &[Reading] = &[
+    ("encoding", "encoded with gamma 2.2: decode it", |at, texel| (at, texel.powf(2.2))),
+    ("encoding", "encoded as sRGB: decode it", |at, texel| (at, texel.map(|x| srgb_decode(x as f32).into()))),
+    ("axis", "its lines are alpha; expected perceptual roughness", |at, texel| (DVec2::new(at.x, at.y.sqrt()), texel)),
+    ("axis", "its lines are the root of roughness", |at, texel| (DVec2::new(at.x, at.y * at.y), texel)),
+    ("axis", "its lines are the root of n·v", |at, texel| (DVec2::new(at.x * at.x, at.y), texel)),
+];
+
+fn shifted(shift: DVec2) -> String {
+    let (far, side) = match -(shift.x + shift.y) {
+        far if shift.x != 0.0 => (far.abs(), if far > 0.0 { "far right" } else { "far left" }),
+        far => (far.abs(), if far > 0.0 { "low" } else { "high" }),
+    };
+    format!("its values are {far} texel too {side}")
 }
 
 pub struct Fitting {
@@ -118,8 +133,8 @@ pub struct Fitting {
 
 impl fmt::Display for Fitting {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        let Self { axes, channels, masking, rms } = self;
-        write!(f, "axes {}, channels {}, masking {}: rms {rms:.1e}", axes.name, channels.name, masking.name())
+        let Self { axes, channels, masking, .. } = self;
+        write!(f, "--table-axes {} --table-channels {} --masking {}", axes.name, channels.name, masking.name())
     }
 }
 

@@ -5,7 +5,7 @@ use super::scores::marked_light;
 use glam::DVec3;
 use splitsum::bakes::check::{Judged, Judging, Truth};
 use splitsum::bakes::{Bake, Map, Stated};
-use splitsum::brdf::Ggx;
+use splitsum::brdf::{Beckmann, Brdf, Ggx, Phong};
 use splitsum::environment::Environment;
 use splitsum::environment::layout::LAYOUTS;
 use splitsum::pixels::RgbImage;
@@ -65,6 +65,20 @@ fn slips_of_faces_and_texels_are_named() {
         ("face +y is turned by 90° clockwise", |map| {
             each_face(map, |faces| faces[2] = RgbImage::from_fn(SIDE, SIDE, |x, y| faces[2].get(y, SIDE - 1 - x)));
         }),
+        // Two slips at once, and what is left without them.
+        ("faces +x and -z are swapped; pi times what it should be: --scale 0.3183; fixed, at most 0.0 %", |map| {
+            each_face(map, |faces| faces.swap(0, 5));
+            each_texel(map, |rgb| rgb.map(|x| x * PI as f32));
+        }),
+        ("in the order B, G, R; encoded as sRGB", |map| each_texel(map, |[r, g, b]| [b, g, r].map(srgb))),
+        ("levels 0 to 2: encoded as sRGB: decode it; fixed", |map| each_texel(map, |rgb| rgb.map(srgb))),
+        ("encoded with gamma 2.2: decode it; cut at 1", |map| {
+            each_texel(map, |rgb| rgb.map(|x| x.powf(1.0 / 2.2).min(1.0)));
+        }),
+        ("--axes=-x+y+z, of --preset three or", |map| mirrored_and_twice(map)),
+        ("or --guess; besides, levels 0 to 2: 2 times what it should be: --scale 0.5000", |map| {
+            mirrored_and_twice(map)
+        }),
         ("every texel is black", |map| each_texel(map, |_| [0.0; 3])),
         ("in the order B, G, R", |map| each_texel(map, |[r, g, b]| [b, g, r])),
         ("in the order G, B, R", |map| each_texel(map, |[r, g, b]| [g, b, r])),
@@ -76,7 +90,7 @@ fn slips_of_faces_and_texels_are_named() {
             map.levels[1][4].data[(7 * SIDE + 9) as usize] = [6e4; 3];
         }),
         ("every face is flipped left to right", |map| each_place(map, |x, y| [SIDE - 1 - x, y])),
-        ("cut at 1.000", |map| each_texel(map, |rgb| rgb.map(|x| x.min(1.0)))),
+        ("cut at 1; fixed", |map| each_texel(map, |rgb| rgb.map(|x| x.min(1.0)))),
         ("RGBM read", |map| {
             each_texel(map, |rgb| {
                 let shared = (255.0 * (largest(rgb) / 6.0).min(1.0)).ceil() / 255.0;
@@ -113,6 +127,18 @@ fn slips_of_faces_and_texels_are_named() {
     }
 }
 
+fn srgb(x: f32) -> f32 {
+    if x <= 0.003_130_8 { 12.92 * x } else { 1.055 * x.powf(1.0 / 2.4) - 0.055 }
+}
+
+fn mirrored_and_twice(map: &mut Map) {
+    each_face(map, |faces| {
+        faces.swap(0, 1);
+        faces.iter_mut().for_each(|face| *face = RgbImage::from_fn(SIDE, SIDE, |x, y| face.get(SIDE - 1 - x, y)));
+    });
+    each_texel(map, |rgb| rgb.map(|x| 2.0 * x));
+}
+
 #[test]
 fn slips_of_the_light_and_of_the_kernel_are_named() {
     let light = marked_light();
@@ -120,10 +146,34 @@ fn slips_of_the_light_and_of_the_kernel_are_named() {
     let turn = glam::DQuat::from_rotation_y(37.0_f64.to_radians());
     let verdict = judged(&light, cube(&truth, &ALPHAS, |direction| turn * direction), Some(&ALPHAS)).verdict();
     assert!(verdict.contains("turned by 37° about y: an offset of 0.103"), "{verdict}");
-    let cut = light.clipped(1.0);
-    let cut = Truth::new(&cut, Kernel::cosine(&Ggx), &ALPHAS);
-    let verdict = judged(&light, cube(&cut, &ALPHAS, |direction| direction), Some(&ALPHAS)).verdict();
-    assert!(verdict.contains("an LDR source"), "{verdict}");
+    // Convolutions keep the mean, which tells where a source was cut.
+    type Change = fn(f32) -> f32;
+    let sources: [(&str, Change); 4] = [
+        ("cut at 1: an LDR source", |x| x.min(1.0)),
+        ("cut at 10", |x| x.min(10.0)),
+        ("tone-mapped by Reinhard", |x| x / (1.0 + x)),
+        ("cut at 1 and encoded as sRGB", |x| srgb(x.min(1.0))),
+    ];
+    for (words, change) in sources {
+        let source = Environment::from_image("source", light.image.map(|texel| texel.map(change)));
+        let of_source = Truth::new(&source, Kernel::cosine(&Ggx), &ALPHAS);
+        let judged = judged(&light, cube(&of_source, &ALPHAS, |direction| direction), Some(&ALPHAS));
+        assert!(judged.verdict().contains(&format!("a bake of the map {words}")), "{words}: {}", judged.verdict());
+        assert!(judged.causes().iter().all(|cause| cause.kind == "source"), "{:?}", judged.causes());
+    }
+    for brdf in [&Beckmann as &'static dyn Brdf, &Phong] {
+        let of_model = Truth::new(&light, Kernel::cosine(brdf), &ALPHAS);
+        let verdict = judged(&light, cube(&of_model, &ALPHAS, |direction| direction), Some(&ALPHAS)).verdict();
+        assert!(verdict.contains(&format!("of another model: --brdf {}", brdf.name())), "{verdict}");
+    }
+    let (kernel, alpha) = Truth::of_irradiance();
+    let exact = Truth::new(&light, kernel, &[alpha]).prefiltered(alpha);
+    let irradiance = faces(&LAYOUTS[0], [SIDE; 2], |d| exact.value(d));
+    let mut map = Map { layout: &LAYOUTS[0], levels: vec![irradiance] };
+    each_texel(&mut map, |[r, g, b]| [g, b, r]);
+    let bake = Bake { irradiance: Some(map), ..Bake::default() };
+    let verdict = Judging::stated(&Stated::default()).unwrap().judge(&light, &bake).unwrap().verdict();
+    assert!(verdict.contains("irradiance: the channels are in the order G, B, R"), "{verdict}");
     let other = WEIGHTS.iter().find(|weight| weight.name == "none").unwrap();
     let kernel = Kernel::new(&Ggx, other, Default::default());
     let of_other = Truth::new(&light, kernel, &ALPHAS);

@@ -1,8 +1,9 @@
 //! The mip chain in f64: the twin of the device pass.
 
-use super::{band, level_count, level_size, overlaps};
-use crate::pixels::{Pixels, RgbImage};
 use glam::DVec3;
+use splitsum::pixels::{Pixels, RgbImage};
+use splitsum::precompute::mips::{level_count, level_size};
+use std::f64::consts::PI;
 
 /// Computes every level, from the image itself down to 1 x 1, each from the level above.
 pub fn chain(image: &RgbImage) -> Vec<Pixels<DVec3>> {
@@ -29,4 +30,23 @@ pub fn downsample(source: &Pixels<DVec3>, size: [u32; 2]) -> Pixels<DVec3> {
         }
         sum / total
     })
+}
+
+/// Lists source texels under texel `index` of `count`, with the overlap's ends in source texels.
+pub fn overlaps(index: u32, count: u32, source_count: u32) -> impl Iterator<Item = (u32, f64, f64)> {
+    // Exact in integers: a rounded edge would add a sliver of another texel.
+    let edge = |i: u32| u64::from(i) * u64::from(source_count);
+    let (low, high) = (edge(index), edge(index + 1));
+    let count = u64::from(count);
+    (low / count..high.div_ceil(count)).map(move |source| {
+        let (start, end) = (low.max(source * count), high.min((source + 1) * count));
+        (source as u32, start as f64 / count as f64, end as f64 / count as f64)
+    })
+}
+
+/// Returns `cos θ_start - cos θ_end` of a band of rows of `height`: its solid angle per radian of azimuth.
+fn band(start: f64, end: f64, height: u32) -> f64 {
+    let theta = |row: f64| PI * row / f64::from(height);
+    // As a product: the difference of cosines loses digits in thin bands.
+    2.0 * (0.5 * (theta(start) + theta(end))).sin() * (0.5 * (theta(end) - theta(start))).sin()
 }
