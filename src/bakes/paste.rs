@@ -1,7 +1,7 @@
 //! The code of docs/paste.md.
 
 use super::container::write_table;
-use crate::brdf::MaskingShadowing;
+use crate::brdf::{Brdf, Ggx, MaskingShadowing};
 use crate::precompute::prefilter::{Kernel, LevelMapping};
 use crate::precompute::taps::{Chain, TapCount, TapTable};
 
@@ -10,8 +10,23 @@ const PAGE: &str = include_str!("../../docs/paste.md");
 /// The table of two taps beside an engine's files.
 pub const TAPS: &str = "taps.ktx2";
 
-/// Fits the table of two taps to the levels of a prefiltered map; a KTX 2 file.
+/// Fitted tables for GGX with correlated masking and the levels that engines have by default, since a fit takes more time
+/// than the maps of a bake. By weight, level mapping and number of levels.
+static FITTED: &[(&str, &[u8])] = &[
+    ("cosine-linear-6", include_bytes!("../../assets/bakes/taps/cosine-linear-6.ktx2")),
+    ("cosine-quadratic-5", include_bytes!("../../assets/bakes/taps/cosine-quadratic-5.ktx2")),
+    ("cosine-quadratic-6", include_bytes!("../../assets/bakes/taps/cosine-quadratic-6.ktx2")),
+    ("cosine-unity-7", include_bytes!("../../assets/bakes/taps/cosine-unity-7.ktx2")),
+    ("masking-unity-7", include_bytes!("../../assets/bakes/taps/masking-unity-7.ktx2")),
+];
+
+/// Returns the table of two taps for the levels of a prefiltered map; a KTX 2 file.
 pub fn taps(kernel: Kernel, masking: MaskingShadowing, mapping: &'static LevelMapping, level_count: u32) -> Vec<u8> {
+    let name = format!("{}-{}-{level_count}", kernel.weight.name, mapping.name);
+    let is_usual = kernel.brdf.name() == Ggx.name() && masking == MaskingShadowing::Correlated;
+    if let Some((_, file)) = FITTED.iter().find(|(fitted, _)| is_usual && *fitted == name) {
+        return file.to_vec();
+    }
     let chain = Chain::new(kernel, mapping, level_count);
     write_table(&TapTable::fit(&chain, kernel.brdf, masking, TapCount::Two).texels)
 }

@@ -3,7 +3,7 @@
 //! A cube or lat-long map is prefiltered radiance, or irradiance if it has one level; a square image is a DFG table;
 //! text is SH. `irradiance=FILE` and so on override this.
 
-use super::container::{FACE_COUNT, Texture, read_texture};
+use super::container::{FACE_COUNT, FORMATS, Texture, read_texture};
 use super::parts::{Bake, Manifest, Map};
 use super::sh;
 use crate::brdf::MODELS;
@@ -158,6 +158,15 @@ fn read_folder(path: &Path, part: Option<Part>, reading: Reading, bake: &mut Bak
     }
     if names.iter().any(|name| name == MANIFEST) {
         return read_ours(path, &names, reading, bake);
+    }
+    // The files of a tool such as cmgen; its skybox is the map itself.
+    let is_part = |name: &&String| {
+        let is_texture = FORMATS.iter().any(|format| name.ends_with(&format!(".{}", format.extension)));
+        (is_texture || name.ends_with("sh.txt")) && !name.contains("skybox")
+    };
+    let parts: Vec<&String> = names.iter().filter(is_part).collect();
+    if part.is_none() && parts.iter().any(|name| !name.ends_with("sh.txt") && face_of(name).is_none()) {
+        return parts.into_iter().try_for_each(|name| add_file(bake, &path.join(name), None, reading));
     }
     let map = read_faces(path, &names)?;
     let is_irradiance = part.map_or(map.levels.len() == 1, |part| part == Part::Irradiance);

@@ -72,6 +72,14 @@ fn bakes_for_every_engine_score_as_exact() {
         }
     }
     ok(dir.path(), &["check-bake", "bevy", "--environment", "builtin:sky"]);
+    // A tool's folder, as cmgen leaves it.
+    std::fs::create_dir(dir.path().join("tool")).unwrap();
+    for (from, to) in [("ibl.ktx", "sky_ibl.ktx"), ("ibl.ktx", "sky_skybox.ktx"), ("sh.txt", "sh.txt")] {
+        std::fs::copy(dir.path().join("filament").join(from), dir.path().join("tool").join(to)).unwrap();
+    }
+    let arguments = ["check-bake", "tool", "--environment", "builtin:sky", "--fail-on-wrong", "--json"];
+    let found: Value = serde_json::from_str(&ok(dir.path(), &arguments)).unwrap();
+    assert!(found["levels"][1]["passes"] == true && found["sh"].is_object(), "{found}");
     // With other widths than assumed it is still a bake of this light.
     let arguments = ["check-bake", "filament/ibl.ktx", "--environment", "builtin:sky"];
     let said = splitsum(dir.path(), &arguments);

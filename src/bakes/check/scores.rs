@@ -64,9 +64,10 @@ pub fn as_json(environment: &str, preset: &str, limits: &Limits, judged: &Judged
     let causes = |causes: &[Cause]| -> Vec<Value> {
         causes.iter().map(|cause| json!({ "kind": cause.kind, "words": cause.words })).collect()
     };
-    let level = |score: &LevelScore| {
+    let level = |(name, score): (String, &LevelScore)| {
         let worst = &score.worst;
         json!({
+            "passes": !failures.iter().any(|failure| failure.starts_with(&format!("{name}: "))),
             "size": score.size,
             "alpha": score.alpha,
             "relmse": score.errors.relmse,
@@ -87,6 +88,7 @@ pub fn as_json(environment: &str, preset: &str, limits: &Limits, judged: &Judged
             "verdict": score.verdict,
         })
     };
+    let levels = judged.levels.iter().enumerate().map(|(k, score)| (format!("level {k}"), score));
     let axes = judged.axes.iter().map(|(what, fits)| {
         let best =
             fits.iter().take(4).map(|fit| json!({ "axes": fit.axes.to_string(), "correlation": fit.correlation }));
@@ -103,8 +105,8 @@ pub fn as_json(environment: &str, preset: &str, limits: &Limits, judged: &Judged
         "passes": failures.is_empty(),
         "axes": judged.convention.axes.to_string(),
         "axes_fits": axes.collect::<Vec<_>>(),
-        "levels": judged.levels.iter().map(level).collect::<Vec<_>>(),
-        "irradiance": judged.irradiance.as_ref().map(level),
+        "levels": levels.map(level).collect::<Vec<_>>(),
+        "irradiance": judged.irradiance.as_ref().map(|score| level(("irradiance".to_owned(), score))),
         "dfg": judged.dfg.as_ref().map(|dfg| json!({
             "max_error": dfg.max_error,
             "rms": dfg.rms,

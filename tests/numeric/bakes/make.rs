@@ -112,16 +112,16 @@ fn every_direction_is_where_the_engine_looks() {
 fn taps_are_for_the_levels_of_the_engine() {
     let light = marked_light();
     for (engine, mapping, level_count, code) in [
-        ("bevy", "linear", 4, "taps.wgsl"),
-        ("filament", "quadratic", 4, "taps.glsl"),
-        ("three", "quadratic", 4, "taps.glsl"),
+        ("bevy", "linear", 6, "taps.wgsl"),
+        ("filament", "quadratic", 5, "taps.glsl"),
+        ("three", "quadratic", 6, "taps.glsl"),
         ("babylon", "linear", 4, "taps.glsl"),
         ("godot", "unity", 7, "taps.glsl"),
         ("playcanvas", "linear", 4, "taps.glsl"),
         ("unity", "unity", 7, "taps.hlsl"),
     ] {
         let dir = tempfile::tempdir().unwrap();
-        make(&making(engine, &light), dir.path()).unwrap();
+        make(&Making { level_count, ..making(engine, &light) }, dir.path()).unwrap();
         let weight = Preset::listed(engine).convention().weight;
         let kernel = Kernel::new(&Ggx, weight, MaskingShadowing::Correlated);
         let levels = taps::Chain::new(kernel, LevelMapping::listed(mapping), level_count);
