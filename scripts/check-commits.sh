@@ -10,7 +10,7 @@ set -eu
 cd "$(dirname "$0")/.."
 . scripts/setup.sh
 
-base=${1:-40b0298}
+base=${1:-7d59957}
 if ! has_command git || ! git merge-base --is-ancestor "$base" HEAD 2>/dev/null; then
     say "skipped: commit subjects (the history since $base is not here)"
     exit 77

@@ -206,6 +206,15 @@ impl KeptCell {
             verdict: record.verdict.as_str().into(),
         }
     }
+
+    pub fn score(&self, metric: &str) -> Option<f64> {
+        self.scores[METRICS.iter().position(|known| known.name == metric)?]
+    }
+
+    /// Expected score of an exact image.
+    pub fn noise_floor(&self, metric: &str) -> Option<f64> {
+        self.noise_floors[linear_metrics().iter().position(|known| known.name == metric)?]
+    }
 }
 
 impl CellRecord {

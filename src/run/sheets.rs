@@ -12,7 +12,7 @@ use crate::experiment::plan::{Cell, Plan};
 use crate::experiment::value::Value;
 use crate::figure::sheet::{ContactSheet, Head, Tile};
 use crate::files::names_in;
-use crate::pixels::{PixelsError, Rgb8Image, png, write_atomically};
+use crate::pixels::{Rgb8Image, write_atomically};
 use crate::table::colormap::{FLIP_ERROR, RELATIVE_ERROR};
 use crate::table::markdown::significant;
 use indexmap::IndexMap;
@@ -203,12 +203,13 @@ impl Maker<'_> {
         self.image(image, score.map_or_else(String::new, |score| significant(score, 3)))
     }
 
-    fn picture(&self, name: &str) -> Result<Rgb8Image, PixelsError> {
-        png::read_rgb8(&self.store.image_path(name))
+    fn picture(&self, name: &str) -> image::ImageResult<Rgb8Image> {
+        let picture = image::open(self.store.image_path(name))?.into_rgb8();
+        Ok(Rgb8Image::new(picture.width(), picture.height(), picture.pixels().map(|pixel| pixel.0).collect()))
     }
 
     /// A picture at the sheet's size, or smaller.
-    fn image(&self, picture: Result<Rgb8Image, PixelsError>, note: String) -> Tile {
+    fn image(&self, picture: image::ImageResult<Rgb8Image>, note: String) -> Tile {
         let [width, height] = self.tile;
         match picture {
             Ok(image) if image.width <= width => Tile::Image { image, note },

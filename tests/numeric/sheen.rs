@@ -1,7 +1,8 @@
 //! Sheen against identities, closed forms and a quadrature over directions that shares no code with the program.
 
 use crate::brdf::integrate_sphere;
-use crate::chi_square::{Random, fit_of_half_vectors};
+use crate::chi_square::{fit_of_half_vectors, xi};
+use fastrand::Rng;
 use glam::DVec3;
 use splitsum::brdf::{Brdf, MaskingShadowing, SHEEN_ALPHA_MIN, SheenVisibility, eval_without_fresnel};
 use splitsum::math::sampling::direction_from_polar;
@@ -54,8 +55,8 @@ fn the_distribution_has_unit_projection_and_its_sampler_follows_it() {
     for (k, alpha) in ALPHAS.into_iter().enumerate() {
         let one = integrate_sphere(1e-7, |h| model.d(h, alpha) * h.z.max(0.0));
         assert!((one - 1.0).abs() < 1e-6, "alpha {alpha}: {one}");
-        let mut random = Random(k as u64);
-        let drawn: Vec<DVec3> = (0..20_000).map(|_| model.sample_d(random.xi(), alpha)).collect();
+        let mut random = Rng::with_seed(k as u64);
+        let drawn: Vec<DVec3> = (0..20_000).map(|_| model.sample_d(xi(&mut random), alpha)).collect();
         let p = fit_of_half_vectors(1.0, |h| model.d(h, alpha) * h.z.max(0.0), &drawn);
         assert!(p > 0.01 / ALPHAS.len() as f64, "alpha {alpha}: p = {p}");
     }

@@ -277,7 +277,7 @@ impl Point {
         let has_own = [PREFILTERED, DFG_TABLE].map(|axis| AXES[axis].kind.path_in(&self[axis].to_string()).is_none());
         let compensation = self.settings().shading.compensation;
         let is_built_in = SCENES.iter().any(|entry| entry.name == self[SCENE].text());
-        let may_have = |axis: usize| !self[axis].is_zero() && !(self[axis] == Value::Unset && is_built_in);
+        let may_have = |axis: usize| !(self[axis].is_zero() || self[axis] == Value::Unset && is_built_in);
         let [has_coat, has_anisotropy, has_sheen] = [COAT, ANISOTROPY, SHEEN_COLOR].map(may_have);
         let frames = self.settings().shading.frames;
         let frames = Some(frames).filter(|frames| frames.count > 1 && method.uses_point_set);

@@ -80,13 +80,15 @@ impl<'p> Run<'p> {
             })
             .collect();
         let is_cpu = renderer.device().device_type == "cpu";
-        // Frames that take so long, ms, at the time of the first that is warm.
+        // Frames that keep a GPU busy for [`KEEP_MS`], by configuration.
         let mut frames = Vec::new();
         for configuration in &timed {
             let wall_ms = configuration.sample(timing.warmup - 1, 1, renderer)?.wall_ms;
-            let least = |ms: f64| if is_cpu { 0 } else { (ms / wall_ms[0].max(0.01)).ceil() as u32 };
-            configuration.sample(least(RAMP_MS / block.len() as f64), 0, renderer)?;
-            frames.push(least(KEEP_MS));
+            let lasting = |ms: f64| (ms / wall_ms[0].max(0.01)).ceil() as u32;
+            if !is_cpu {
+                configuration.sample(lasting(RAMP_MS / block.len() as f64), 0, renderer)?;
+            }
+            frames.push(if is_cpu { 0 } else { lasting(KEEP_MS) });
         }
         let (started, mut random) = (Instant::now(), Rng::with_seed(self.plan.config.seed.into()));
         let mut indices: Vec<usize> = (0..timed.len()).collect();

@@ -104,6 +104,10 @@ impl Store {
         self.dir.join("images").join(name)
     }
 
+    pub fn table_path(&self, name: &str) -> PathBuf {
+        self.dir.join("tables").join(name)
+    }
+
     /// Removes a file of a folder of the run, if it exists.
     pub(super) fn remove(&self, folder: &str, name: &str) -> Result<(), StoreError> {
         remove(self.dir.join(folder).join(name))

@@ -55,12 +55,12 @@ fn answer(frame: &Frame) -> Option<Finding> {
 }
 
 /// The words of a way to sample: "1 sample a frame, light".
-fn way(frame: &Frame, axes: &[usize], key: &[Value], is_told: impl Fn(usize) -> bool) -> String {
+fn way(frame: &Frame, axes: &[usize], key: &[Value], is_shown: impl Fn(usize) -> bool) -> String {
     let samples = axes.iter().position(|axis| *axis == SAMPLES).map(|place| match &key[place] {
         Value::Count(1) => "1 sample a frame".to_owned(),
         count => format!("{count} samples a frame"),
     });
-    let others = frame.names.label_where(axes, key, |axis| axis != SAMPLES && is_told(axis));
+    let others = frame.names.label_where(axes, key, |axis| axis != SAMPLES && is_shown(axis));
     commas([samples.as_deref().unwrap_or(""), &others.replace(" · ", ", ")])
 }
 
@@ -107,9 +107,9 @@ fn figure(frame: &Frame) -> Option<Figure> {
     let mut ways = grouped(sampled, |(row, _)| row.key(&axes));
     ways.retain(|(_, own)| rows(own, FRAMES).len() > 2);
     let differs = |place: usize| ways.iter().any(|(key, _)| key[place] != ways[0].0[place]);
-    let told: Vec<usize> = (0..axes.len()).filter(|place| differs(*place)).map(|place| axes[place]).collect();
+    let shown: Vec<usize> = (0..axes.len()).filter(|place| differs(*place)).map(|place| axes[place]).collect();
     let fixed = grouped(fixed, |(row, _)| row.text(METHOD));
-    let way = |key: &Key| way(frame, &axes, key, |axis| told.contains(&axis));
+    let way = |key: &Key| way(frame, &axes, key, |axis| shown.contains(&axis));
     let series = fixed.iter().map(|(name, _)| name.clone()).chain(ways.iter().map(|(key, _)| way(key)));
     let series: Vec<String> = series.collect();
     let mut panels = Vec::new();
@@ -129,7 +129,7 @@ fn figure(frame: &Frame) -> Option<Figure> {
             }
             for (place, (key, all)) in ways.iter().enumerate() {
                 let dot = |(count, own): (Value, Vec<(&Row, f64)>)| {
-                    let middle = Numbers::new(own.into_iter(), Middle::Median).estimate()?;
+                    let middle = Numbers::new(own, Middle::Median).estimate()?;
                     let tip = format!("{}, {count} frames", way(key));
                     let at = |y| [f64::from(count.count()), y];
                     Some(middle_marks(&middle, fixed.len() + place, at, (&tip, &with_interval)).swap_remove(0))

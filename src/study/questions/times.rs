@@ -157,9 +157,9 @@ fn digest(frames: &[Timed], sets: &[Timed], ratios: &[Ratio]) -> Table {
             () => None,
         });
         let times: Vec<f64> = times.collect();
-        let times = (!times.is_empty()).then(|| range(times.into_iter()));
+        let times = (!times.is_empty()).then(|| range(times));
         let samples: Option<Vec<f64>> = own.iter().map(|one| samples_as_long(one.record, ratios)).collect();
-        let samples = samples.map(|samples| format!("{} samples", range(samples.into_iter())));
+        let samples = samples.map(|samples| format!("{} samples", range(samples)));
         let tables: Vec<&Timed> = sets.iter().filter(|set| set.method() == own[0].method()).collect();
         let all = (!tables.is_empty()).then(|| range(tables.iter().map(|set| set.median())));
         let [ms, shading] = ms;

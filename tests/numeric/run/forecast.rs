@@ -3,7 +3,7 @@
 use super::runs::{Bench, Each, fakes, log, options, plan};
 use super::timing_ratios::record;
 use super::whole::EXPERIMENT;
-use crate::chi_square::Random;
+use fastrand::Rng;
 use splitsum::experiment::{Cell, Plan};
 use splitsum::run::estimate::{Forecast, Host, Steps, Work};
 use splitsum::run::store::Spent;
@@ -36,9 +36,9 @@ fn simulated(plan: &Plan, truth: Truth, is_cpu_device: bool) -> Vec<[f64; 2]> {
         plan.groups().iter().flat_map(|group| group.radiances.iter().flat_map(|(_, cells)| cells.clone())).collect();
     let host = Host { threads: THREADS as usize, is_cpu_device };
     let mut forecast = Forecast::new(plan, &cells, &jobs, [], host);
-    let (mut steps, mut random) = (Steps::new(plan, &jobs, []), Random(7));
+    let (mut steps, mut random) = (Steps::new(plan, &jobs, []), Rng::with_seed(7));
     // Within a fifth of the kind's usual time.
-    let mut jitter = || 0.8 + 0.4 * random.next();
+    let mut jitter = || 0.8 + 0.4 * random.f64();
     let taken = |work: &Work, jitter: f64, kind: &str| -> f64 {
         let own = work.0.iter().filter(|(name, _)| name.starts_with(kind));
         own.map(|(name, [_, stated])| stated * truth(name) * jitter).sum()
