@@ -56,7 +56,7 @@ fn a_run_stopped_anywhere_ends_like_an_undisturbed_run() {
             }
         }
         assert_eq!(invocations, 32usize.div_ceil(steps));
-        for name in ["errors.csv", "errors_by_n_dot_v.csv", "summary.md", "experiment.toml", "tables/ggx.png"] {
+        for name in ["errors.csv", "errors_by_n_dot_v.csv", "summary.md", "experiment.toml", "tables/ggx.svg"] {
             assert!(bench.read(name) == whole.read(name), "{name} differs after stops of {steps} steps");
         }
         assert!(bench.images() == whole.images(), "images differ after stops of {steps} steps");

@@ -75,7 +75,7 @@ fn a_run_renders_each_radiance_once_and_leaves_everything() {
     assert_eq!(count("images/", ".flip.png"), 32);
     // Each cell has a test picture, and each model, alpha and exposure a reference picture.
     assert_eq!(count("images/", ".png"), 16 + 2 * 32 + 8);
-    assert_eq!(count("tables/", ".png"), 2);
+    assert_eq!(count("tables/", ".svg"), 2);
     assert_eq!(count("cells/", ".json"), 32);
     assert_eq!(files["experiment.toml"].0, EXPERIMENT.as_bytes());
     assert!(files.keys().all(|f| !f.ends_with(".part")), "temporary files are left: {:?}", files.keys());
