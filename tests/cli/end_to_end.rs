@@ -66,7 +66,7 @@ fn a_run_leaves_the_documented_files_and_a_second_run_changes_nothing() {
     {
         assert!(entries(&run).contains(&name.to_owned()), "no {name} in {:?}", entries(&run));
     }
-    assert_eq!(entries(&run.join("tables")), ["ggx.png", "phong.png"]);
+    assert_eq!(entries(&run.join("tables")), ["ggx.svg", "phong.svg"]);
     let before = errors(dir.path());
     assert_eq!(before.iter().filter(|byte| **byte == b'\n').count(), CELLS + 1);
 
@@ -80,7 +80,7 @@ fn a_run_leaves_the_documented_files_and_a_second_run_changes_nothing() {
     std::fs::remove_dir_all(run.join("answers")).unwrap();
     ok(dir.path(), &["answers", "runs/tiny", "--publish", "results"]);
     assert!(run.join("answers/break-even.svg").exists() && std::fs::read(run.join("summary.md")).unwrap() == summary);
-    assert!(entries(&dir.path().join("results/tiny")).contains(&"ggx.png".to_owned()));
+    assert!(entries(&dir.path().join("results/tiny")).contains(&"ggx.svg".to_owned()));
     assert!(std::fs::read_to_string(dir.path().join("results/README.md")).unwrap().contains("[tiny](tiny/summary.md)"));
     // All files of a run use one metric, the report included.
     for (metric, arguments) in [("flip", &["--metric", "flip"][..]), ("relmse", &[])] {

@@ -54,7 +54,7 @@ fn a_run_killed_at_twenty_moments_ends_with_the_same_tables() {
         child.wait().unwrap();
     }
     run_to(dir.path(), "killed");
-    for name in ["errors.csv", "errors_by_n_dot_v.csv", "summary.md", "experiment.toml", "tables/ggx.png"] {
+    for name in ["errors.csv", "errors_by_n_dot_v.csv", "summary.md", "experiment.toml", "tables/ggx.svg"] {
         assert!(table(dir.path(), "killed", name) == table(dir.path(), "whole", name), "{name} differs");
     }
     assert_eq!(files(&dir.path().join("killed")), files(&dir.path().join("whole")));

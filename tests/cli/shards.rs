@@ -21,7 +21,7 @@ fn shards_make_the_run_of_one_process() {
     assert!(text.starts_with("Shard 2/2 is done: "), "{text}");
     let text = ok(dir, &["merge", "shared"]);
     assert!(text.contains("break-even") && text.contains("Written to shared"), "{text}");
-    for name in ["errors.csv", "errors_by_n_dot_v.csv", "images.csv", "experiment.toml", "tables/ggx.png"] {
+    for name in ["errors.csv", "errors_by_n_dot_v.csv", "images.csv", "experiment.toml", "tables/ggx.svg"] {
         let read = |out: &str| std::fs::read(dir.join(out).join(name)).unwrap();
         assert!(read("shared") == read("whole"), "{name} differs");
     }
