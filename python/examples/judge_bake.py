@@ -22,7 +22,7 @@ def judge(environment, bakes):
     """Judges bakes by name, in the conventions of `splitsum bake`, and prints what is wrong."""
     scores = {}
     for name, files in bakes.items():
-        scores[name] = splitsum.check_bake(files, environment, "splitsum", image=False)
+        scores[name] = splitsum.check_bake(files, environment, "splitsum")
         print(f"{name}: {scores[name]['verdict']}")
         for k, level in enumerate(scores[name]["levels"]):
             print(f"    level {k}, alpha {level['alpha']:.3f}: {level['verdict']}")
