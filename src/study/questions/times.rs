@@ -169,14 +169,14 @@ fn digest(frames: &[Timed], sets: &[Timed], ratios: &[Ratio]) -> Table {
 }
 
 /// The samples of the first sampling method that take as long to shade as this way without samples: where the ratio over
-/// their count passes 1, by interpolation or, at either end, extrapolation of the straight line between two counts.
+/// their count passes 1, interpolated. `None` if it does not between the timed counts.
 fn samples_as_long(fixed: &TimingRecord, ratios: &[Ratio]) -> Option<f64> {
     let beside: Vec<&Ratio> = ratios.iter().filter(|ratio| std::ptr::eq(ratio.fixed, fixed)).collect();
     let is_first = |ratio: &&&Ratio| ratio.sampled.value(METHOD) == beside[0].sampled.value(METHOD);
     let count = |ratio: &&Ratio| Some([ratio.sampled.value(SAMPLES).parse().ok()?, ratio.ratio]);
     let mut points: Vec<[f64; 2]> = beside.iter().filter(is_first).filter_map(count).collect();
     points.sort_by(|a, b| a[0].total_cmp(&b[0]));
-    let passes = points.windows(2).find(|ends| ends[1][1] > 1.0).or_else(|| points.windows(2).last())?;
+    let passes = points.windows(2).find(|ends| ends[0][1] <= 1.0 && ends[1][1] > 1.0)?;
     let [[n, a], [m, b]] = [passes[0], passes[1]];
     Some(n + (m - n) * (1.0 - a) / (b - a))
 }

@@ -1,7 +1,7 @@
 //! Times of frames and tables, for runs with known times.
 
 use super::paper::{Paper, column, numbers, only};
-use crate::run::timing_ratios::swept;
+use crate::run::timing_ratios::{record, swept};
 use splitsum::run::timing::TimingRecord;
 use splitsum::study::frame::Frame;
 use splitsum::study::questions::question;
@@ -54,6 +54,20 @@ fn ratios_come_from_frames_timed_together() {
     assert_eq!((numbers(&split, "ms"), column(&split, "over")), (vec![2.0; 2], vec![String::new(); 2]));
     // 2 ms of passes within 1 ms of the host's time are impossible.
     assert!(column(&finding.table, "host_check").iter().all(|check| check == "passes-exceed-wall"));
+}
+
+#[test]
+fn a_way_without_samples_takes_as_long_as_the_count_at_which_the_ratio_passes_1() {
+    // 0.5 + 0.25 n ms beside 2 ms: equal at 6 samples. Beside 0.6 ms every count is slower.
+    for (ms, wanted) in [(2.0, Some("6.0 samples")), (0.6, None)] {
+        let axes = |method, samples| [("brdf", "ggx"), ("method", method), ("samples", samples)];
+        let fixed = record("frame", &axes("split-sum", ""), &[("shade", ms)]);
+        let counts = [("1", 0.75), ("4", 1.5), ("8", 2.5), ("16", 4.5)];
+        let sampled = counts.map(|(n, ms)| record("frame", &axes("sampled", n), &[("gbuffer", 9.0), ("shade", ms)]));
+        let finding = beside([vec![fixed], sampled.to_vec()].concat()).finding("times");
+        let says = |words: &str| finding.sentence.contains(words);
+        assert!(wanted.map_or(!says("samples"), |words| says(&format!("`split-sum` {words}"))), "{}", finding.sentence);
+    }
 }
 
 #[test]
