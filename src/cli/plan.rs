@@ -11,7 +11,7 @@ use splitsum::experiment::fault::Lines;
 use splitsum::experiment::{Cell, Plan};
 use splitsum::pipeline::{chosen_device, is_kept};
 use splitsum::run::RunError;
-use splitsum::run::estimate::{Forecast, Host};
+use splitsum::run::estimate::Forecast;
 use splitsum::run::store::{Store, StoreError};
 use splitsum::run::timing::{self, TimingJob};
 use std::collections::BTreeMap;
@@ -65,9 +65,9 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let blocks = jobs.chunk_by(|a, b| a.block == b.block);
     let left: Vec<_> =
         blocks.filter(|block| !block.iter().all(|job| store.has_timing(&job.id))).flatten().cloned().collect();
-    let forecast = forecast(&plan, &open, &left, arguments)?;
+    let seconds = forecast(&plan, &open, &left, arguments)?.ahead(0.0).seconds;
     let timings = [jobs.len(), jobs.len() - left.len()];
-    let shown = Shown { plan: &plan, states: &states, timings, forecast: &forecast };
+    let shown = Shown { plan: &plan, states: &states, timings, seconds };
     match arguments.json {
         true => shown.write_json()?,
         false => print(&shown.as_text(&dir))?,
@@ -79,12 +79,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
 }
 
 /// Predicts cells and timings.
-fn forecast<'p>(
-    plan: &'p Plan,
-    open: &[&Cell],
-    jobs: &[TimingJob],
-    arguments: &Arguments,
-) -> Result<Forecast<'p>, Failure> {
+fn forecast(plan: &Plan, open: &[&Cell], jobs: &[TimingJob], arguments: &Arguments) -> Result<Forecast, Failure> {
     let device = match chosen_device(arguments.device.choice()) {
         Ok(device) => Some(device),
         Err(error) if arguments.device.device.is_some() => return Err(Failure::input(error)),
@@ -100,8 +95,7 @@ fn forecast<'p>(
     };
     let first_of_each: BTreeMap<&str, &Cell> = open.iter().map(|cell| (cell.reference.as_str(), *cell)).collect();
     let kept = first_of_each.iter().filter(|(_, cell)| is_kept(cell)).map(|(id, _)| id.to_string());
-    let host = Host::here(device.map_or("cpu", |device| device.device_type));
-    Ok(Forecast::new(plan, open, jobs, kept, host))
+    Ok(Forecast::new(plan, open, jobs, kept))
 }
 
 struct Shown<'a> {
@@ -109,7 +103,8 @@ struct Shown<'a> {
     states: &'a [&'static str],
     /// Timed configurations, and how many are done.
     timings: [usize; 2],
-    forecast: &'a Forecast<'a>,
+    /// Predicted for the rest.
+    seconds: f64,
 }
 
 impl Shown<'_> {
@@ -136,24 +131,11 @@ impl Shown<'_> {
         lines.extend((collapsed > 0).then(|| format!("collapsed {collapsed}: they differ only in unused parameters")));
         let [timed, done] = self.timings;
         lines.extend((timed > 0).then(|| format!("{timed} configurations are timed; {done} done")));
-        lines.extend(self.cost_lines());
+        let seconds = std::time::Duration::from_secs_f64(self.seconds);
+        lines.push(format!("about {}, assuming a software driver on 2 cores", indicatif::HumanDuration(seconds)));
         let states = plan.cells.iter().zip(self.states);
         lines.extend(states.map(|(cell, state)| format!("{} {state:6} {}", cell.id, plan.label(cell))));
         lines.join("\n") + "\n"
-    }
-
-    fn cost_lines(&self) -> Vec<String> {
-        let mut lines = vec![format!(
-            "about {}, assuming a software driver on 2 cores",
-            indicatif::HumanDuration(std::time::Duration::from_secs_f64(self.seconds())),
-        )];
-        let line = |(name, count, seconds)| format!("  {name:18} {count:>9.0} {seconds:>10.1} s");
-        lines.extend(self.forecast.parts().into_iter().map(line));
-        lines
-    }
-
-    fn seconds(&self) -> f64 {
-        self.forecast.ahead(0.0).seconds
     }
 
     /// Writes one object, its cells first, one per line.
@@ -176,9 +158,6 @@ impl Shown<'_> {
         let plan = self.plan;
         let exclusions =
             self.excluded().map(|(count, why, place)| json!({ "why": why, "count": count, "place": place }));
-        let part =
-            |(name, count, seconds): (&str, f64, f64)| (name.to_owned(), json!({ "count": count, "seconds": seconds }));
-        let parts: serde_json::Map<_, _> = self.forecast.parts().into_iter().map(part).collect();
         json!({
             "name": plan.config.name,
             "plan_hash": plan.hash,
@@ -186,7 +165,7 @@ impl Shown<'_> {
             "collapsed": plan.collapsed,
             "timings": self.timings[0],
             "timings_done": self.timings[1],
-            "estimate": { "seconds": self.seconds(), "parts": parts },
+            "estimate": { "seconds": self.seconds },
         })
     }
 }

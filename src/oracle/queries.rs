@@ -10,7 +10,7 @@ use crate::precompute::prefilter::Kernel;
 use crate::shade::reference::Surface;
 use crate::spelling::Listed;
 use crate::spelling::suggestion;
-use crate::table::csv::{Cell, unguarded};
+use crate::table::csv::Cell;
 use std::fmt;
 use std::path::{Path, PathBuf};
 
@@ -123,7 +123,6 @@ impl<'a> Reader<'a> {
         // Reading UTF-8 from memory with rows of any length cannot fail.
         while records.read_record(&mut record).unwrap_or(false) {
             let line = record.position().map_or(0, |position| line_of(text, position.byte()));
-            record = record.iter().map(unguarded).collect();
             if is_header {
                 is_header = false;
                 self.header(line, &record);

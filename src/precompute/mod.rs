@@ -22,8 +22,3 @@ use crate::pixels::RgbImage;
 pub fn exact_quadrature(image: &RgbImage) -> EquirectQuadrature {
     EquirectQuadrature::new(image.width, image.height, |x, y| image.get(x, y))
 }
-
-/// Returns the table that a pass makes or fills in part: `prefilter mip 2` makes a level of `prefilter`.
-pub fn table_of(pass: &str) -> &str {
-    pass.split(' ').next().unwrap_or(pass)
-}

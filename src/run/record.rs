@@ -3,8 +3,6 @@
 use super::columns::{Column, STEP_NUMBERS};
 use crate::ladder::{Attribution, StepNumbers};
 use crate::metrics::{METRICS, Metric, linear_metrics};
-use crate::pipeline::{FrameTimings, PassTime};
-use crate::precompute::table_of;
 use crate::shade::reference_pass::Convergence;
 use crate::spelling::listed;
 use crate::table::csv::rounded;
@@ -87,51 +85,8 @@ pub struct CellRecord {
     pub steps: Vec<StepRecord>,
     pub device: String,
     pub driver: String,
-    #[serde(default)]
-    pub spent: Spent,
     /// Content hash by file of `images/`.
     pub files: BTreeMap<String, String>,
-}
-
-/// Host time of a cell by part, ms. Shared work is in the first of its cells only.
-#[derive(Clone, Debug, Default, Deserialize, PartialEq, Serialize)]
-pub struct Spent {
-    /// Image, without tables.
-    pub image_ms: Option<f64>,
-    /// Reference, without tables; `None` if it was not rendered.
-    pub reference_ms: Option<f64>,
-    #[serde(default)]
-    pub ladder_ms: Option<f64>,
-    /// Device time by kind of table.
-    pub tables_ms: BTreeMap<String, f64>,
-    /// Tone curve of test and reference.
-    pub display_ms: f64,
-    /// Scores and pictures.
-    pub score_ms: f64,
-}
-
-impl Spent {
-    /// The time of a kind of work (`estimate::work`).
-    pub fn ms(&self, kind: &str) -> Option<f64> {
-        let mut words = kind.split(' ');
-        match words.next()? {
-            "image" => self.image_ms,
-            "reference" => self.reference_ms,
-            "ladder" => self.ladder_ms,
-            "table" => self.tables_ms.get(words.next()?).copied(),
-            "display" => Some(self.display_ms),
-            _ => Some(self.score_ms),
-        }
-    }
-
-    /// Adds a frame that took `wall_ms` to `part`, without the tables that it needed.
-    pub fn add(&mut self, part: fn(&mut Self) -> &mut Option<f64>, timings: &FrameTimings, wall_ms: f64) {
-        let tables_ms: f64 = timings.precompute.iter().map(|time| time.ms).sum();
-        for PassTime { pass, ms } in &timings.precompute {
-            *self.tables_ms.entry(table_of(pass).to_owned()).or_default() += ms;
-        }
-        *part(self).get_or_insert(0.0) += (wall_ms - tables_ms).max(0.0);
-    }
 }
 
 /// Scores over the pixels with `n_dot_v` in [`lo`, `hi`).

@@ -3,7 +3,7 @@
 use super::columns::STEADINESS;
 use super::images::{self, STANDARD_ERROR_LAYER};
 use super::renderer::RenderFault;
-use super::store::{BinRecord, CellRecord, Exact, ReferenceStop, Scores, Spent, StepRecord, Store, StoreError};
+use super::store::{BinRecord, CellRecord, Exact, ReferenceStop, Scores, StepRecord, Store, StoreError};
 use super::tables::HEADLINE;
 use crate::experiment::plan::{Cell, Plan};
 use crate::files::content_hash;
@@ -19,7 +19,6 @@ use crate::tonemap::ToneCurve;
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
-use std::time::Instant;
 
 #[derive(Debug)]
 pub struct ReferenceImage {
@@ -148,7 +147,6 @@ pub struct Rendered<'p> {
     pub steps: Arc<Vec<StepRecord>>,
     /// Shared by cells that differ only in the tone curve.
     pub linear: Arc<Mutex<Option<Linear>>>,
-    pub spent: Spent,
 }
 
 /// The results of a cell that do not depend on the tone curve.
@@ -192,7 +190,6 @@ impl From<RenderFault> for CellFault {
 impl Rendered<'_> {
     /// Scores the cell and writes its files.
     pub fn score(&self, plan: &Plan, store: &Store, device: &DeviceInfo) -> Result<CellRecord, CellFault> {
-        let started = Instant::now();
         let (cell, reference) = (self.cell, &self.reference);
         let mask = &reference.mask;
         let curve = cell.point.settings().curve;
@@ -261,7 +258,6 @@ impl Rendered<'_> {
             steps: self.steps.to_vec(),
             device: device.name.clone(),
             driver: device.driver.clone(),
-            spent: Spent { score_ms: started.elapsed().as_secs_f64() * 1e3, ..self.spent.clone() },
             files,
         })
     }

@@ -30,9 +30,9 @@ impl Share {
 pub fn split(plan: &Plan, count: usize) -> Vec<Share> {
     let jobs = timing::jobs(plan);
     let mut steps = Steps::new(plan, &jobs, []);
-    let mut seconds = |cells: &[&Cell]| cells.iter().map(|cell| steps.cell(cell).stated_s()).sum::<f64>();
+    let mut seconds = |cells: &[&Cell]| cells.iter().map(|cell| steps.cell(cell)).sum::<f64>();
     let units: Vec<(f64, Vec<&Cell>)> = units(plan).into_iter().map(|cells| (seconds(&cells), cells)).collect();
-    let timed: f64 = jobs.iter().map(|job| steps.timing(job).stated_s()).sum();
+    let timed: f64 = jobs.iter().map(|job| steps.timing(job)).sum();
     let cells: f64 = units.iter().map(|(seconds, _)| seconds).sum();
     // If timings fill a part, the others get the cells.
     let is_apart = count > 1 && timed * count as f64 >= cells + timed;

@@ -75,54 +75,33 @@ pub struct Bend {
     pub toward: Toward,
 }
 
-const fn bend(name: &'static str, about: &'static str, parameters: Parameters, normal: Normal, toward: Toward) -> Bend {
-    Bend { name, about, parameters, normal, toward }
+/// One line for each way.
+macro_rules! bends {
+    ($($name:literal $parameters:ident $normal:ident $toward:ident $about:literal;)*) => {
+        /// Every way; the first bends nothing.
+        pub static BENDS: &[Bend] = &[$(Bend {
+            name: $name,
+            about: $about,
+            parameters: Parameters::$parameters,
+            normal: Normal::$normal,
+            toward: Toward::$toward,
+        }),*];
+    };
 }
 
-/// Every way; the first bends nothing.
-pub static BENDS: &[Bend] = &[
-    bend("none", "along r at the root mean square width", Parameters::Square, Normal::Plain, Toward::Mirror),
-    bend(
-        "cap",
-        "the mirror direction about the mean visible normal, ours",
-        Parameters::Square,
-        Normal::Cap,
-        Toward::Cap,
-    ),
-    bend("filament", "getReflectedVector of Filament", Parameters::Mean, Normal::Linear, Toward::Normal),
-    bend(
-        "gltf",
-        "KHR_materials_anisotropy, section on image-based lighting",
-        Parameters::Narrow,
-        Normal::QuarticUnit,
-        Toward::Bent,
-    ),
-    bend(
-        "khronos",
-        "getIBLRadianceAnisotropy of the glTF Sample Renderer",
-        Parameters::Narrow,
-        Normal::Quartic,
-        Toward::Mirror,
-    ),
-    bend(
-        "three",
-        "getIBLAnisotropyRadiance of three.js since 2025",
-        Parameters::Narrow,
-        Normal::QuarticUnit,
-        Toward::BentLess,
-    ),
-    bend("bevy", "bend_normal_for_anisotropy of Bevy", Parameters::Narrow, Normal::QuarticAlpha, Toward::Twice),
-    bend("godot", "the sky's lookup of Godot's forward renderer", Parameters::Geometric, Normal::Linear, Toward::Bent),
-    bend("playcanvas", "reflDirAniso of PlayCanvas", Parameters::Narrow, Normal::QuarticRoot, Toward::Mirror),
-    bend("unity", "GetGGXAnisotropicModifiedNormalAndRoughness of HDRP", Parameters::Mean, Normal::Root, Toward::Unity),
-    bend(
-        "materialx",
-        "mx_environment_prefilter of MaterialX: no bend",
-        Parameters::Geometric,
-        Normal::Plain,
-        Toward::Mirror,
-    ),
-];
+bends! {
+    "none" Square Plain Mirror "along r at the root mean square width";
+    "cap" Square Cap Cap "the mirror direction about the mean visible normal, ours";
+    "filament" Mean Linear Normal "getReflectedVector of Filament";
+    "gltf" Narrow QuarticUnit Bent "KHR_materials_anisotropy, section on image-based lighting";
+    "khronos" Narrow Quartic Mirror "getIBLRadianceAnisotropy of the glTF Sample Renderer";
+    "three" Narrow QuarticUnit BentLess "getIBLAnisotropyRadiance of three.js since 2025";
+    "bevy" Narrow QuarticAlpha Twice "bend_normal_for_anisotropy of Bevy";
+    "godot" Geometric Linear Bent "the sky's lookup of Godot's forward renderer";
+    "playcanvas" Narrow QuarticRoot Mirror "reflDirAniso of PlayCanvas";
+    "unity" Mean Root Unity "GetGGXAnisotropicModifiedNormalAndRoughness of HDRP";
+    "materialx" Geometric Plain Mirror "mx_environment_prefilter of MaterialX: no bend";
+}
 
 listed!(Bend, "bend", BENDS);
 

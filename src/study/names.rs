@@ -30,7 +30,7 @@ impl Names {
         self.0[axis].name()
     }
 
-    pub fn plural(&self, axis: usize) -> &'static str {
+    pub fn plural(&self, axis: usize) -> String {
         self.0[axis].plural()
     }
 

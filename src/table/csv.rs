@@ -1,11 +1,10 @@
 //! Tidy CSV tables (RFC 4180, UTF-8, `\n`): one header, one row per case.
 //!
 //! Numbers have the fewest digits that read back to the same f64; infinities are `inf` and `-inf`, which pandas, R and DuckDB read. A missing
-//! value is an empty cell. Text that a spreadsheet would run as a formula gets an apostrophe ([`guarded`]).
+//! value is an empty cell.
 
 use crate::files::open_regular;
 use crate::spelling::not_one_of;
-use std::borrow::Cow;
 use std::collections::HashMap;
 use std::fs::File;
 use std::io::{Read, Seek};
@@ -49,7 +48,7 @@ impl<T: Into<Cell>> From<Option<T>> for Cell {
 impl Cell {
     fn field(&self) -> String {
         match self {
-            Self::Text(text) => guarded(text).into_owned(),
+            Self::Text(text) => text.clone(),
             Self::Number(number) => shortest(*number),
             Self::Integer(integer) => integer.to_string(),
             Self::Missing => String::new(),
@@ -75,24 +74,6 @@ fn shortest(number: f64) -> String {
     } else {
         format!("{number:e}")
     }
-}
-
-/// A spreadsheet runs fields with these beginnings as formulas.
-const FORMULA_STARTS: [char; 6] = ['=', '+', '-', '@', '\t', '\r'];
-
-/// Whether text begins like a formula, after any number of apostrophes, and is not a number.
-fn is_like_formula(text: &str) -> bool {
-    text.trim_start_matches('\'').starts_with(FORMULA_STARTS) && text.parse::<f64>().is_err()
-}
-
-/// Protects user text such as `=1+1` from spreadsheets.
-pub fn guarded(text: &str) -> Cow<'_, str> {
-    if is_like_formula(text) { Cow::Owned(format!("'{text}")) } else { Cow::Borrowed(text) }
-}
-
-/// The inverse of [`guarded`].
-pub fn unguarded(field: &str) -> &str {
-    field.strip_prefix('\'').filter(|text| is_like_formula(text)).unwrap_or(field)
 }
 
 #[derive(Debug, thiserror::Error)]
@@ -164,7 +145,7 @@ impl Table {
         let mut table = TableRows::open(path)?;
         let mut rows = Vec::new();
         table.each(|row| {
-            rows.push(row.record.iter().map(|field| unguarded(field).to_owned()).collect());
+            rows.push(row.record.iter().map(str::to_owned).collect());
             Ok(())
         })?;
         Ok(Self { path: table.path, columns: table.columns, rows })
@@ -204,7 +185,7 @@ impl TableRows {
         file.rewind().map_err(io)?;
         let mut reader = ::csv::Reader::from_reader(file);
         let heads = reader.headers().map_err(|source| TableError::Syntax { path: path.to_owned(), source })?;
-        let columns: Vec<String> = heads.iter().map(|name| unguarded(name).to_owned()).collect();
+        let columns: Vec<String> = heads.iter().map(str::to_owned).collect();
         let places = columns.iter().enumerate().rev().map(|(place, name)| (name.clone(), place)).collect();
         Ok(Self { path: path.to_owned(), columns, places, reader })
     }
@@ -241,7 +222,7 @@ impl TableRows {
 impl<'t> Row<'t> {
     /// The field of a column; `None` if it is empty or missing.
     pub fn text(&self, column: &str) -> Option<&'t str> {
-        Some(unguarded(&self.record[*self.table.places.get(column)?])).filter(|text| !text.is_empty())
+        Some(&self.record[*self.table.places.get(column)?]).filter(|text| !text.is_empty())
     }
 
     pub fn number(&self, column: &str) -> Option<f64> {

@@ -32,7 +32,6 @@ pub(super) const FRAME_AXES: &[Axis] = &[
     Axis {
         name: "accumulation",
         about: "how frames add up: mean, or exponential moving average (ema)",
-        plural: "accumulations",
         kind: Kind::one_of::<Accumulation>(),
         default: first::<Accumulation>,
         apply: |s, v| s.shading.frames.accumulation = *Accumulation::listed(v.text()),
@@ -42,7 +41,6 @@ pub(super) const FRAME_AXES: &[Axis] = &[
         name: "ema_factor",
         label: "Newest frame",
         about: "weight of the newest frame in a long exponential moving average",
-        plural: "factors",
         symbol: Symbol::Before("factor"),
         kind: Kind::Number(Range::above(0.0, 1.0)),
         default: || Value::Number(Frames::default().ema_factor),
@@ -53,7 +51,6 @@ pub(super) const FRAME_AXES: &[Axis] = &[
     Axis {
         name: "motion",
         about: "what turns from frame to frame; the last frame has the pose of an image alone",
-        plural: "motions",
         kind: Kind::one_of::<Motion>(),
         default: first::<Motion>,
         apply: |s, v| s.shading.frames.motion = *Motion::listed(v.text()),

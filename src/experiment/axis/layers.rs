@@ -48,7 +48,6 @@ pub(super) const LAYER_AXES: &[Axis] = &[
         frames_cost: true,
         is_compared: true,
         about: "engine whose anisotropic lookup split-sum-bent uses; `splitsum list bends`",
-        plural: "bends",
         used: |u| u.method.uses_bend,
         kind: Kind::one_of::<Bend>(),
         default: first::<Bend>,
@@ -68,7 +67,6 @@ pub(super) const LAYER_AXES: &[Axis] = &[
     Axis {
         name: "coat_alpha",
         about: "microfacet width of every coat",
-        plural: "coat alphas",
         symbol: Symbol::Before("coat alpha"),
         used: |u| u.has_coat,
         kind: ALPHA_KIND,
@@ -86,7 +84,6 @@ pub(super) const LAYER_AXES: &[Axis] = &[
     Axis {
         name: "coat_layering",
         about: "how base and coat add up, for the image and its reference; docs/coat.md",
-        plural: "coat layerings",
         used: |u| u.has_coat,
         kind: Kind::one_of::<CoatLayering>(),
         default: first::<CoatLayering>,
@@ -97,7 +94,6 @@ pub(super) const LAYER_AXES: &[Axis] = &[
         name: "coat_renderer",
         part: Part::Parameter,
         about: "whose way to shade a coat; `splitsum list coat-renderers`",
-        plural: "coat renderers",
         used: |u| u.has_coat,
         kind: Kind::one_of::<CoatRenderer>(),
         default: first::<CoatRenderer>,
@@ -108,7 +104,6 @@ pub(super) const LAYER_AXES: &[Axis] = &[
     Axis {
         name: "sheen_color",
         about: "colour of a sheen of cloth on every material; 0 has none",
-        plural: "sheen colours",
         symbol: Symbol::Before("sheen"),
         kind: Kind::Color(Range::closed(0.0, 1.0)),
         apply: |s, v| s.material.sheen_color = Some(v.color()),
@@ -117,7 +112,6 @@ pub(super) const LAYER_AXES: &[Axis] = &[
     Axis {
         name: "sheen_alpha",
         about: "microfacet width of every sheen",
-        plural: "sheen alphas",
         symbol: Symbol::Before("sheen alpha"),
         used: |u| u.has_sheen,
         kind: Kind::Number(Range::closed(SHEEN_ALPHA_MIN, 1.0)),
@@ -147,7 +141,6 @@ pub(super) const LAYER_AXES: &[Axis] = &[
         name: "sheen_lookup",
         part: Part::Parameter,
         about: "whose way to look up sheen; `splitsum list sheen-lookups`",
-        plural: "sheen lookups",
         used: |u| u.has_sheen && u.method.has_pass(),
         kind: Kind::one_of::<SheenLookup>(),
         default: first::<SheenLookup>,

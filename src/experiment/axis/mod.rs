@@ -107,7 +107,7 @@ pub struct Axis {
     pub label: &'static str,
     /// One phrase for help texts.
     pub about: &'static str,
-    /// Plural: "environments".
+    /// Plural: "environments"; empty if the name in words takes an s.
     pub plural: &'static str,
     pub symbol: Symbol,
     pub kind: Kind,

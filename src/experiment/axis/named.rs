@@ -67,8 +67,9 @@ impl Named {
         Self { axis, spelling: AXES[axis].spelling.as_ref() }
     }
 
-    pub fn plural(self) -> &'static str {
-        self.spelling.map_or(self.entry().plural, |spelling| spelling.plural)
+    pub fn plural(self) -> String {
+        let plural = self.spelling.map_or(self.entry().plural, |spelling| spelling.plural);
+        if plural.is_empty() { self.name().replace('_', " ") + "s" } else { plural.to_owned() }
     }
 
     pub fn symbol(self) -> Symbol {

@@ -15,7 +15,7 @@ const PRECOMPUTE_SAMPLES_MAX: u32 = 1 << 20;
 /// Largest side of a precomputed table: every Vulkan device supports it.
 const SIDE_MAX: u32 = 4096;
 
-/// Names of tables, as in [`crate::precompute::table_of`].
+/// Names of tables: the first word of their passes.
 pub const MIPS: &str = "mips";
 pub const SH9: &str = "sh9";
 pub const PREFILTER: &str = "prefilter";
@@ -31,7 +31,6 @@ pub(super) const TABLE_AXES: &[Axis] = &[
         name: "layout",
         label: "Map layout",
         about: "texel layout of the filtered maps; `splitsum list layouts`",
-        plural: "layouts",
         frames_cost: true,
         is_compared: true,
         needs_memory: true,
@@ -73,7 +72,6 @@ pub(super) const TABLE_AXES: &[Axis] = &[
         name: "prefilter_size",
         label: "Map size (px)",
         about: "face size of the first prefiltered level [default: 128x128 by layout cube, 320x320 octahedral, 448x224 equirect]",
-        plural: "prefilter sizes",
         needs_memory: true,
         feeds: &[PREFILTER],
         used: Used::makes_prefiltered,
@@ -86,7 +84,6 @@ pub(super) const TABLE_AXES: &[Axis] = &[
         name: "prefilter_level_count",
         label: "Map levels",
         about: "levels of the prefiltered map",
-        plural: "level counts",
         symbol: Symbol::After("lv", "levels"),
         feeds: &[PREFILTER],
         used: |u| u.makes_prefiltered() || u.method.uses_levels,
@@ -112,7 +109,6 @@ pub(super) const TABLE_AXES: &[Axis] = &[
         name: "prefilter_sample_count",
         label: "Map samples",
         about: "samples per texel of a sampled prefiltered map",
-        plural: "prefilter sample counts",
         symbol: Symbol::After("spp", "samples"),
         feeds: &[PREFILTER],
         used: |u| u.makes_prefiltered() && u.has_sampled_tables,
@@ -124,7 +120,6 @@ pub(super) const TABLE_AXES: &[Axis] = &[
     Axis {
         name: "level_mapping",
         about: "perceptual roughness of each level; `splitsum list level-mappings`",
-        plural: "level mappings",
         symbol: Symbol::After("mapping", "mapping"),
         feeds: &[PREFILTER],
         used: |u| u.makes_prefiltered() || u.method.uses_levels,
@@ -140,7 +135,6 @@ pub(super) const TABLE_AXES: &[Axis] = &[
         label: "Map weight",
         part: Part::Parameter,
         about: "weight of a direction in a prefiltered texel; `splitsum list prefilter-weights`",
-        plural: "prefilter weights",
         symbol: Symbol::Before("weight"),
         feeds: &[PREFILTER],
         used: |u| u.makes_prefiltered() || u.method.uses_weight,
@@ -199,7 +193,6 @@ pub(super) const TABLE_AXES: &[Axis] = &[
         name: "irradiance_size",
         label: "Irradiance (px)",
         about: "face size of the irradiance map [default: 18x18 by layout cube, 45x45 octahedral, 64x32 equirect]",
-        plural: "irradiance map sizes",
         symbol: Symbol::Before("irradiance"),
         needs_memory: true,
         feeds: &[IRRADIANCE],
@@ -213,7 +206,6 @@ pub(super) const TABLE_AXES: &[Axis] = &[
         name: "irradiance_sample_count",
         label: "Irr. samples",
         about: "azimuth and polar samples per texel of a sampled irradiance map",
-        plural: "irradiance sample counts",
         symbol: Symbol::After("irradiance spp", "irradiance samples"),
         feeds: &[IRRADIANCE],
         used: |u| u.uses_irradiance_map() && u.has_sampled_tables,
@@ -226,7 +218,6 @@ pub(super) const TABLE_AXES: &[Axis] = &[
         name: "storage_format",
         label: "Number format",
         about: "number format of the prefiltered map, DFG table and irradiance map; f16 ends at 65504",
-        plural: "storage formats",
         frames_cost: true,
         is_compared: true,
         feeds: &[PREFILTER, DFG, IRRADIANCE],

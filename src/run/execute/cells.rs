@@ -2,7 +2,7 @@
 //!
 //! The device belongs to this thread. Other threads make scores and files, in any order; the record of a cell is written after its files.
 
-use super::{Progress, Run, RunError, milliseconds, of_cell};
+use super::{Progress, Run, RunError, of_cell};
 use crate::experiment::axis::Point;
 use crate::experiment::plan::{Cell, Plan, ReferenceGroup};
 use crate::files::content_hash;
@@ -12,13 +12,12 @@ use crate::pixels::Rgb8Image;
 use crate::run::images;
 use crate::run::renderer::Renderer;
 use crate::run::scoring::{CellFault, ReferenceImage, Rendered};
-use crate::run::store::{CellRecord, Spent, StepRecord, Store, StoreError};
+use crate::run::store::{CellRecord, StepRecord, Store, StoreError};
 use crate::tonemap::ToneCurve;
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, Sender, SyncSender, channel, sync_channel};
 use std::sync::{Arc, Mutex, PoisonError};
-use std::time::Instant;
 
 /// Most pixels of rendered cells that wait for their scores, about 30 bytes each.
 const QUEUE_PIXELS: u64 = 1 << 22;
@@ -77,9 +76,7 @@ impl<'p> Run<'p> {
         let todo = group.radiances.iter().flat_map(|(_, cells)| cells).find(|cell| !self.is_done(cell));
         let (Some(first), false) = (todo.copied(), self.is_stopped()) else { return Ok(()) };
         let point = self.plan.reference_point(&first.point);
-        // Shared work counts for the first cell that needs it.
-        let mut spent = Spent::default();
-        let reference = match of_cell(self.reference(group.id, &point, renderer, &mut spent))? {
+        let reference = match of_cell(self.reference(group.id, &point, renderer))? {
             Ok(reference) => Arc::new(reference),
             Err(reason) => {
                 let cells: Vec<&Cell> = group.radiances.iter().flat_map(|(_, cells)| cells).copied().collect();
@@ -92,7 +89,7 @@ impl<'p> Run<'p> {
             let (Some(first), false) = (todo.first(), self.is_stopped()) else { continue };
             let rendered = match reference.rendered.as_ref().filter(|_| *id == group.id) {
                 Some(frame) => Ok(Made { frame: frame.clone(), steps: Arc::default() }),
-                None => of_cell(self.radiance(&first.point, renderer, &mut spent))?,
+                None => of_cell(self.radiance(&first.point, renderer))?,
             };
             let linear = Arc::default();
             for cell in todo {
@@ -106,9 +103,7 @@ impl<'p> Run<'p> {
                         continue;
                     }
                 };
-                let started = Instant::now();
                 let pictures = self.displays(cell, frame, &reference, &mut reference_pictures, renderer);
-                spent.display_ms = milliseconds(started);
                 match of_cell(pictures)? {
                     Ok(pictures) => desk.hand_in(Rendered {
                         cell,
@@ -117,7 +112,6 @@ impl<'p> Run<'p> {
                         pictures,
                         steps: steps.clone(),
                         linear: Arc::clone(&linear),
-                        spent: std::mem::take(&mut spent),
                     }),
                     Err(reason) => self.fail(&[cell], &reason, progress)?,
                 }
@@ -128,17 +122,13 @@ impl<'p> Run<'p> {
     }
 
     /// Renders a point, with its ladder if the experiment asks for it.
-    fn radiance(&self, point: &Point, renderer: &mut dyn Renderer, spent: &mut Spent) -> Result<Made, CellFault> {
-        let started = Instant::now();
+    fn radiance(&self, point: &Point, renderer: &mut dyn Renderer) -> Result<Made, CellFault> {
         let request = self.plan.request(point);
         let frame = Arc::new(renderer.render(&request)?);
-        spent.add(|spent| &mut spent.image_ms, &frame.timings, milliseconds(started));
-        let started = Instant::now();
         let mut made = Made { frame, steps: Arc::default() };
         if let Some(samples) = self.plan.ladder_of(point) {
             let steps = renderer.attributions(&request, samples, &BANDS)?;
             made.steps = Arc::new(StepRecord::of(&steps));
-            spent.ladder_ms = Some(milliseconds(started));
         }
         Ok(made)
     }
@@ -155,13 +145,7 @@ impl<'p> Run<'p> {
     }
 
     /// Reads the reference of a group back, or renders it.
-    fn reference(
-        &mut self,
-        id: &str,
-        point: &Point,
-        renderer: &mut dyn Renderer,
-        spent: &mut Spent,
-    ) -> Result<ReferenceImage, CellFault> {
+    fn reference(&mut self, id: &str, point: &Point, renderer: &mut dyn Renderer) -> Result<ReferenceImage, CellFault> {
         let name = images::radiance_name(point, id);
         let path = self.store.image_path(&name);
         let request = self.plan.reference_request(point);
@@ -172,12 +156,7 @@ impl<'p> Run<'p> {
             self.references_read += 1;
             return Ok(reference);
         }
-        let started = Instant::now();
         let frame = Arc::new(renderer.render(&request)?);
-        // A cached reference has no times.
-        if !frame.timings.frame.is_empty() {
-            spent.add(|spent| &mut spent.reference_ms, &frame.timings, milliseconds(started));
-        }
         let reference = ReferenceImage::of_frame(frame, &request);
         if let Some(stop) = &reference.stop {
             self.store.write_reference(id, stop)?;

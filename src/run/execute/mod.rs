@@ -12,7 +12,7 @@ pub use outcome::{Outcome, Progress, RunError, RunOptions, Work};
 use crate::experiment::plan::{Cell, Plan, ReferenceGroup};
 use crate::files::holds;
 use crate::run::environments;
-use crate::run::estimate::{Ahead, Forecast, Host};
+use crate::run::estimate::{Ahead, Forecast};
 use crate::run::images;
 use crate::run::live::{self, LIVE_FILE};
 use crate::run::provenance::device_words;
@@ -101,7 +101,7 @@ struct Run<'p> {
     /// Finished cells by device.
     devices: BTreeMap<String, usize>,
     /// Set while this invocation works.
-    forecast: Option<Forecast<'p>>,
+    forecast: Option<Forecast>,
     /// When this invocation began to work.
     clock: Instant,
     /// Set when this invocation has worked.
@@ -200,7 +200,7 @@ impl<'p> Run<'p> {
     }
 
     /// Predicts the open work. References in the cache or the folder are free.
-    fn forecast(&self, renderer: &dyn Renderer) -> Forecast<'p> {
+    fn forecast(&self, renderer: &dyn Renderer) -> Forecast {
         let groups = self.plan.groups();
         let cells = groups.iter().flat_map(|group| group.radiances.iter().flat_map(|(_, cells)| cells));
         let open: Vec<&Cell> = cells.copied().filter(|cell| !self.is_done(cell)).collect();
@@ -212,7 +212,7 @@ impl<'p> Run<'p> {
                 .then(|| group.id.to_owned())
         };
         let kept: Vec<String> = groups.iter().filter_map(is_kept).collect();
-        Forecast::new(self.plan, &open, &self.open_jobs(), kept, Host::here(renderer.device().device_type))
+        Forecast::new(self.plan, &open, &self.open_jobs(), kept)
     }
 
     fn ahead(&self) -> Ahead {
@@ -247,7 +247,7 @@ impl<'p> Run<'p> {
 
     fn remember(&mut self, cell: &Cell, record: &CellRecord) {
         if let Some(forecast) = &mut self.forecast {
-            forecast.cell(cell, Some(&record.spent));
+            forecast.finish(&cell.id);
         }
         self.results.insert(record.cell.clone(), CellResult::Done(Box::new(KeptCell::of(record))));
     }
@@ -259,7 +259,7 @@ impl<'p> Run<'p> {
             self.store.write_failure(&record)?;
             self.results.insert(cell.id.clone(), CellResult::Failed(record));
             if let Some(forecast) = &mut self.forecast {
-                forecast.cell(cell, None);
+                forecast.finish(&cell.id);
             }
             progress.step(&label, Some(reason), self.ahead());
             self.is_halted |= self.options.fail_fast;
@@ -343,8 +343,4 @@ fn of_cell<T>(result: Result<T, CellFault>) -> Result<Result<T, String>, RunErro
         Err(CellFault::Store(error)) => Err(error.into()),
         Err(CellFault::Lost(reason)) => Err(RunError::DeviceLost(reason)),
     }
-}
-
-fn milliseconds(since: Instant) -> f64 {
-    since.elapsed().as_secs_f64() * 1e3
 }

@@ -1,6 +1,6 @@
 //! The copy of the experiment, and an entry in the provenance for each invocation that did work.
 
-use super::{Progress, Run, RunError, Work, milliseconds};
+use super::{Progress, Run, RunError, Work};
 use crate::files::holds;
 use crate::pipeline::DeviceInfo;
 use crate::run::frozen::EXPERIMENT_FILE;
@@ -93,7 +93,7 @@ impl Run<'_> {
         let path = self.store.sessions_path();
         let Some(mut value) = provenance::read_file(&path)? else { return Ok(()) };
         if let Some(session) = value["sessions"].as_array_mut().and_then(|sessions| sessions.last_mut()) {
-            session["wall_s"] = json!(milliseconds(started) / 1e3);
+            session["wall_s"] = json!(started.elapsed().as_secs_f64());
             session["device_s"] = json!(work.waited_ms / 1e3);
             session["shared_work"] = json!(work.shared);
             session["references_read_back"] = json!(work.references_read_back);

@@ -48,13 +48,13 @@ impl<'p> Run<'p> {
                         let (job, label) = (configuration.job.clone(), format!("timing {}", configuration.words()));
                         let record = configuration.into_record(timing.warmup, &device);
                         self.store.write_timing(&job.id, &record)?;
-                        self.forecast.iter_mut().for_each(|forecast| forecast.timing(&job, Some(&record)));
+                        self.forecast.iter_mut().for_each(|forecast| forecast.finish(&job.id));
                         progress.step(&label, None, self.ahead());
                     }
                 }
                 Err(reason) => {
                     for job in block {
-                        self.forecast.iter_mut().for_each(|forecast| forecast.timing(job, None));
+                        self.forecast.iter_mut().for_each(|forecast| forecast.finish(&job.id));
                         let label = format!("timing {} {}", job.phase, self.plan.label(job.cell));
                         progress.step(&label, Some(&reason), self.ahead());
                     }

@@ -6,7 +6,7 @@ mod identity;
 mod lock;
 
 pub use super::record::{
-    BinRecord, CellRecord, Exact, FailureRecord, KeptCell, ReferenceStop, Scores, Spent, StepRecord, StopReason,
+    BinRecord, CellRecord, Exact, FailureRecord, KeptCell, ReferenceStop, Scores, StepRecord, StopReason,
 };
 pub use fault::StoreError;
 

@@ -143,7 +143,7 @@ fn sentence(frame: &Frame, of: &OfAxis, best: Option<&Best>) -> String {
         [wins, n] => format!("; less under {wins} of {n} {}{}", AXES[ENVIRONMENT].plural, of.unresolved(n)),
     };
     let tried = of.resolved().len();
-    let among = format!("Of the {}", AXES[of.axis].plural);
+    let among = format!("Of the {}", frame.names.plural(of.axis));
     match tried {
         1 => format!("{name} has **{times} times**{interval} the `{metric}` of {base}{wins}."),
         _ if ratio.value < 1.0 => {

@@ -4,7 +4,7 @@ use super::fake::Log;
 use super::runs::{Silent, assert_like_whole, contents, fakes, options, plan, read};
 use splitsum::experiment::Plan;
 use splitsum::experiment::plan::ReferenceGroup;
-use splitsum::run::estimate::{Steps, Work};
+use splitsum::run::estimate::Steps;
 use splitsum::run::shard::Shard;
 use splitsum::run::split::{Share, split};
 use splitsum::run::store::Store;
@@ -207,13 +207,10 @@ fn every_cell_is_in_one_part_and_parts_have_no_image_in_common() {
         let jobs: BTreeSet<String> = timing::jobs(&plan).into_iter().map(|job| job.id).collect();
         let cells: BTreeMap<&str, _> = plan.cells.iter().map(|cell| (cell.id.as_str(), cell)).collect();
         let seconds = |share: &Share| {
-            let (jobs, mut work) = (timing::jobs(&plan), Work::default());
+            let jobs = timing::jobs(&plan);
             let mut steps = Steps::new(&plan, &jobs, []);
-            share.cells.iter().for_each(|id| work.append(&steps.cell(cells[id.as_str()])));
-            (
-                work.stated_s(),
-                jobs.iter().filter(|job| share.timings.contains(&job.id)).map(|job| steps.timing(job).stated_s()).sum(),
-            )
+            let timed = jobs.iter().filter(|job| share.timings.contains(&job.id)).map(|job| steps.timing(job)).sum();
+            (share.cells.iter().map(|id| steps.cell(cells[id.as_str()])).sum(), timed)
         };
         let (all, timed): (f64, f64) = seconds(&split(&plan, 1)[0]);
         let unit = |group: &ReferenceGroup| {

@@ -1,24 +1,19 @@
-//! The stated work of a plan by kind, in seconds of a software driver (lavapipe, LLVM 15) on two quiet cores. The published runs took 0.65
-//! to 1.25 times as long.
+//! Predicts how long a run takes.
+//!
+//! Each step (a cell, a timed configuration) has stated seconds: of a software driver (lavapipe, LLVM 15) on two quiet cores. The published
+//! runs took 0.65 to 1.25 times as long. The clock of a run corrects them.
 
+use super::timing::{FRAME, TimingJob};
 use crate::experiment::axis::{AXES, DFG, IRRADIANCE, MIPS, PREFILTER, Point, SH9};
 use crate::experiment::plan::{Cell, Plan};
 use crate::experiment::value::Value;
 use crate::pipeline::frames::CONVERGED_SAMPLES;
 use crate::precompute::PrefilterBy;
-use crate::run::timing::{FRAME, TimingJob};
 use crate::shade::frames::Motion;
-use std::collections::{BTreeMap, BTreeSet, HashSet};
-
-/// First word of the kinds of timed frames and tables, before the kind of the same work untimed.
-pub const TIMED: &str = "timed ";
-/// Work after the last step.
-pub const END: &str = "host end";
-/// Scores, which are computed in parallel with the device.
-pub const SCORE: &str = "host score";
+use std::collections::{BTreeSet, HashMap, HashSet};
 
 /// Kind, ns per pixel, ns per sample. A kind of one word covers all other kinds that begin with it.
-const STATED_NS: [(&str, f64, f64); 15] = [
+const STATED_NS: [(&str, f64, f64); 14] = [
     ("reference", 1500.0, 20.0),
     ("reference none", 1500.0, 28.0),
     ("image", 120.0, 15.0),
@@ -31,15 +26,16 @@ const STATED_NS: [(&str, f64, f64); 15] = [
     ("table prefilter", 0.0, 2.5),
     ("table dfg", 0.0, 9.0),
     ("table irradiance", 0.0, 11.0),
-    ("display", 50.0, 0.0),
-    // Scores and pictures of a cell on one thread.
-    (SCORE, 500.0, 0.0),
-    // A cell in the tables, contact sheets, answers and report.
-    (END, 150.0, 0.0),
+    // Tone curve, scores and pictures of a cell.
+    ("scores", 300.0, 0.0),
+    // A cell in the tables, contact sheets, answers and report, after the last step.
+    ("end", 150.0, 0.0),
 ];
 
 /// Time of a map by harmonics over its part on the device, which alone is timed.
 const HARMONIC_HOST: f64 = 90.0;
+/// Share of the work after which the correction by the clock has full weight.
+const TRUSTED_SHARE: f64 = 0.1;
 
 /// Pixels and samples (of all pixels together) of one item of work.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -48,43 +44,59 @@ struct Amount {
     samples: f64,
 }
 
-/// The listed kind of `what` with this method or table, and its seconds.
-fn stated(what: &str, of: &str, amount: Amount) -> (&'static str, f64) {
+/// The seconds of `what` with this method or table.
+fn stated(what: &str, of: &str, amount: Amount) -> f64 {
     let special = format!("{what} {of}");
     let known = |kind: &str| STATED_NS.iter().find(|(known, ..)| *known == kind);
-    let (kind, pixel, sample) = known(&special).or_else(|| known(what)).expect("a listed kind");
-    (kind, 1e-9 * (pixel * amount.pixels + sample * amount.samples))
+    let (_, pixel, sample) = known(&special).or_else(|| known(what)).expect("a listed kind");
+    1e-9 * (pixel * amount.pixels + sample * amount.samples)
 }
 
-/// Count and stated seconds by kind.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Work(pub BTreeMap<String, [f64; 2]>);
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Ahead {
+    /// Finished share of the work, from 0 to 1.
+    pub share: f64,
+    /// Predicted seconds until the end.
+    pub seconds: f64,
+}
 
-impl Work {
-    fn add(&mut self, kind: &str, times: f64, seconds: f64) {
-        let [count, sum] = self.0.entry(kind.to_owned()).or_default();
-        (*count, *sum) = (*count + times, *sum + seconds);
+/// The open steps of a run.
+#[derive(Clone, Debug)]
+pub struct Forecast {
+    /// Stated seconds by the id of the cell or timed configuration.
+    steps: HashMap<String, f64>,
+    /// Stated seconds, of the work after the last step too.
+    left: f64,
+    done: f64,
+}
+
+impl Forecast {
+    /// Forecasts these cells, in the order in which they are rendered, and these timings. References in `kept` are cached.
+    pub fn new(plan: &Plan, cells: &[&Cell], jobs: &[TimingJob], kept: impl IntoIterator<Item = String>) -> Self {
+        let mut of = Steps::new(plan, jobs, kept);
+        let mut left: f64 = cells.iter().map(|cell| stated("end", "", amount(plan, &cell.point))).sum();
+        let mut steps: HashMap<_, _> = cells.iter().map(|cell| (cell.id.clone(), of.cell(cell))).collect();
+        steps.extend(jobs.iter().map(|job| (job.id.clone(), of.timing(job))));
+        left += steps.values().sum::<f64>();
+        Self { steps, left, done: 0.0 }
     }
 
-    fn item(&mut self, what: &str, of: &str, amount: Amount) {
-        let (kind, seconds) = stated(what, of, amount);
-        self.add(kind, 1.0, seconds);
+    /// Notes a cell or timed configuration that was tried.
+    pub fn finish(&mut self, id: &str) {
+        let seconds = self.steps.remove(id).unwrap_or(0.0);
+        (self.done, self.left) = (self.done + seconds, self.left - seconds);
     }
 
-    pub fn append(&mut self, other: &Self) {
-        other.0.iter().for_each(|(kind, [count, seconds])| self.add(kind, *count, *seconds));
-    }
-
-    pub fn remove(&mut self, part: &Self) {
-        part.0.iter().for_each(|(kind, [count, seconds])| self.add(kind, -count, -seconds));
-    }
-
-    pub fn stated_s(&self) -> f64 {
-        self.0.values().map(|[_, seconds]| seconds).sum()
+    /// Predicts the rest after `elapsed` seconds of work.
+    pub fn ahead(&self, elapsed: f64) -> Ahead {
+        let &Self { left, done, .. } = self;
+        let share = if done > 0.0 { done / (done + left) } else { 0.0 };
+        let trust = (share / TRUSTED_SHARE).min(1.0);
+        Ahead { share, seconds: left * if done > 0.0 { (elapsed / done).powf(trust) } else { 1.0 } }
     }
 }
 
-/// Computes the work of each step. Work that several steps share belongs to the first.
+/// Computes the stated seconds of each step. Work that several steps share belongs to the first.
 #[derive(Debug)]
 pub struct Steps<'p> {
     plan: &'p Plan,
@@ -102,21 +114,18 @@ impl<'p> Steps<'p> {
         Self { plan, seen: kept.into_iter().collect(), compared }
     }
 
-    pub fn cell(&mut self, cell: &Cell) -> Work {
+    pub fn cell(&mut self, cell: &Cell) -> f64 {
         let (plan, point) = (self.plan, &cell.point);
         let reference = plan.reference_point(point);
         let own = amount(plan, point);
-        let pixels = Amount { samples: 0.0, ..own };
-        let mut work = Work::default();
+        let mut seconds = stated("scores", "", own);
         if self.seen.insert(cell.reference.clone()) {
-            work.item("reference", method(&reference), amount(plan, &reference));
+            seconds += stated("reference", method(&reference), amount(plan, &reference));
         }
-        let is_first = self.seen.insert(cell.radiance.clone());
-        if is_first {
-            work.item("image", method(point), own);
-            if let Some(samples) = plan.ladder_of(point) {
-                work.item("ladder", "", Amount { samples: own.pixels * f64::from(samples), ..own });
-            }
+        if self.seen.insert(cell.radiance.clone()) {
+            seconds += stated("image", method(point), own);
+            let samples = plan.ladder_of(point).map_or(0.0, f64::from);
+            seconds += stated("ladder", "", Amount { samples: own.pixels * samples, ..own });
         }
         for Table { key, table, mut amount } in tables(plan, point).into_iter().chain(tables(plan, &reference)) {
             let by = point.settings().shading.precompute.prefilter;
@@ -124,35 +133,23 @@ impl<'p> Steps<'p> {
                 amount.samples *= HARMONIC_HOST;
             }
             if self.seen.insert(key) {
-                work.item("table", table, amount);
+                seconds += stated("table", table, amount);
             }
         }
-        work.item("display", "", pixels);
-        work.item(SCORE, "", pixels);
-        work.item(END, "", pixels);
-        work
+        seconds
     }
 
-    pub fn timing(&self, job: &TimingJob) -> Work {
-        let Some(timing) = self.plan.config.timing else { return Work::default() };
+    pub fn timing(&self, job: &TimingJob) -> f64 {
+        let (plan, point) = (self.plan, &job.cell.point);
+        let Some(timing) = plan.config.timing else { return 0.0 };
         // A frame that does not count follows each change of configuration.
-        let counted = f64::from(timing.rounds * if self.compared.contains(&job.block) { 2 } else { 1 });
-        let mut work = Work::default();
-        for (kind, seconds) in timed(self.plan, job) {
-            work.add(&kind, counted, (counted + f64::from(timing.warmup)) * seconds);
-        }
-        work
+        let counted = timing.rounds * if self.compared.contains(&job.block) { 2 } else { 1 };
+        let once: f64 = match job.phase {
+            FRAME => stated("image", method(point), amount(plan, point)),
+            _ => tables(plan, point).iter().map(|own| stated("table", own.table, own.amount)).sum(),
+        };
+        f64::from(counted + timing.warmup) * once
     }
-}
-
-/// Kind and stated seconds of one execution of a timed configuration.
-pub fn timed(plan: &Plan, job: &TimingJob) -> Vec<(String, f64)> {
-    let point = &job.cell.point;
-    let items = match job.phase {
-        FRAME => vec![stated("image", method(point), amount(plan, point))],
-        _ => tables(plan, point).iter().map(|own| stated("table", own.table, own.amount)).collect(),
-    };
-    items.into_iter().map(|(kind, seconds)| (format!("{TIMED}{kind}"), seconds)).collect()
 }
 
 /// Pixels of a point's image, and the most samples of its terms.
