@@ -3,11 +3,11 @@
 use super::shared::{InputFlags, check_out};
 use super::{Failure, log, print_data, progress};
 use clap::Args;
-use splitsum::brdf::Brdf;
-use splitsum::brdf::MaskingShadowing;
+use splitsum::brdf::{Brdf, MaskingShadowing, SheenVisibility, WidthLaw};
 use splitsum::math::quadrature::Tolerance;
 use splitsum::oracle::{ALPHA_MIN, Kind, Queries};
 use splitsum::precompute::prefilter::Weight;
+use splitsum::shade::coat::CoatLayering;
 use splitsum::shade::reference::TOLERANCE;
 use splitsum::spelling::Listed;
 use std::path::PathBuf;
@@ -34,33 +34,48 @@ pub struct Arguments {
 /// Lists the columns of each kind and the names in their cells.
 fn after_help() -> String {
     let [models, maskings, weights] = [<dyn Brdf>::names(), MaskingShadowing::names(), Weight::names()].map(either);
-    format!("\
-QUERIES.csv has a header and one query per line. The answer adds columns: each number and a bound of its absolute error. Faults are
-reported as file:line:column before anything is computed.
+    let [layerings, visibilities, laws] =
+        [CoatLayering::names(), SheenVisibility::names(), WidthLaw::names()].map(either);
+    format!(
+        "\
+QUERIES.csv has a header and one query per line. The answer adds columns: each number and a bound
+of its absolute error. Faults are reported as file:line:column before anything is computed.
 
-Kinds, their columns (any order; [optional]) and what is added (_r _g _b, then _error_r _error_g _error_b):
-  shading     environment,brdf,alpha,f0,nx,ny,nz,vx,vy,vz [masking,id]
+Kinds, their columns (any order; [optional]) and what is added (_r _g _b, then _error_r ... _b):
+  shading     environment,brdf,alpha,f0,nx,ny,nz,vx,vy,vz [masking,id] ->
               specular        outgoing radiance of the specular term, Schlick's F from f0
               specular_white  the same with F = 1
               diffuse         of albedo 1, with 1 - F(v.h) inside the integral
               lambert         of albedo 1, without: irradiance over pi
-  ladder      as shading, and [levels] -> reference, ladder_fresnel, ladder_masking, ladder_view, ladder_levels (the rungs
-              between the integral and the split sum)
-  dfg         brdf,alpha,n_dot_v [masking,id] -> f0_scale,f90_scale,albedo,error (the albedo is the sum: a white furnace)
-  prefilter   environment,brdf,alpha,rx,ry,rz [weight,masking,id] -> prefiltered (the split sum's first factor)
+              [anisotropy,anisotropy_rotation_deg,anisotropy_widths]: two widths along a tangent,
+              at 0 degrees east (y x n), turned counter-clockwise about n
+              [coat,coat_alpha,coat_layering] -> coat, base_share: its radiance, what is kept of
+              the results above
+              [sheen_color,sheen_alpha,sheen_visibility] -> sheen, sheen_base_share: the same
+  ladder      as shading without layers, and [levels] -> reference, ladder_fresnel,
+              ladder_masking, ladder_view, ladder_levels: from the integral to the split sum
+  dfg         brdf,alpha,n_dot_v [masking,id] -> f0_scale,f90_scale,albedo,error
+              (the albedo is the sum: a white furnace)
+  prefilter   environment,brdf,alpha,rx,ry,rz [weight,masking,id] -> prefiltered
+              (the split sum's first factor)
   irradiance  environment,nx,ny,nz [id] -> irradiance (not divided by pi)
-  sh9         environment [id] -> l00,l1m1,l10,l11,l2m2,l2m1,l20,l21,l22 (y up, no Condon-Shortley sign)
+  sh9         environment [id] -> l00,l1m1,l10,l11,l2m2,l2m1,l20,l21,l22
+              (y up, no Condon-Shortley sign)
 
-Cells: environment is builtin:NAME or an .hdr or .exr file (relative to QUERIES.csv; FILE.exr#NAME for a layer); brdf {models};
-alpha in [{ALPHA_MIN}, 1]; f0 one number or R:G:B in [0, 1]; n, v and r unit vectors within 1e-5, y up, v above the horizon of n;
-masking {maskings} (the first by default); weight {weights} (the first by default);
-id any text, copied. Radiance is in the units of the map, looked up bilinearly.
+Cells: environment is builtin:NAME or an .hdr or .exr file, relative to QUERIES.csv; FILE.exr#NAME
+is a layer. alpha in [{ALPHA_MIN}, 1]; f0 and sheen_color one number or R:G:B in [0, 1]; n, v and r
+unit vectors within 1e-5, y up, v above the horizon of n; id any text, copied; brdf {models}.
+The first is the default: masking {maskings};
+weight {weights}; anisotropy_widths {laws};
+coat_layering {layerings}; sheen_visibility {visibilities}.
+Radiance is in the units of the map, looked up bilinearly.
 
 Examples:
   printf 'environment,brdf,alpha,f0,nx,ny,nz,vx,vy,vz\\nbuiltin:sky,ggx,0.25,0.04,0,0.6,0.8,0,0,1\\n' > queries.csv
   splitsum integrate queries.csv
   printf 'brdf,masking,alpha,n_dot_v\\nphong,separable,1,0.1\\nphong,smith-exact,1,0.1\\n' > albedo.csv
-  splitsum integrate albedo.csv --kind dfg --out answers.csv")
+  splitsum integrate albedo.csv --kind dfg --out answers.csv"
+    )
 }
 
 /// Joins words as "a, b or c".

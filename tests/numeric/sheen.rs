@@ -152,3 +152,23 @@ fn a_white_furnace_stays_white() {
     }
     assert_eq!(shares(None, DVec3::ZERO, 0.25, 0.3, 0.7), [DVec3::ONE, DVec3::ZERO]);
 }
+
+/// Filament's table has 4096 samples a texel, in half floats.
+#[test]
+fn the_albedo_is_filaments_cloth_table() {
+    // n·v, perceptual roughness, blue of `cmgen -s 64 --ibl-dfg=FILE --ibl-dfg-multiscatter --ibl-dfg-cloth` (1.9.25).
+    let cells = [
+        [0.0546875, 0.8515625, 0.570801],
+        [0.4921875, 0.8515625, 0.282959],
+        [0.9453125, 0.8515625, 0.130737],
+        [0.3203125, 0.5390625, 0.364746],
+        [0.7890625, 0.5390625, 0.105896],
+        [0.4765625, 0.3046875, 0.156738],
+        [0.0390625, 0.1484375, 1.6709],
+        [0.7890625, 1.0, 0.19751],
+    ];
+    for [n_dot_v, roughness, cloth] in cells {
+        let own = dfg(&SheenVisibility::Ashikhmin, CORRELATED, n_dot_v, roughness * roughness).albedo();
+        assert!((own / cloth - 1.0).abs() < 1e-3, "{n_dot_v}, {roughness}: {own}, not {cloth}");
+    }
+}
