@@ -20,6 +20,7 @@ figures="quick 1
 coat 3
 anisotropy 5
 sheen 5
+lobes 5
 tables 5
 better-method 3
 break-even 7

@@ -13,7 +13,7 @@ set -eu
 cd "$(dirname "$0")/.."
 . scripts/setup.sh
 
-set_names="quick front break-even source-document-0 level-bias diffuse tables ladder split-sums pictures coat anisotropy sheen temporal ghosts exposure-and-contrast better-method timing"
+set_names="quick front break-even source-document-0 level-bias diffuse tables ladder split-sums pictures coat anisotropy sheen lobes temporal ghosts exposure-and-contrast better-method timing"
 runs=runs/standard
 results=results
 while [ $# -gt 0 ]; do
@@ -58,7 +58,7 @@ done <experiments/environments.csv
 # Lights of an experiment: its formulas, then the measured maps. Empty for an experiment about formulas or pictures.
 lights_of() {
     case $1 in
-    front | pictures | split-sums | coat | anisotropy | sheen | temporal) echo "${maps#,}" ;;
+    front | pictures | split-sums | coat | anisotropy | sheen | lobes | temporal) echo "${maps#,}" ;;
     break-even | better-method | level-bias | tables | ladder) echo "builtin:studio,builtin:sky$maps" ;;
     diffuse) echo "builtin:sky,builtin:sky:elevation_deg=88,builtin:studio,builtin:checker,builtin:cap$maps" ;;
     esac

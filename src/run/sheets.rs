@@ -136,9 +136,12 @@ impl Maker<'_> {
                 let line = |&axis: &usize| {
                     let point = rows::teller(row.iter().map(|cell| &cell.point), axis);
                     let named = self.plan.config.named(axis);
-                    format!("{} {}", named.name(), short_text(named, point))
+                    // An unset axis changes nothing in the row.
+                    Some(short_text(named, point))
+                        .filter(|text| !text.is_empty())
+                        .map(|text| format!("{} {text}", named.name()))
                 };
-                let label = row_axes.iter().map(line).collect::<Vec<_>>().join("\n");
+                let label = row_axes.iter().filter_map(line).collect::<Vec<_>>().join("\n");
                 rows.push(self.row(label, true, row, Kind::Display));
                 if self.has_flip {
                     rows.push(self.row("FLIP".to_owned(), false, row, Kind::Flip));
