@@ -19,6 +19,7 @@ cd "$(dirname "$0")/.."
 figures="quick 1
 coat 3
 anisotropy 5
+anisotropy-albedo 1
 sheen 5
 lobes 5
 tables 5

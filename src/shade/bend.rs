@@ -2,7 +2,7 @@
 //!
 //! An engine knows alpha and a strength by its own law of widths; both follow from the two widths. With `pr = √alpha` and `g`
 //! the view less its part along the bitangent, the lookup `P(d, level) (f0 A + B)` has a bent normal `n' = mix(n, g, share)`,
-//! a direction d between `r' = reflect(-v, n')` and n or n', and one alpha for level and albedo. The formulas are in
+//! a direction d between `r' = reflect(-v, n')` and n or n', and one alpha for the level and, but for `-square`, for A and B. The formulas are in
 //! `shaders/shade/method/split_sum_bent.glsl` and its twin; sources at the versions that `docs/anisotropy.md` names.
 
 use crate::glsl::constants as code;
@@ -64,6 +64,16 @@ pub enum Toward {
     Cap = code::BEND_TOWARD_CAP,
 }
 
+/// The width at which the DFG table is read.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u32)]
+pub enum DfgWidth {
+    /// The alpha of the level.
+    Own,
+    /// The root of the mean square.
+    Square,
+}
+
 /// One renderer's way.
 #[derive(Debug)]
 pub struct Bend {
@@ -73,34 +83,41 @@ pub struct Bend {
     pub parameters: Parameters,
     pub normal: Normal,
     pub toward: Toward,
+    pub dfg: DfgWidth,
 }
 
 /// One line for each way.
 macro_rules! bends {
-    ($($name:literal $parameters:ident $normal:ident $toward:ident $about:literal;)*) => {
-        /// Every way; the first bends nothing.
+    ($($name:literal $parameters:ident $normal:ident $toward:ident $dfg:ident $about:literal;)*) => {
+        /// Every way; the first bends nothing, and the next two nothing at another width.
         pub static BENDS: &[Bend] = &[$(Bend {
             name: $name,
             about: $about,
             parameters: Parameters::$parameters,
             normal: Normal::$normal,
             toward: Toward::$toward,
+            dfg: DfgWidth::$dfg,
         }),*];
     };
 }
 
 bends! {
-    "none" Square Plain Mirror "along r at the root mean square width";
-    "cap" Square Cap Cap "the mirror direction about the mean visible normal, ours";
-    "filament" Mean Linear Normal "getReflectedVector of Filament";
-    "gltf" Narrow QuarticUnit Bent "KHR_materials_anisotropy, section on image-based lighting";
-    "khronos" Narrow Quartic Mirror "getIBLRadianceAnisotropy of the glTF Sample Renderer";
-    "three" Narrow QuarticUnit BentLess "getIBLAnisotropyRadiance of three.js since 2025";
-    "bevy" Narrow QuarticAlpha Twice "bend_normal_for_anisotropy of Bevy";
-    "godot" Geometric Linear Bent "the sky's lookup of Godot's forward renderer";
-    "playcanvas" Narrow QuarticRoot Mirror "reflDirAniso of PlayCanvas";
-    "unity" Mean Root Unity "GetGGXAnisotropicModifiedNormalAndRoughness of HDRP";
-    "materialx" Geometric Plain Mirror "mx_environment_prefilter of MaterialX: no bend";
+    "none" Square Plain Mirror Own "along r at the root mean square width";
+    "none-narrow" Narrow Plain Mirror Own "along r at the narrow width";
+    "none-mean" Mean Plain Mirror Own "along r at the mean width";
+    "cap" Square Cap Cap Own "the mirror direction about the mean visible normal, ours";
+    "filament" Mean Linear Normal Own "getReflectedVector of Filament";
+    "gltf" Narrow QuarticUnit Bent Own "KHR_materials_anisotropy, section on image-based lighting";
+    "khronos" Narrow Quartic Mirror Own "getIBLRadianceAnisotropy of the glTF Sample Renderer";
+    "three" Narrow QuarticUnit BentLess Own "getIBLAnisotropyRadiance of three.js since 2025";
+    "bevy" Narrow QuarticAlpha Twice Own "bend_normal_for_anisotropy of Bevy";
+    "godot" Geometric Linear Bent Own "the sky's lookup of Godot's forward renderer";
+    "playcanvas" Narrow QuarticRoot Mirror Own "reflDirAniso of PlayCanvas";
+    "unity" Mean Root Unity Own "GetGGXAnisotropicModifiedNormalAndRoughness of HDRP";
+    "materialx" Geometric Plain Mirror Own "mx_environment_prefilter of MaterialX: no bend";
+    "filament-square" Mean Linear Normal Square "filament, with A and B at the root mean square width";
+    "gltf-square" Narrow QuarticUnit Bent Square "gltf, the same";
+    "unity-square" Mean Root Unity Square "unity, the same";
 }
 
 listed!(Bend, "bend", BENDS);
@@ -108,6 +125,6 @@ listed!(Bend, "bend", BENDS);
 impl Bend {
     /// Returns the specialization constant.
     pub fn code(&self) -> u32 {
-        self.parameters as u32 | (self.normal as u32) << 4 | (self.toward as u32) << 8
+        self.parameters as u32 | (self.normal as u32) << 4 | (self.toward as u32) << 8 | (self.dfg as u32) << 12
     }
 }

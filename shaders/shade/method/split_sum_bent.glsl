@@ -2,7 +2,7 @@
 
 #include "lib/split_sum.glsl"
 
-// Parameters | normal << 4 | toward << 8, of BEND_*.
+// Parameters | normal << 4 | toward << 8, of BEND_*; 1 << 12 reads A and B at the root mean square width.
 #ifdef GL_ES
 const uint BEND = BEND_PARAMETERS_SQUARE;
 #else
@@ -10,7 +10,7 @@ layout(constant_id = 8) const uint BEND = BEND_PARAMETERS_SQUARE;
 #endif
 const uint BEND_PARAMETERS = BEND & 15u;
 const uint BEND_NORMAL = (BEND >> 4u) & 15u;
-const uint BEND_TOWARD = BEND >> 8u;
+const uint BEND_TOWARD = (BEND >> 8u) & 15u;
 
 float frostbite_share(float alpha) {
     return (1.0 - alpha) * (sqrt(1.0 - alpha) + alpha);
@@ -83,6 +83,6 @@ vec3 specular_radiance(Surface s) {
         vec3 wide = normalize(mix(z, reflect(-v, z), frostbite_share(alpha)));
         direction = mix(direction, wide, clamp((alpha - 0.4) / 0.4, 0.0, 1.0));
     }
-    vec2 a_b = albedo_pair(dfg, s.n_dot_v, alpha);
+    vec2 a_b = albedo_pair(dfg, s.n_dot_v, (BEND >> 12u) == 0u ? alpha : s.alpha);
     return prefiltered_radiance(frame * normalize(direction), perceptual_roughness) * (s.f0 * a_b.x + a_b.y);
 }

@@ -4,7 +4,7 @@ use super::Method;
 use super::split_sum::shifted;
 use super::split_sum_engines::share_of_r;
 use crate::brdf::{Widths, reflect};
-use crate::shade::bend::{Bend, Normal, Parameters, Toward};
+use crate::shade::bend::{Bend, DfgWidth, Normal, Parameters, Toward};
 use crate::shade::reference::Surface;
 use crate::shade::twin::{Light, Twin};
 use glam::DVec3;
@@ -68,6 +68,6 @@ fn split_sum(bend: &Bend, surface: &Surface, light: &Light) -> DVec3 {
             mirror.lerp(wide, ((alpha - 0.4) / 0.4).clamp(0.0, 1.0))
         }
     };
-    let pair = light.dfg(v.z, alpha);
+    let pair = light.dfg(v.z, if bend.dfg == DfgWidth::Square { surface.alpha } else { alpha });
     light.mean_radiance(frame.to_world(direction.normalize()), level) * (surface.f0 * pair.x + pair.y)
 }
