@@ -12,11 +12,8 @@ use toml::de::{DeTable, DeValue};
 
 /// Largest number of combinations; planning them takes about ten seconds on one core.
 pub(super) const COMBINATIONS_MAX: u64 = 200_000;
-const RANGE_LENGTH_MAX: i64 = 100_000;
 const POWER_MAX: i64 = 60;
-const RANGES: &[&str] = &["linspace", "logspace", "pow2"];
-const RANGE_FORMS: &str =
-    "{ linspace = [first, last, count] }, { logspace = [first, last, count] } or { pow2 = [from, to] }";
+const RANGES: &[&str] = &["pow2"];
 
 impl Config {
     pub(super) fn read_axes(&mut self, value: &Spanned<DeValue>, faults: &mut Faults) {
@@ -183,7 +180,7 @@ impl Config {
 
 /// Expands a range; rounds for axes of whole numbers.
 fn range_values(kind: Kind, range: &DeTable) -> Result<Vec<Raw>, String> {
-    let expected = || format!("expected a list of values, {RANGE_FORMS}");
+    let expected = || "expected a list of values, or { pow2 = [from, to] }".to_owned();
     let is_number = matches!(kind, Kind::Number(_) | Kind::NumberOrName { .. } | Kind::Count { .. });
     if !is_number && !matches!(kind, Kind::Color(_)) {
         return Err("a range needs an axis of numbers; expected a list of values".to_owned());
@@ -193,26 +190,6 @@ fn range_values(kind: Kind, range: &DeTable) -> Result<Vec<Raw>, String> {
     let is_whole = matches!(kind, Kind::Count { .. });
     let rounded = |x: f64| if is_whole { Raw::Integer(x.round() as i64) } else { Raw::Float(x) };
     match (*name, &items[..]) {
-        ("linspace" | "logspace", [first, last, Raw::Integer(count)]) => {
-            let (Some(first), Some(last)) = (number(first), number(last)) else { return Err(expected()) };
-            if !(2..=RANGE_LENGTH_MAX).contains(count) {
-                return Err(format!("a range of {count} values; expected 2 to {RANGE_LENGTH_MAX}"));
-            }
-            if *name == "logspace" && (first <= 0.0 || last <= 0.0) {
-                return Err("logspace needs two numbers above 0".to_owned());
-            }
-            let value = |i: i64| {
-                let t = i as f64 / (count - 1) as f64;
-                match *name {
-                    // Ends are exact.
-                    _ if i == 0 => first,
-                    _ if i == count - 1 => last,
-                    "linspace" => decimal(first + t * (last - first)),
-                    _ => (first.ln() + t * (last / first).ln()).exp(),
-                }
-            };
-            Ok((0..*count).map(|i| rounded(value(i))).collect())
-        }
         ("pow2", [Raw::Integer(from), Raw::Integer(to)]) => {
             if from > to || *from < -POWER_MAX || *to > POWER_MAX {
                 let range = format!("from -{POWER_MAX} to {POWER_MAX}");

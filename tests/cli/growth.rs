@@ -21,7 +21,7 @@ reference = {{ samples = 32 }}
 environment = ["builtin:gradient"]
 brdf = ["ggx"]
 f0 = [1]
-alpha = {{ linspace = [0.1, 1, {}] }}
+alpha = {:?}
 method = ["sampled", "split-sum"]
 samples = [1, 2, 4, 8]
 diffuse = ["none"]
@@ -32,7 +32,7 @@ prefilter_level_count = 2
 dfg_size = 16
 dfg_sample_count = 64
 "#,
-        cells / 5
+        (1..=cells / 5).map(|k| 0.1 + 0.9 * k as f64 / cells as f64).collect::<Vec<_>>()
     )
 }
 

@@ -111,12 +111,12 @@ fn every_fault_is_reported_with_its_place() {
         (
             "ranges",
             axes(
-                "alpha = { linspace = [0.5, 2, 4] }\nsamples = { pow2 = [3, 1] }\nbrdf = { pow2 = [0, 1] }\n\
-                 exposure = { logspace = [0, 1, 3] }\ncontrast = { linspaces = [1, 2, 3] }",
+                "alpha = { pow2 = [-1, 1] }\nsamples = { pow2 = [3, 1] }\nbrdf = { pow2 = [0, 1] }\n\
+                 exposure = { pow2 = [0, 1, 3] }\ncontrast = { pow = [1, 2] }",
             ),
             &[],
         ),
-        ("one slip in a range", axes("alpha = { linspace = [0.1, 1, 3], stopp = 2 }\n[[exclude]]\nalpha = 0.1\nwhy = 3"), &[]),
+        ("one slip in a range", axes("alpha = { pow2 = [-1, 0], stopp = 2 }\n[[exclude]]\nalpha = 0.1\nwhy = 3"), &[]),
         (
             "zips",
             axes(&format!(

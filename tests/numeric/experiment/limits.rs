@@ -44,8 +44,9 @@ fn the_first_faults_are_shown_and_the_others_counted() {
 fn large_sweeps_are_planned_at_once() {
     let sweep = |counts: u32, alphas: u32, rest: &str| {
         format!(
-            "name = \"x\"\nsize = [8, 8]\n[axes]\nmethod = [\"sampled\"]\nsamples = {{ linspace = [1, {counts}, {counts}] }}\n\
-             alpha = {{ linspace = [0.1, 1, {alphas}] }}\n{rest}"
+            "name = \"x\"\nsize = [8, 8]\n[axes]\nmethod = [\"sampled\"]\nsamples = {:?}\nalpha = {:?}\n{rest}",
+            (1..=counts).collect::<Vec<_>>(),
+            (1..=alphas).map(|k| f64::from(k) / f64::from(alphas)).collect::<Vec<_>>()
         )
     };
     assert_eq!(planned(&sweep(50, 100, "")).unwrap().cells.len(), 5000);

@@ -19,10 +19,9 @@ fn perceptual_roughness_makes_the_cells_of_its_square() {
     let alphas = plan("alpha = [0.01, 0.09, 0.25, 0.49, 1]", &[]);
     let roughnesses = plan("perceptual_roughness = [0.1, 0.3, 0.5, 0.7, 1]", &[]);
     assert_eq!((ids(&roughnesses), &roughnesses.hash), (ids(&alphas), &alphas.hash));
-    // The narrowest lobe, a range, the command line, an exclusion and a zip.
+    // The narrowest lobe, the command line, an exclusion and a zip.
     let narrowest = plan("perceptual_roughness = [0.0316227766016838]", &[]);
     assert_eq!(narrowest.cells[0].point[ALPHA].number(), ALPHA_MIN);
-    assert_eq!(ids(&plan("perceptual_roughness = { linspace = [0.1, 0.5, 3] }", &[])), ids(&alphas)[..3]);
     assert_eq!(ids(&plan("alpha = [0.3]", &["perceptual_roughness=0.1,0.3"])), ids(&alphas)[..2]);
     let excluded = "alpha = [0.01, 0.09, 0.25]\n[[exclude]]\nperceptual_roughness = 0.5\nwhy = \"too wide\"";
     assert_eq!(ids(&plan(excluded, &[])), ids(&alphas)[..2]);

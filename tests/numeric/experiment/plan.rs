@@ -249,15 +249,10 @@ fn axes_that_a_method_ignores_make_no_cells() {
 }
 
 #[test]
-fn ranges_hold_their_ends_and_even_steps() {
+fn powers_of_two_are_a_range() {
     let of = |axis: &str, range: &str| values(&plan(&format!("name = \"x\"\n[axes]\n{axis} = {range}\n")), axis);
-    assert_eq!(of("alpha", "{ linspace = [0.25, 1, 4] }"), ["0.25", "0.5", "0.75", "1"]);
     assert_eq!(of("samples", "{ pow2 = [0, 4] }"), ["1", "2", "4", "8", "16"]);
-    assert_eq!(of("samples", "{ logspace = [1, 1000, 4] }"), ["1", "10", "100", "1000"]);
     assert_eq!(of("exposure", "{ pow2 = [-2, 1] }"), ["0.25", "0.5", "1", "2"]);
-    let log = of("exposure", "{ logspace = [0.1, 10, 3] }");
-    assert_eq!((log[0].as_str(), log[2].as_str()), ("0.1", "10"));
-    assert!((log[1].parse::<f64>().unwrap() - 1.0).abs() < 1e-15);
 }
 
 #[test]

@@ -16,7 +16,7 @@ name = "sweep"
 reference = { samples = 4096 }
 [axes]
 environment = ["builtin:sky", "builtin:studio", "builtin:constant"]
-alpha = { linspace = [0.1, 1.0, 6] }
+alpha = [0.1, 0.25, 0.4, 0.6, 0.8, 1.0]
 brdf = ["ggx", "beckmann", "phong"]
 method = ["sampled", "split-sum"]
 samples = [1, 16, 256, 1024]
