@@ -73,9 +73,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         None => conclude(&plan, &outcome)?,
         Some(_) => cells_failed(&outcome),
     };
-    if let Some(work) = &outcome.work {
-        progress.note(&work.line(started.elapsed().as_secs_f64() * 1e3));
-    }
+    progress.note(&format!("done in {}", indicatif::HumanDuration(started.elapsed())));
     failed.or_else(|| outcome.is_stopped.then(stopped)).map_or(Ok(()), Err)?;
     let Some(shard) = arguments.shard else { return Ok(()) };
     let (cells, dir) = (outcome.cell_count, outcome.dir.display());

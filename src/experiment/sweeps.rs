@@ -5,7 +5,7 @@ use super::config::{AXIS, Config, Placed, Sweep, Zip, axis_names};
 use super::fault::{Faults, Place};
 use super::inputs::short_names;
 use super::toml_tree::{at, checked, entries, list, raw, section, table, unknown_key};
-use super::value::{Kind, Raw, decimal, number};
+use super::value::{Kind, Raw};
 use std::collections::{BTreeMap, HashSet};
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};

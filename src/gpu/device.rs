@@ -10,7 +10,7 @@ use gpu_allocator::MemoryLocation;
 use gpu_allocator::vulkan::{Allocation, AllocationCreateDesc, AllocationScheme, Allocator, AllocatorCreateDesc};
 use std::collections::HashMap;
 use std::ffi::{CStr, CString};
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 /// Locks a mutex. Panics cannot leave its contents half-changed: no call into Vulkan or the allocator panics.
@@ -30,8 +30,6 @@ pub(super) struct Shared {
     pub(super) queue_family: u32,
     /// One submission at a time: the queue is externally synchronised.
     pub(super) submission: Mutex<()>,
-    /// Host time spent waiting for submissions, ns.
-    pub(super) waited_ns: AtomicU64,
     pub(super) limits: vk::PhysicalDeviceLimits,
     pub(super) timestamp_mask: u64,
     pub(super) info: DeviceInfo,
@@ -71,7 +69,6 @@ impl Gpu {
             queue,
             queue_family,
             submission: Mutex::new(()),
-            waited_ns: AtomicU64::new(0),
             limits,
             timestamp_mask,
             info,
@@ -101,11 +98,6 @@ impl Gpu {
 
     pub fn info(&self) -> &DeviceInfo {
         &self.shared.info
-    }
-
-    /// Returns the host time spent waiting for the device since it was opened, ms.
-    pub fn waited_ms(&self) -> f64 {
-        self.shared.waited_ns.load(Ordering::Relaxed) as f64 * 1e-6
     }
 
     /// Returns the messages of the validation layer since the device was opened; empty without validation.

@@ -150,11 +150,6 @@ impl Pipeline {
         self.kept.disk.as_mut().map(DiskCache::take_warnings).unwrap_or_default()
     }
 
-    /// Returns the host time spent waiting for the device, ms.
-    pub fn waited_ms(&self) -> f64 {
-        self.gpu.waited_ms()
-    }
-
     /// Makes work fail while `flag` is set ([`PipelineError::is_interrupted`]). `None` removes the flag.
     pub fn interrupt_by(&self, flag: Option<Arc<AtomicBool>>) {
         self.gpu.interrupt_by(flag);

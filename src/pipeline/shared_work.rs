@@ -5,11 +5,10 @@ use super::cache::Recent;
 use super::disk_cache::DiskCache;
 use super::inputs::SharedKey;
 use crate::gpu::{Buffer, Gpu, GpuError, Image, Report};
-use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
 /// How often a kind of table was made, and how often it was read from disk.
-#[derive(Clone, Copy, Debug, Default, Deserialize, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Tally {
     pub made: usize,
     pub read: usize,

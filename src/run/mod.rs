@@ -23,6 +23,6 @@ pub mod tables;
 pub mod timing;
 pub mod timing_ratios;
 
-pub use execute::{MakeRenderer, Merged, Outcome, Progress, RunError, RunOptions, Work, merge, run};
+pub use execute::{MakeRenderer, Merged, Outcome, Progress, RunError, RunOptions, merge, run};
 pub use images::{STANDARD_ERROR_LAYER, file_words, write_radiance};
 pub use renderer::{RenderFault, Renderer};

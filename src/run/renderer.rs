@@ -1,9 +1,7 @@
 //! The renderer of a run, a trait so that runs can be tested without a device.
 
 use crate::ladder::Attribution;
-use crate::pipeline::{
-    DeviceInfo, Frame, LightTables, Pipeline, PipelineError, RenderRequest, SharedWork, TimingSamples,
-};
+use crate::pipeline::{DeviceInfo, Frame, LightTables, Pipeline, PipelineError, RenderRequest, TimingSamples};
 use crate::pixels::{Rgb8Image, RgbImage};
 use crate::precompute::taps::TapCount;
 use crate::tonemap::ToneCurve;
@@ -50,10 +48,6 @@ pub trait Renderer {
         warmup: u32,
         rounds: u32,
     ) -> Result<TimingSamples, RenderFault>;
-    /// Host time spent on the device so far, ms.
-    fn waited_ms(&self) -> f64;
-    /// Work shared by several images so far, and the part read from disk.
-    fn shared_work(&self) -> SharedWork;
     /// Warnings since the last call.
     fn take_warnings(&mut self) -> Vec<String>;
 }
@@ -114,14 +108,6 @@ impl Renderer for Pipeline {
             true => Pipeline::time_precompute(self, request, warmup, rounds)?,
             false => Pipeline::time(self, request, warmup, rounds)?,
         })
-    }
-
-    fn waited_ms(&self) -> f64 {
-        Pipeline::waited_ms(self)
-    }
-
-    fn shared_work(&self) -> SharedWork {
-        Pipeline::shared_work(self).clone()
     }
 
     fn take_warnings(&mut self) -> Vec<String> {

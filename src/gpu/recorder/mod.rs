@@ -153,7 +153,6 @@ impl Recorder {
         unsafe { self.device().wait_for_fences(&[self.fence], true, u64::MAX) }
             .map_err(GpuError::call("vkWaitForFences", &self.name))?;
         let waited = started.elapsed();
-        shared.waited_ns.fetch_add(waited.as_nanos() as u64, Ordering::Relaxed);
         let wall_ms = waited.as_secs_f64() * 1e3;
         Ok(Report { passes: self.pass_times()?, wall_ms, shaders: self.shaders.clone() })
     }

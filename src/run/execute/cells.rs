@@ -153,7 +153,6 @@ impl<'p> Run<'p> {
         if self.is_as_recorded(id, &name, &path)?
             && let Some(reference) = ReferenceImage::read(&path, &request, stop)
         {
-            self.references_read += 1;
             return Ok(reference);
         }
         let frame = Arc::new(renderer.render(&request)?);

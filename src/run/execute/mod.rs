@@ -7,7 +7,7 @@ mod session;
 mod timed;
 
 pub use merge::{Merged, Missing, merge};
-pub use outcome::{Outcome, Progress, RunError, RunOptions, Work};
+pub use outcome::{Outcome, Progress, RunError, RunOptions};
 
 use crate::experiment::plan::{Cell, Plan, ReferenceGroup};
 use crate::files::holds;
@@ -63,13 +63,12 @@ pub fn run(
         if run.share.is_none() {
             run.write_tables()?;
         }
-        run.end_session(renderer.as_ref(), started)?;
+        run.end_session(started)?;
         result?;
     } else {
         progress.start(steps, steps, Ahead { share: 1.0, seconds: 0.0 });
     }
-    let has_worked = run.work.is_some();
-    run.finish(has_worked || is_adopted)
+    run.finish(left > 0 || is_adopted)
 }
 
 /// Makes the renderer and checks that it can serve every cell.
@@ -92,8 +91,6 @@ struct Run<'p> {
     timings: Vec<TimingRecord>,
     /// Whether a failure ended the run.
     is_halted: bool,
-    /// References that an earlier invocation had rendered.
-    references_read: usize,
     /// Files of cells that an earlier invocation finished; taken when they are checked.
     recorded: images::Recorded,
     /// A sentence for each record that cannot be used.
@@ -104,8 +101,6 @@ struct Run<'p> {
     forecast: Option<Forecast>,
     /// When this invocation began to work.
     clock: Instant,
-    /// Set when this invocation has worked.
-    work: Option<Work>,
 }
 
 impl<'p> Run<'p> {
@@ -141,13 +136,11 @@ impl<'p> Run<'p> {
             jobs,
             timings: Vec::new(),
             is_halted: false,
-            references_read: 0,
             recorded,
             unusable,
             devices,
             forecast: None,
             clock: Instant::now(),
-            work: None,
         })
     }
 
@@ -325,7 +318,6 @@ impl<'p> Run<'p> {
             cell_count: self.own_cells().count(),
             failures: self.failures(),
             is_stopped: self.is_stopped() && self.steps_left() > 0,
-            work: self.work,
             timings: self.timings,
         }
     }

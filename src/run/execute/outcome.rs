@@ -1,6 +1,5 @@
 //! The options and the outcome of a run.
 
-use crate::pipeline::{SharedWork, Tally};
 use crate::run::estimate::Ahead;
 use crate::run::provenance::ProvenanceError;
 use crate::run::renderer::RenderFault;
@@ -77,36 +76,4 @@ pub struct Outcome {
     pub failures: Vec<FailureRecord>,
     /// Whether some steps were not tried.
     pub is_stopped: bool,
-    /// The work of this invocation; `None` if all was done before.
-    pub work: Option<Work>,
-}
-
-/// Time and shared work of an invocation.
-#[derive(Clone, Debug, Default)]
-pub struct Work {
-    /// Host time spent on the device, ms.
-    pub waited_ms: f64,
-    pub shared: SharedWork,
-    /// References of earlier invocations in the run's folder.
-    pub references_read_back: usize,
-}
-
-impl Work {
-    /// One line for the user; `wall_ms` is the time of the whole invocation.
-    pub fn line(&self, wall_ms: f64) -> String {
-        let mut made = Vec::new();
-        for (kind, Tally { made: count, read }) in &self.shared {
-            let from_disk = if *read > 0 { format!(" (and {read} from the cache)") } else { String::new() };
-            made.push(format!("{kind} {count}{from_disk}"));
-        }
-        if self.references_read_back > 0 {
-            made.push(format!("references read back {}", self.references_read_back));
-        }
-        format!(
-            "{:.1} s, {:.0} % of it on the CPU alone. Computed once and shared: {}",
-            wall_ms / 1e3,
-            100.0 * (1.0 - self.waited_ms / wall_ms).max(0.0),
-            if made.is_empty() { "nothing".to_owned() } else { made.join(", ") }
-        )
-    }
 }

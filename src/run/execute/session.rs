@@ -1,12 +1,11 @@
 //! The copy of the experiment, and an entry in the provenance for each invocation that did work.
 
-use super::{Progress, Run, RunError, Work};
+use super::{Progress, Run, RunError};
 use crate::files::holds;
 use crate::pipeline::DeviceInfo;
 use crate::run::frozen::EXPERIMENT_FILE;
 use crate::run::live::LIVE_FILE;
 use crate::run::provenance;
-use crate::run::renderer::Renderer;
 use crate::run::shard::Shard;
 use crate::run::store::{FAILED_FOLDER, SHARDS_FOLDER};
 use serde_json::{Value, json};
@@ -84,21 +83,12 @@ impl Run<'_> {
     }
 
     /// Completes this invocation's entry in the provenance.
-    pub(super) fn end_session(&mut self, renderer: &dyn Renderer, started: Instant) -> Result<(), RunError> {
-        let work = Work {
-            waited_ms: renderer.waited_ms(),
-            shared: renderer.shared_work(),
-            references_read_back: self.references_read,
-        };
+    pub(super) fn end_session(&self, started: Instant) -> Result<(), RunError> {
         let path = self.store.sessions_path();
         let Some(mut value) = provenance::read_file(&path)? else { return Ok(()) };
         if let Some(session) = value["sessions"].as_array_mut().and_then(|sessions| sessions.last_mut()) {
             session["wall_s"] = json!(started.elapsed().as_secs_f64());
-            session["device_s"] = json!(work.waited_ms / 1e3);
-            session["shared_work"] = json!(work.shared);
-            session["references_read_back"] = json!(work.references_read_back);
         }
-        self.work = Some(work);
         Ok(self.store.write_json(&path, &value)?)
     }
 }

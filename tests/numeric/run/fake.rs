@@ -1,9 +1,7 @@
 //! A synthetic renderer: an analytic sphere whose error is known for every method.
 
 use splitsum::ladder::{Attribution, STEPS, StepNumbers};
-use splitsum::pipeline::{
-    DeviceInfo, Frame, FrameTimings, LightTables, PassTime, RenderRequest, SharedWork, Tally, TimingSamples,
-};
+use splitsum::pipeline::{DeviceInfo, Frame, FrameTimings, LightTables, PassTime, RenderRequest, TimingSamples};
 use splitsum::pixels::{GrayImage, Pixels, Rgb8Image, RgbImage};
 use splitsum::precompute::dfg::DfgAxes;
 use splitsum::precompute::taps::TapCount;
@@ -220,16 +218,6 @@ impl Renderer for Fake {
             passes: vec![("gbuffer", vec![1.0; ms.len()]), ("shade-specular", ms.clone())],
             wall_ms: ms.iter().map(|t| t + 1.5).collect(),
         })
-    }
-
-    fn waited_ms(&self) -> f64 {
-        0.0
-    }
-
-    /// As many references as were rendered, and two tables that are not from the disk.
-    fn shared_work(&self) -> SharedWork {
-        let references = self.0.borrow().renders.iter().filter(|(method, _)| method == "reference").count();
-        [("reference", references), ("dfg", 2)].map(|(kind, made)| (kind.to_owned(), Tally { made, read: 0 })).into()
     }
 
     fn take_warnings(&mut self) -> Vec<String> {

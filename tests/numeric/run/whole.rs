@@ -132,21 +132,15 @@ fn each_row_has_the_count_at_which_its_reference_stopped() {
 }
 
 #[test]
-fn the_provenance_names_inputs_sessions_and_what_they_shared() {
+fn the_provenance_names_inputs_and_sessions() {
     let bench = Bench::new(&format!("{EXPERIMENT}[timing]\nwarmup = 1\nrounds = 3\n"));
     bench.invoke(&log(), 3).unwrap();
-    let outcome = bench.invoke(&log(), usize::MAX).unwrap();
-    let line = outcome.work.unwrap().line(1000.0);
-    assert_eq!(
-        line,
-        "1.0 s, 100 % of it on the CPU alone. Computed once and shared: dfg 2, reference 3, references read back 1"
-    );
+    bench.invoke(&log(), usize::MAX).unwrap();
     let value = bench.json("provenance.json");
     assert_eq!(value["plan_hash"], bench.plan.hash);
     assert_eq!(value["inputs"]["builtin:constant"].as_str().unwrap().len(), 64);
     assert_eq!(value["metrics"].as_array().unwrap().len(), splitsum::metrics::METRICS.len());
     let [first, second] = &value["sessions"].as_array().unwrap()[..] else { panic!("{value:#}") };
     assert_eq!((&first["device"]["name"], first["program_hash"].as_str().unwrap().len()), (&"fake".into(), 64));
-    assert_eq!(second["shared_work"]["reference"], serde_json::json!({ "made": 3, "read": 0 }));
-    assert!(second["device_s"] == 0.0 && second["wall_s"].as_f64().unwrap() > 0.0);
+    assert!(second["wall_s"].as_f64().unwrap() > 0.0);
 }
