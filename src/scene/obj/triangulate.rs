@@ -27,23 +27,8 @@ pub fn triangulate(polygon: &[DVec3]) -> Triangulation {
         let is_flat = |[_, b, c]: &[usize; 3]| DVec3::from(spokes[*b]).cross(spokes[*c].into()) == DVec3::ZERO;
         return Triangulation { is_simple: fan.iter().all(is_flat), triangles: fan };
     }
-    if is_convex(&flat) {
-        return Triangulation { triangles: fan, is_simple: true };
-    }
     let mut corners: Vec<u32> = Vec::new();
     Earcut::new().earcut(flat.iter().copied(), &[], &mut corners);
     let triangles = corners.chunks_exact(3).map(|triangle| [0, 1, 2].map(|i| triangle[i] as usize)).collect();
     Triangulation { triangles, is_simple: deviation(flat, &[], &corners) < DEVIATION_MAX }
-}
-
-/// Every corner turns left, and so does every triangle of the fan, which excludes stars.
-fn is_convex(flat: &[[f64; 2]]) -> bool {
-    let n = flat.len();
-    (0..n).all(|i| turn(flat[i], flat[(i + 1) % n], flat[(i + 2) % n]) >= 0.0)
-        && (2..n).all(|i| turn(flat[0], flat[i - 1], flat[i]) >= 0.0)
-}
-
-/// Returns twice the signed area, positive if counter-clockwise.
-fn turn(a: [f64; 2], b: [f64; 2], c: [f64; 2]) -> f64 {
-    (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
 }
