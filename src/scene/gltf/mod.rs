@@ -5,7 +5,7 @@
 //! `data:`. Missing normals are the triangles' own, missing tangents under a normal map or an anisotropy are MikkTSpace's (section
 //! 3.7.2.1). Winding determines the front; a mirroring transform flips it.
 //!
-//! Refused: morph targets, skins, required extensions other than [`EXTENSIONS`]. Other features (emission, occlusion,
+//! Refused: morph targets, skins, required extensions other than [`EXTENSIONS`] and lights. Other features (emission, occlusion,
 //! transparency, vertex colours, animations, lights) only cause a warning.
 
 mod buffers;
@@ -119,9 +119,9 @@ fn parse(bytes: &[u8]) -> Result<(Document, Option<&[u8]>), String> {
     if !head.asset.version.starts_with("2.") {
         return Err(format!("glTF version {:?}; expected 2.0", head.asset.version));
     }
-    let unread = |names: &[String]| {
-        names.iter().filter(|name| !EXTENSIONS.contains(&name.as_str())).cloned().collect::<Vec<_>>()
-    };
+    // Lights do not change what the environment does.
+    let is_read = |name: &str| EXTENSIONS.contains(&name) || name == "KHR_lights_punctual";
+    let unread = |names: &[String]| names.iter().filter(|name| !is_read(name)).cloned().collect::<Vec<_>>();
     match unread(&head.required).as_slice() {
         [] => {}
         [name] => return Err(format!("it requires the extension {name}, which is not read; export it without")),
