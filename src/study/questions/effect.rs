@@ -167,7 +167,8 @@ fn digest(frame: &Frame, all: &[OfAxis]) -> Table {
         return numbers.digest(frame, words);
     }
     let (along, names) = (frame.row_axis(), &frame.names);
-    let widths = values(all.iter().flat_map(|of| &of.effects).map(|effect| effect.row), along);
+    let mut widths = values(all.iter().flat_map(|of| &of.effects).map(|effect| effect.row), along);
+    widths.retain(|width| *width != Value::Unset);
     let heads = widths.iter().map(|width| names.heading(along, width));
     let first = ["axis", "value", "base"].map(str::to_owned).into_iter().chain(heads);
     let mut table = Table::with_names(first.chain([ALL, "wins under"].map(str::to_owned)));
