@@ -48,17 +48,15 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     settings.shading.precompute.validate().map_err(Failure::input)?;
     let seen = &arguments.seen;
     let here = Path::new("");
-    let whole = Environment::load(&settings.environment, here, &seen.inputs.options());
+    let environment = Environment::load(&settings.environment, here, &seen.inputs.options());
     let scene = scene(&settings.scene);
-    let (whole, scene) = match (whole, scene) {
-        (Ok(whole), Ok(scene)) => (whole, scene),
-        (whole, scene) => {
-            let faults = [whole.err().map(|e| e.to_string()), scene.err()];
+    let (environment, scene) = match (environment, scene) {
+        (Ok(environment), Ok(scene)) => (Arc::new(environment), scene),
+        (environment, scene) => {
+            let faults = [environment.err().map(|e| e.to_string()), scene.err()];
             return Err(Failure::input(faults.into_iter().flatten().collect::<Vec<_>>().join("\n")));
         }
     };
-    let clip = settings.environment_clip_log2.map(|power| power.exp2() as f32);
-    let environment = Arc::new(clip.map_or_else(|| whole.clone(), |most| whole.clipped(most)));
     seen.check(&scene)?;
     for (name, warnings) in [(&environment.name, &environment.warnings), (&scene.name, &scene.warnings)] {
         super::warn_all(name, warnings);

@@ -44,11 +44,6 @@ impl Environment {
         Self { name: name.into(), image, hash, luminance, warnings: Vec::new() }
     }
 
-    /// Returns a copy with every channel clipped at `limit`, under the same name.
-    pub fn clipped(&self, limit: f32) -> Self {
-        Self::from_image(self.name.clone(), self.image.map(|texel| texel.map(|x| x.min(limit))))
-    }
-
     /// Looks up the radiance from `direction` (any length but 0), bilinearly; u wraps, v clamps at the poles.
     pub fn radiance(&self, direction: DVec3) -> DVec3 {
         let value = |texel: [f32; 3]| DVec3::from_array(texel.map(f64::from));

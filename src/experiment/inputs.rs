@@ -10,7 +10,7 @@ use crate::shade::{FILE_PREFIX, Method, own};
 use std::collections::BTreeMap;
 use std::fmt::Display;
 use std::path::Path;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::Arc;
 
 /// Everything that the cells read, by its name in the experiment.
 #[derive(Clone, Debug, Default)]
@@ -21,14 +21,7 @@ pub struct Inputs {
     /// `None` for the program's own.
     maps: BTreeMap<String, Option<Arc<GivenMap>>>,
     tables: BTreeMap<String, Option<Arc<GivenTable>>>,
-    clipped: Arc<Mutex<Vec<Clipped>>>,
 }
-
-/// A clipped environment: name, power of two, result.
-type Clipped = (String, f64, Arc<Environment>);
-
-/// Clipped environments in memory; a sweep uses them one after the other.
-const CLIPPED_COUNT: usize = 4;
 
 /// Gives each file a short name: its stem, or its path if another input has this stem. Formulas keep their names.
 pub fn short_names<'n>(names: impl IntoIterator<Item = &'n str>) -> BTreeMap<String, String> {
@@ -80,28 +73,11 @@ impl Inputs {
         let maps = each(config, PREFILTERED, faults, given::map);
         let tables = each(config, DFG_TABLE, faults, given::table);
         let methods = load_methods(config, faults);
-        Self { environments, scenes, methods, maps, tables, clipped: Arc::default() }
+        Self { environments, scenes, methods, maps, tables }
     }
 
     pub fn environment(&self, name: &str) -> &Arc<Environment> {
         self.environments.get(name).unwrap_or_else(|| panic!("the plan loaded no environment {name}"))
-    }
-
-    /// Returns a loaded environment clipped at 2 to the power `clip_log2`.
-    pub fn clipped(&self, name: &str, clip_log2: Option<f64>) -> Arc<Environment> {
-        let whole = self.environment(name);
-        let Some(power) = clip_log2 else { return whole.clone() };
-        // Entries are added in one step, so a poisoned list is intact.
-        let mut kept = self.clipped.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some((.., environment)) = kept.iter().find(|(known, at, _)| known == name && *at == power) {
-            return environment.clone();
-        }
-        let environment = Arc::new(whole.clipped(power.exp2() as f32));
-        if kept.len() == CLIPPED_COUNT {
-            kept.remove(0);
-        }
-        kept.push((name.to_owned(), power, environment.clone()));
-        environment
     }
 
     pub fn scene(&self, name: &str) -> &Arc<Scene> {

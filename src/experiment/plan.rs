@@ -186,7 +186,7 @@ impl Plan {
 
     fn seeded_request(&self, point: &Point, seed: u32) -> RenderRequest {
         let settings = point.settings();
-        let environment = self.inputs.clipped(&settings.environment, settings.environment_clip_log2);
+        let environment = self.inputs.environment(&settings.environment).clone();
         let scene = self.inputs.scene(&settings.scene);
         let view = View {
             camera: self.config.camera,

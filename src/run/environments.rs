@@ -1,30 +1,23 @@
-//! `environments.csv`: one row for each environment and clip.
+//! `environments.csv`: one row for each environment.
 
 use super::columns::ENVIRONMENTS;
 use super::tables::Rows;
 use crate::environment::Luminance;
-use crate::experiment::axis::{AXES, ENVIRONMENT, ENVIRONMENT_CLIP};
+use crate::experiment::axis::{AXES, ENVIRONMENT};
 use crate::experiment::plan::Plan;
 use crate::experiment::value::Value;
 use crate::table::csv::Cell as Field;
 use indexmap::IndexMap;
 
-const LIGHT_AXES: [usize; 2] = [ENVIRONMENT, ENVIRONMENT_CLIP];
-
 pub fn environments(plan: &Plan) -> Rows {
-    let mut lights: IndexMap<[Value; 2], Luminance> = IndexMap::new();
+    let mut lights: IndexMap<Value, Luminance> = IndexMap::new();
     for cell in &plan.cells {
-        let light = || {
-            let settings = cell.point.settings();
-            plan.inputs.clipped(&settings.environment, settings.environment_clip_log2).luminance
-        };
-        lights.entry(LIGHT_AXES.map(|axis| plan.shown(cell, axis))).or_insert_with(light);
+        let light = || plan.inputs.environment(cell.point[ENVIRONMENT].text()).luminance;
+        lights.entry(plan.shown(cell, ENVIRONMENT)).or_insert_with(light);
     }
-    let columns = LIGHT_AXES.iter().map(|&axis| AXES[axis].name).chain(ENVIRONMENTS.iter().map(|column| column.name));
-    let row = |(key, found): ([Value; 2], Luminance)| {
-        let key = key.map(|value| Field::Text(value.to_string()));
-        let numbers = [found.mean.into(), found.peak.into(), found.range_stops().into()];
-        key.into_iter().chain(numbers).collect()
+    let columns = std::iter::once(AXES[ENVIRONMENT].name).chain(ENVIRONMENTS.iter().map(|column| column.name));
+    let row = |(name, found): (Value, Luminance)| {
+        vec![Field::Text(name.to_string()), found.mean.into(), found.peak.into(), found.range_stops().into()]
     };
     (columns.map(str::to_owned).collect(), lights.into_iter().map(row).collect())
 }

@@ -3,7 +3,7 @@
 use super::images::short_text;
 use super::live_model::{LiveModel, models};
 use super::renderer::{RenderFault, Renderer};
-use crate::experiment::axis::{BRDF, ENVIRONMENT, ENVIRONMENT_CLIP, Named, Point, Settings};
+use crate::experiment::axis::{BRDF, ENVIRONMENT, Named, Point, Settings};
 use crate::experiment::plan::Plan;
 use crate::experiment::value::Value;
 use crate::pipeline::{LightTables, RenderRequest};
@@ -99,8 +99,7 @@ pub fn record(plan: &Plan, renderer: &mut dyn Renderer) -> Result<LiveRecord, Re
     let methods = methods.iter().filter_map(shader).collect();
     let mut record =
         LiveRecord { environments: Vec::new(), lobes: Vec::new(), left_out: 0, models: models(plan), methods };
-    let clip = |settings: &Settings| settings.environment_clip_log2.map(f64::to_bits);
-    let environments = distinct(plan, &[], |settings| (settings.environment.clone(), clip(settings)));
+    let environments = distinct(plan, &[], |settings| settings.environment.clone());
     let lobes =
         distinct(plan, &[BRDF], |settings| (settings.shading.brdf.name(), settings.shading.masking_shadowing.name()));
     for (point, request) in environments.iter().take(ENVIRONMENT_COUNT) {
@@ -150,10 +149,8 @@ fn distinct<K: Eq + Hash>(plan: &Plan, axes: &[usize], key: impl Fn(&Settings) -
 fn of_environment(point: &Point, request: &RenderRequest, tables: &LightTables) -> LiveEnvironment {
     let largest = tables.environment.iter().chain(&tables.prefiltered).flat_map(|level| level.data.iter().flatten());
     let scale = half_scale(largest.fold(0.0, |a: f32, b| a.max(*b)));
-    let clip = point[ENVIRONMENT_CLIP].to_string();
-    let name = short_text(Named::own(ENVIRONMENT), point);
     LiveEnvironment {
-        label: if clip.is_empty() { name } else { format!("{name} (clipped at 2^{clip})") },
+        label: short_text(Named::own(ENVIRONMENT), point),
         scale,
         mean_luminance: request.environment.luminance.mean,
         layout: tables.layout.name.to_owned(),

@@ -5,7 +5,7 @@
 use super::estimate::Steps;
 use super::shard::Shard;
 use super::timing;
-use crate::experiment::axis::{BRDF, ENVIRONMENT, ENVIRONMENT_CLIP};
+use crate::experiment::axis::{BRDF, ENVIRONMENT};
 use crate::experiment::plan::{Cell, Plan};
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 
@@ -73,16 +73,15 @@ fn units(plan: &Plan) -> Vec<Vec<&Cell>> {
     }
     let mut units: Vec<Vec<&Cell>> = units.into_values().collect();
     let mut first: BTreeMap<Vec<String>, usize> = BTreeMap::new();
-    let light_and_model =
-        |unit: &Vec<&Cell>| [ENVIRONMENT, ENVIRONMENT_CLIP, BRDF].map(|axis| unit[0].point[axis].to_string()).to_vec();
+    let light_and_model = |unit: &Vec<&Cell>| [ENVIRONMENT, BRDF].map(|axis| unit[0].point[axis].to_string()).to_vec();
     for (place, unit) in units.iter().enumerate() {
         let key = light_and_model(unit);
-        first.entry(key[..2].to_vec()).or_insert(place);
+        first.entry(key[..1].to_vec()).or_insert(place);
         first.entry(key).or_insert(place);
     }
     units.sort_by_cached_key(|unit| {
         let key = light_and_model(unit);
-        (first[&key[..2]], first[&key])
+        (first[&key[..1]], first[&key])
     });
     units
 }

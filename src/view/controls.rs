@@ -5,8 +5,7 @@ use super::state::{Side, State};
 use super::theme;
 use crate::environment::{BUILTIN_PREFIX, BUILTINS};
 use crate::experiment::axis::{
-    ALBEDO, ALPHA, AXES, ENVIRONMENT, ENVIRONMENT_CLIP, EXPOSURE, F0, METALLIC, METHOD, Named, Part, Point, SAMPLES,
-    SCENE, SIZE,
+    ALBEDO, ALPHA, AXES, ENVIRONMENT, EXPOSURE, F0, METALLIC, METHOD, Named, Part, Point, SAMPLES, SCENE, SIZE,
 };
 use crate::experiment::value::{Kind, Range, Value};
 use crate::scene::{CameraKind, SCENES};
@@ -228,7 +227,7 @@ impl Controls {
                 let mut number = shown.size().unwrap_or_default();
                 let slider = Slider::new(&mut number, range).logarithmic(is_log).clamping(SliderClamping::Never);
                 let slider = if is_count { slider.integer() } else { slider.max_decimals(3) };
-                let response = ui.add(numbered(slider, named, is_set));
+                let response = ui.add(numbered(slider, is_set));
                 found = response.changed().then(|| if is_count { number.to_string() } else { short(number) });
                 self.place(name, &response);
             }
@@ -237,7 +236,7 @@ impl Controls {
                 ui.spacing_mut().interact_size.x = 28.0;
                 let mut grey = (r + g + b) / 3.0;
                 let mut color = [*r, *g, *b];
-                let response = ui.add(numbered(Slider::new(&mut grey, 0.0..=1.0).max_decimals(3), named, is_set));
+                let response = ui.add(numbered(Slider::new(&mut grey, 0.0..=1.0).max_decimals(3), is_set));
                 self.place(name, &response);
                 if response.changed() {
                     found = Some(short(grey.into()));
@@ -273,9 +272,8 @@ fn f0(state: &State) -> usize {
 }
 
 /// Shows the slider's number, or what an unset axis stands for.
-fn numbered(slider: Slider<'_>, named: Named, is_set: bool) -> Slider<'_> {
-    let word = if named.axis == ENVIRONMENT_CLIP { "off" } else { "model" };
-    if is_set { slider } else { slider.custom_formatter(|_, _| word.to_owned()) }
+fn numbered(slider: Slider<'_>, is_set: bool) -> Slider<'_> {
+    if is_set { slider } else { slider.custom_formatter(|_, _| "model".to_owned()) }
 }
 
 /// Returns the first value of an axis that the user sets.

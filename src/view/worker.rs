@@ -158,7 +158,7 @@ struct Renderer<'a> {
     wake: &'a dyn Fn(),
     pipeline: Pipeline,
     load: LoadOptions,
-    environment: Option<(String, Option<f64>, Arc<Environment>)>,
+    environment: Option<(String, Arc<Environment>)>,
     scene: Option<(String, Arc<Scene>)>,
     /// The scene with a material, and its camera before it orbits.
     framed: Option<(Framing, Arc<Scene>, Camera)>,
@@ -277,11 +277,10 @@ impl<'a> Renderer<'a> {
     fn inputs(&mut self, state: &State) -> Result<Inputs, Stop> {
         let settings = state.point.settings();
         settings.shading.precompute.validate().map_err(|error| Stop::Refused(error.to_string()))?;
-        let (name, clip, here) = (&settings.environment, settings.environment_clip_log2, Path::new(""));
-        if self.environment.as_ref().is_none_or(|(known, at, _)| known != name || *at != clip) {
+        let (name, here) = (&settings.environment, Path::new(""));
+        if self.environment.as_ref().is_none_or(|(known, _)| known != name) {
             let whole = Environment::load(name, here, &self.load).map_err(|error| Stop::Refused(error.to_string()))?;
-            let environment = clip.map_or_else(|| whole.clone(), |power| whole.clipped(power.exp2() as f32));
-            self.environment = Some((name.clone(), clip, Arc::new(environment)));
+            self.environment = Some((name.clone(), Arc::new(whole)));
             self.kept.clear();
         }
         if self.scene.as_ref().is_none_or(|(known, _)| *known != settings.scene) {

@@ -109,7 +109,7 @@ fn neighbours(base: &RenderRequest) -> Vec<RenderRequest> {
     let layouts = LAYOUTS.iter().filter(|layout| *layout != own && layout.face_count == 1);
     let by_layout = layouts.map(|layout| set(&|s| s.layout = layout));
     let by_field = vec![
-        other(&|r| r.environment = Arc::new(r.environment.clipped(1.0))),
+        other(&|r| r.environment = Arc::new(Environment::from_image("flat", RgbImage::filled(8, 4, [0.5; 3])))),
         shaded(&|s| s.placement.orientation += 1),
         shaded(&|s| s.placement.rotation_deg += 40.0),
         shaded(&|s| s.environment_scale *= 3.0),

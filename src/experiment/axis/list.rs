@@ -253,17 +253,6 @@ const IMAGE_AXES: &[Axis] = &[
         ..PLAIN
     },
     Axis {
-        name: "environment_clip_log2",
-        label: "Light clip (2^x)",
-        about: "clips radiance at 2 to this power, for the reference too [default: not clipped]",
-        plural: "clips",
-        symbol: Symbol::Before("clip 2^"),
-        feeds: &[MIPS, SH9, PREFILTER, IRRADIANCE],
-        kind: Kind::Number(Range::closed(-30.0, 60.0)),
-        apply: |s, v| s.environment_clip_log2 = Some(v.number()),
-        ..PLAIN
-    },
-    Axis {
         name: "masking",
         about: "masking-shadowing of the image and its reference",
         plural: "masking-shadowing functions",
@@ -324,7 +313,6 @@ indices! {
     METALLIC = "metallic";
     EXPOSURE = "exposure";
     CONTRAST = "contrast";
-    ENVIRONMENT_CLIP = "environment_clip_log2";
     ENVIRONMENT_ORIENTATION = "environment_orientation";
     ENVIRONMENT_ROTATION = "environment_rotation_deg";
     ENVIRONMENT_SCALE = "environment_scale";

@@ -322,7 +322,6 @@ impl Point {
         let mut settings = Settings {
             size: [1, 1],
             environment: String::new(),
-            environment_clip_log2: None,
             scene: String::new(),
             material: MaterialOverride::default(),
             shading: Shading { method: &METHODS[0], diffuse: &DIFFUSE[0], samples: 1, ..Shading::default() },

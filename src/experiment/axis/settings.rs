@@ -21,7 +21,6 @@ pub struct Settings {
     /// `builtin:NAME` or a path.
     pub environment: String,
     /// Clips radiance at 2 to this power, in the reference too.
-    pub environment_clip_log2: Option<f64>,
     /// A scene's name or a path.
     pub scene: String,
     pub material: MaterialOverride,

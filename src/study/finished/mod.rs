@@ -6,7 +6,7 @@ mod weighted;
 pub use read::{FinishedError, provenance};
 pub use weighted::check_weight;
 
-use crate::experiment::axis::{AXES, ENVIRONMENT, ENVIRONMENT_CLIP, ENVIRONMENT_SCALE, Point, SCENE};
+use crate::experiment::axis::{AXES, ENVIRONMENT, ENVIRONMENT_SCALE, Point, SCENE};
 use crate::experiment::config::Config;
 use crate::experiment::value::Value;
 use crate::metrics::{Epsilon, METRICS, Weight};
@@ -88,12 +88,10 @@ pub struct FinishedCell {
     pub images: Option<CellImages>,
 }
 
-/// The light of an environment at one clip.
+/// The light of an environment.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Light {
     pub environment: String,
-    /// As the axis writes it; empty if unclipped.
-    pub clip_log2: String,
     /// Luminance over the sphere and of the brightest texel.
     pub mean: f64,
     pub peak: f64,
@@ -137,8 +135,8 @@ impl Finished {
 
     /// The light of a point, if `environments.csv` has it.
     pub fn light(&self, point: &Point) -> Option<&Light> {
-        let texts = [ENVIRONMENT, ENVIRONMENT_CLIP].map(|axis| point[axis].to_string());
-        self.lights.iter().find(|light| [&light.environment, &light.clip_log2] == [&texts[0], &texts[1]])
+        let name = point[ENVIRONMENT].to_string();
+        self.lights.iter().find(|light| light.environment == name)
     }
 
     /// The ε of relative metrics under the light of a point.

@@ -191,7 +191,6 @@ fn lights(mut table: TableRows) -> Result<Vec<Light>, FinishedError> {
         let light = |environment: &str| {
             Some(Light {
                 environment: environment.to_owned(),
-                clip_log2: row.text("environment_clip_log2").unwrap_or_default().to_owned(),
                 mean: row.number("mean_luminance")?,
                 peak: row.number("peak_luminance")?,
             })

@@ -15,7 +15,7 @@ use super::finished::{Bin, Finished, FinishedCell};
 use super::names::Names;
 use super::table::axis_cells;
 use crate::experiment::axis::{
-    ALPHA, AXES, BRDF, DIFFUSE_METHOD, ENVIRONMENT, ENVIRONMENT_CLIP, F0, METHOD, Part, Point, SAMPLES, SCENE,
+    ALPHA, AXES, BRDF, DIFFUSE_METHOD, ENVIRONMENT, F0, METHOD, Part, Point, SAMPLES, SCENE,
 };
 use crate::experiment::value::Value;
 use crate::metrics::{HEADLINE, Metric, Space, VIEWS, Verdict, verdict};
@@ -24,7 +24,6 @@ use crate::scene::is_design;
 use crate::shade::NONE;
 use crate::table::csv::Cell;
 use indexmap::{IndexMap, IndexSet};
-use std::collections::HashMap;
 
 /// Mean FLIP of a visible difference: a convention of this project, since FLIP's authors give none.
 pub const VISIBLE_FROM: f64 = 0.05;
@@ -315,18 +314,11 @@ fn by_size(a: &Value, b: &Value) -> std::cmp::Ordering {
 
 /// Each distinct image once; of equal images the first with a score.
 fn distinct(run: &Finished) -> Vec<Row<'_>> {
-    // Two clips above the peak are the same light: the first replaces both.
-    let mut clips: HashMap<(Value, [u64; 2]), Value> = HashMap::new();
     let mut rows: IndexMap<Key, Row> = IndexMap::new();
     for cell in &run.cells {
-        let light = run.light(&cell.point);
         // Without methods, any parameter may change the pixels.
         let is_whole = [METHOD, DIFFUSE_METHOD].iter().all(|&axis| cell.point[axis] != Value::Unset);
-        let mut point = if is_whole { cell.point.of_pixels() } else { cell.point.clone() };
-        if let Some(light) = light {
-            let key = (point[ENVIRONMENT].clone(), [light.mean.to_bits(), light.peak.to_bits()]);
-            point[ENVIRONMENT_CLIP] = clips.entry(key).or_insert_with(|| cell.point[ENVIRONMENT_CLIP].clone()).clone();
-        }
+        let point = if is_whole { cell.point.of_pixels() } else { cell.point.clone() };
         if let Some(known) = rows.get_mut(&point.0) {
             let is_better = known.cell.scores.is_none() && cell.scores.is_some();
             let other = if is_better { std::mem::replace(&mut known.cell, cell) } else { cell };

@@ -3,7 +3,7 @@
 use super::paper::{F64, Made, finished};
 use splitsum::experiment::axis::{Point, index_of};
 use splitsum::experiment::value::Value;
-use splitsum::study::finished::{Finished, Light};
+use splitsum::study::finished::Finished;
 use splitsum::study::frame::curve::curves;
 use splitsum::study::frame::line::{Line, t_95};
 use splitsum::study::frame::{Frame, Row, by, pair};
@@ -82,24 +82,6 @@ fn of_equal_images_the_one_with_a_score_is_kept() {
     let [row] = frame.rows.as_slice() else { panic!("{:?}", frame.rows) };
     assert_eq!((frame.error(row), row.copies.len()), (Some(0.5), 1));
     assert!(row.copies[0] == run.cells[0].id && row.cell.id == run.cells[1].id);
-}
-
-#[test]
-fn clips_above_the_peak_are_one_light() {
-    let axes = "environment_clip_log2 = [2, 4, 6, 8]\nmethod = [\"split-sum\", \"sampled\"]\nsamples = [1, 4]\n";
-    let mut run = flat(axes);
-    // From 2^4 on nothing is clipped.
-    run.lights = [(2.0, 4.0), (4.0, 10.0), (6.0, 10.0), (8.0, 10.0)]
-        .map(|(clip, peak)| Light {
-            environment: "builtin:sky".to_owned(),
-            clip_log2: format!("{clip}"),
-            mean: 1.0,
-            peak,
-        })
-        .to_vec();
-    let frame = Frame::new(&run, None);
-    assert_eq!(frame.rows.len(), 2 * 3);
-    assert_eq!(frame.shape.values[axis("environment_clip_log2")].len(), 2);
 }
 
 #[test]

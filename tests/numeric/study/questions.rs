@@ -34,7 +34,7 @@ rounds = 7"#,
         "parameters",
         REFERENCE,
         r#"environment = ["builtin:sky"]
-environment_clip_log2 = [0, 3]
+environment_scale = [1, 3]
 method = ["sampled", "split-sum", "sampled-unfiltered"]
 samples = [4, 16]
 alpha = [0.1, 0.5]
