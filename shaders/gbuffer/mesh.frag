@@ -42,10 +42,7 @@ void main() {
     vec3 mapped = looked_up(normal_map, uv, across, down).xyz;
     vec4 tangent = tangent_world;
     if (material.tangent.w != 0.0) {
-        // A mesh without tangents has the east of spheres.
-        if (tangent.xyz == vec3(0.0)) {
-            tangent = vec4(east(normalize(normal_world)), 1.0);
-        }
+        tangent = tangent_or_east(tangent, normal_world);
         // Without a map the direction is +x: there the flat map has (0, 0, 1).
         vec2 direction = mapped.xy + vec2(mapped.z, 0.0);
         float strength = length(direction);
@@ -54,8 +51,7 @@ void main() {
         mapped = vec3(turn.x * direction.x - turn.y * direction.y, turn.y * direction.x + turn.x * direction.y, 0.0);
         material.f0_alpha.a = material.tangent.z * strength;
     }
-    vec3 bitangent = sign(tangent.w) * cross(normal_world, tangent.xyz);
-    vec3 n = normalize(mapped.x * tangent.xyz + mapped.y * bitangent + mapped.z * normal_world);
+    vec3 n = normalize(from_tangent_frame(mapped, tangent, normal_world));
     // Winding and normals agree (scene::Mesh): a back face is one whose normal points to the far side.
     GbufferTexels texels = gbuffer_texels(position_world, gl_FrontFacing ? n : -n, material, camera.material);
     position_mask = texels.position_mask;

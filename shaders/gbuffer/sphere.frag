@@ -32,7 +32,7 @@ void main() {
     MaterialData material = materials[material_index];
     vec3 n = normalize(hit_world);
     if (material.tangent.w != 0.0) {
-        n = material.tangent.x * east(n) + material.tangent.y * cross(n, east(n));
+        n = from_tangent_frame(vec3(material.tangent.xy, 0.0), vec4(east(n), 1.0), n);
         material.f0_alpha.a = material.tangent.z;
     }
     GbufferTexels texels = gbuffer_texels(sphere.center_radius.xyz + hit_world, n, material, material_index);

@@ -7,6 +7,16 @@ vec3 east(vec3 n) {
     return across > 0.0 ? vec3(n.z, 0.0, -n.x) / across : vec3(1.0, 0.0, 0.0);
 }
 
+// A tangent and its handedness: a mesh without tangents has the east of spheres.
+vec4 tangent_or_east(vec4 tangent, vec3 n) {
+    return tangent.xyz == vec3(0.0) ? vec4(east(normalize(n)), 1.0) : tangent;
+}
+
+// A vector of the tangent frame in world axes.
+vec3 from_tangent_frame(vec3 w, vec4 tangent, vec3 n) {
+    return w.x * tangent.xyz + w.y * (sign(tangent.w) * cross(n, tangent.xyz)) + w.z * n;
+}
+
 struct GbufferTexels {
     vec4 position_mask;
     vec4 normal_alpha;
