@@ -28,11 +28,8 @@ function save(button) {
   const { name, run, columns, rows } = answerOf(button);
   const stem = model.runs.length > 1 ? `${name}-${run + 1}` : name;
   const index = button.closest("[data-answer]").dataset.answer;
-  const files = {
-    csv: () => download(`${stem}.csv`, csvText(columns, rows), "text/csv"),
-    svg: () => download(`${stem}.svg`, svgText(index), "image/svg+xml"),
-  };
-  files[button.dataset.save]();
+  if (button.dataset.save === "csv") download(`${stem}.csv`, csvText(columns, rows), "text/csv");
+  else download(`${stem}.svg`, svgText(index), "image/svg+xml");
 }
 
 /** Fills a table of all rows when it is first opened. */
@@ -57,10 +54,8 @@ function showTip(mark, pointer = null) {
   const { width, height } = tip.getBoundingClientRect();
   const left = Math.min(innerWidth - width - 8, Math.max(8, box.left + box.width / 2 - width / 2));
   const above = box.top - height - 8;
-  Object.assign(tip.style, {
-    left: `${left + scrollX}px`,
-    top: `${(above < 60 ? box.bottom + 8 : above) + scrollY}px`,
-  });
+  const top = above < 60 ? box.bottom + 8 : above;
+  Object.assign(tip.style, { left: `${left + scrollX}px`, top: `${top + scrollY}px` });
 }
 
 /** Makes one mark of a drawing reachable by the tab key. */

@@ -5,11 +5,6 @@ import { byId } from "report/dom";
 /**
  * @typedef {{ name: string, role: "fixed" | "scene" | "variant" | "display", values: string[], labels: string[],
  *   words: string[] }} Axis  An axis; labels and words are short texts of the values, words say what they are.
- * @typedef {{ label: string, name: string, link: string | null,
- *   failures: { cell: string, reason: string }[], sheets: [string, string][] }} Run
- * @typedef {{ run: number, file: string, reference: number, size: [number, number], payload: number | null,
- *   mask: number | null, clamped_count: number, light_mean: number }} Image
- * @typedef {{ run: number, name: string, columns: string[], rows: (string | number | null)[][] }} Answer
  * @typedef {{ run: number, cell: string, image: number | null, reference: number | null, verdict: string,
  *   floor: number | null, axes: Record<string, string>, scores: Record<string, number | null>, scene?: Scene,
  *   original?: Row }} Row
@@ -178,26 +173,22 @@ export async function decode(text, width, height) {
   return { width, height, rgba };
 }
 
-/** Decoded images: the page's budget bounds them. */
+/** Decoded images and masks: the page's budget bounds them. */
 const cache = new Map();
+const once = (key, load) => cache.get(key) ?? cache.set(key, load()).get(key);
 
 /** The embedded texels of an image as half-float RGBA: a promise of {width, height, rgba}, or of null. */
 export function pixels(index) {
   const image = index === null ? null : model.images[index];
   if (!image || image.payload === null) return Promise.resolve(null);
-  const load = () => decode(payloadText(image.payload), ...image.size);
-  if (!cache.has(index)) cache.set(index, load());
-  return cache.get(index);
+  return once(`image ${index}`, () => decode(payloadText(image.payload), ...image.size));
 }
 
-const masks = new Map();
 /** The mask of a reference: bytes, 1 where pixels count. */
 export function mask(reference) {
   const image = reference === null ? null : model.images[reference];
   if (!image || image.mask === null) return Promise.resolve(null);
-  const load = () => inflate(payloadText(image.mask)).then((data) => undo(data));
-  if (!masks.has(image.mask)) masks.set(image.mask, load());
-  return masks.get(image.mask);
+  return once(`mask ${image.mask}`, () => inflate(payloadText(image.mask)).then((data) => undo(data)));
 }
 
 /** Path of the complete EXR of an image; null in a page without the folder of its run. */

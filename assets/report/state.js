@@ -20,8 +20,7 @@ export const state = () => current;
 
 /** Browsers refuse more than about a hundred changes of the address in half a minute; a slider makes them in one. */
 const WRITE_MS = 400;
-let written = -Infinity,
-  timer = 0;
+let [written, timer] = [-Infinity, 0];
 
 function write() {
   clearTimeout(timer);

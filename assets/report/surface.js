@@ -76,12 +76,8 @@ export class Surface {
     const { texture } = this.sides[side];
     gl.bindFramebuffer(gl.FRAMEBUFFER, framebuffer);
     gl.framebufferTexture2D(gl.FRAMEBUFFER, gl.COLOR_ATTACHMENT0, gl.TEXTURE_2D, texture, 0);
-    const textures = {
-      image: image.texture,
-      reference: reference.texture,
-      mask: reference.mask,
-      palette: this.palette,
-    };
+    const { palette } = this;
+    const textures = { image: image.texture, reference: reference.texture, mask: reference.mask, palette };
     const colors = errorColors(model.images[reference.index].light_mean);
     drawOver(gl, this.viewer, { framebuffer, width, height }, textures, { ...look, ...colors });
     return texture;

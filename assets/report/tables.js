@@ -8,8 +8,6 @@ import { go, keep } from "report/state";
 const PAGE_ROWS = 200;
 const ROUGHNESS = "perceptual_roughness";
 
-/** @typedef {string | number | null} Field */
-
 /** The text of a field: numbers short. */
 const text = (field) =>
   typeof field === "number" && !Number.isInteger(field) ? number(field, 4) : String(field ?? "");
@@ -43,16 +41,10 @@ function cellColumns() {
   const fields = (row) => ({
     ...Object.fromEntries(Object.entries(row.axes).map(([name, value]) => [name, numeric(value)])),
     [ROUGHNESS]: Number(row.axes[ROUGHNESS] || Math.sqrt(Number(row.axes.alpha))) || null,
-    ...row.scores,
-    noise_floor: row.floor,
-    verdict: row.verdict,
-    cell: row.cell,
+    ...{ ...row.scores, noise_floor: row.floor, verdict: row.verdict, cell: row.cell },
   });
-  return {
-    columns,
-    axes: axes.filter((name) => axisOf[name]),
-    records: rows.map((row) => ({ row, fields: fields(row) })),
-  };
+  const records = rows.map((row) => ({ row, fields: fields(row) }));
+  return { columns, axes: axes.filter((name) => axisOf[name]), records };
 }
 
 const open = (row) => go({ view: "compare", cell: row.cell, run: row.run || undefined });
@@ -118,8 +110,7 @@ export function showTables(view, state) {
   const fieldsOf = ({ fields }) => columns.map((name) => fields[name]);
   const save = () => download("cells.csv", csvText(columns, found().map(fieldsOf)), "text/csv"); // prettier-ignore
   const button = h("button", { type: "button", onclick: save }, "Save CSV");
-  const errors = (run) => h("a", { href: `${run.link}/errors.csv` }, `errors.csv of ${run.label}`);
-  const links = model.runs.map((run, i) => [i ? " · " : "", errors(run)]);
+  const errors = (run, i) => [i ? " · " : "", h("a", { href: `${run.link}/errors.csv` }, `errors.csv of ${run.label}`)];
   fill(PAGE_ROWS);
   const head = h("tr", {}, h("th", { scope: "col" }, h("span", { class: "visually-hidden" }, "images")), ...heads);
   view.replaceChildren(
@@ -127,6 +118,6 @@ export function showTables(view, state) {
     count,
     scrollBox("data-table", "Cells", h("table", {}, h("thead", {}, head), body)),
     more,
-    ...(model.runs[0].link ? [h("p", { class: "note" }, "All columns: ", links)] : []),
+    ...(model.runs[0].link ? [h("p", { class: "note" }, "All columns: ", model.runs.map(errors))] : []),
   );
 }

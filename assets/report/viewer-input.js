@@ -41,10 +41,8 @@ export function key(viewer, event) {
     "+": () => viewer.zoom(1.5),
     "-": () => viewer.zoom(1 / 1.5),
     0: () => viewer.refit(),
-    ArrowLeft: () => viewer.step(-1),
-    ArrowRight: () => viewer.step(1),
-    ArrowUp: () => viewer.stepScene(-1),
-    ArrowDown: () => viewer.stepScene(1),
+    ...{ ArrowLeft: () => viewer.step(-1), ArrowRight: () => viewer.step(1) },
+    ...{ ArrowUp: () => viewer.stepScene(-1), ArrowDown: () => viewer.stepScene(1) },
   };
   const name = event.key.length === 1 ? event.key.toLowerCase().replace("=", "+") : event.key;
   const moves = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] };
