@@ -37,15 +37,12 @@ async function paint(canvas, row, mode, settings, isReference) {
 
 /** Calls `act` when an element comes into sight. */
 function whenSeen(element, act) {
-  const observer = new IntersectionObserver(
-    ([entry]) => {
-      if (!entry.isIntersecting) return;
-      observer.disconnect();
-      act();
-    },
-    { rootMargin: "300px" },
-  );
-  observer.observe(element);
+  const look = ([entry], observer) => {
+    if (!entry.isIntersecting) return;
+    observer.disconnect();
+    act();
+  };
+  new IntersectionObserver(look, { rootMargin: "300px" }).observe(element);
 }
 
 /** The scores of a picture. */
@@ -73,24 +70,19 @@ function thumbnail(row, mode, settings, isReference = false) {
 /** Links to the linear EXR files, if the page has no pixels. */
 function exrList() {
   const file = (name, link) => h("li", {}, link ? h("a", { href: link }, name) : name);
-  const files = model.images.map((image, index) => file(image.file, exrLink(index)));
-  return h("ul", {}, files);
+  return h("ul", {}, ...model.images.map((image, index) => file(image.file, exrLink(index))));
 }
 
 /** Notes about the images: whose numbers they bear, omitted ones, links to the contact sheets. */
 function notesOf(hasPictures) {
-  const averages = model.designs.length
-    ? ` Answers average the scene ${model.designs.join(", ")}, which has no pictures.`
-    : "";
+  const designs = model.designs.join(", ");
+  const averages = designs && ` Answers average the scene ${designs}, which has no pictures.`;
   const own = `Numbers under a picture belong to that picture alone.${averages} Click a picture to compare it.`;
   const sheets = model.runs.flatMap((run) => run.sheets);
   const links = sheets.map(([name, link], i) => [i ? " · " : "", h("a", { href: link }, name)]);
-  return [
-    hasPictures && h("p", { class: "note" }, own),
-    ...model.image_notes.map((text) => h("p", { class: "note" }, text)),
-    sheets.length &&
-      h("details", { class: "note" }, h("summary", {}, "Contact sheets: every image as a picture"), links),
-  ].filter(Boolean);
+  const notes = [hasPictures && own, ...model.image_notes].filter(Boolean).map((text) => h("p", { class: "note" }, text)); // prettier-ignore
+  const summary = h("summary", {}, "Contact sheets: every image as a picture");
+  return sheets.length ? [...notes, h("details", { class: "note" }, summary, links)] : notes;
 }
 
 /** The page of images. */
@@ -117,19 +109,15 @@ export function showGrid(view, state) {
   const modes = choice("What is shown", Object.entries(MODE_NAMES), mode, (value) => again({ mode: value }));
   const exposure = h("label", { class: "choice" }, h("span", {}, `Exposure ${number(stops)} EV`), ev);
   const legend = h("div", { class: "error-legend" });
-  if (mode !== "image") fillErrorLegend(legend, mode === "signed", false);
+  fillErrorLegend(legend, mode);
   const line = (scene) => {
     const { exposure, contrast } = scene.main.axes;
     const settings = { exposure: (Number(exposure) || 1) * 2 ** stops, contrast: Number(contrast) || 1 };
     // Images without pixels in the page (further point sets of a large run) would be empty.
     const own = scene.variants.filter((row) => row.image === null || hasPixels(row));
     const all = [thumbnail(scene.main, mode, settings, true), ...own.map((row) => thumbnail(row, mode, settings))];
-    return h(
-      "section",
-      { class: "scene" },
-      h("h2", {}, sceneLabel(scene.main)),
-      h("div", { class: "thumbs", style: `--count: ${all.length}` }, all),
-    );
+    const thumbs = h("div", { class: "thumbs", style: `--count: ${all.length}` }, all);
+    return h("section", { class: "scene" }, h("h2", {}, sceneLabel(scene.main)), thumbs);
   };
   const filters = sceneAxes.filter((name) => valuesOf(name).length > 1);
   const own = scenes.filter(({ main }) => filters.every((name) => !chosen(name) || main.axes[name] === chosen(name)));

@@ -7,10 +7,13 @@ const RELATIVE = "√ of the RGB mean of d² / (r² + 0.01 m²), m the light's m
 const SIGNED = "mean of d / √(r² + 0.01 m²), m the light's mean luminance; blue too dark, red too bright. ";
 
 /**
- * Fills `element` with the ramp, ticks and formula of the relative or the signed error; `marks` adds that values beyond
- * can be marked.
+ * Fills `element` with the ramp, ticks and formula of the relative or the signed error, or hides it; `marks` adds that
+ * values beyond can be marked.
  */
-export function fillErrorLegend(element, isSigned, marks) {
+export function fillErrorLegend(element, mode, marks = false) {
+  element.hidden = mode === "image";
+  if (element.hidden) return;
+  const isSigned = mode === "signed";
   const { colors, ticks, place } = errorMap(isSigned);
   const stops = colors.filter((_, i) => i % 17 === 0).map((c) => `rgb(${c})`);
   const open = (i) => (i === ticks.length - 1 ? "≥ " : i === 0 ? "≤ " : "");

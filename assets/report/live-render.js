@@ -5,7 +5,10 @@ import { lightTables, shaderText } from "report/data";
 import { cameraOf, loadChain, loadPart, makePoints, relativeError } from "report/live-scene";
 import { drawOver, errorColors, makePalette, makeProgram, makeTexture, useProgram } from "report/program";
 
-const GBUFFER = ["gbuffer_position", "gbuffer_normal", "gbuffer_albedo", "gbuffer_f0"];
+const GBUFFER = ["gbuffer_position", "gbuffer_normal", "gbuffer_tangent", "gbuffer_f0"];
+/** Layers of a surface (shaders/page/layers.glsl). */
+const [BASE, SHEEN, COAT] = [0, 1, 2];
+const ALBEDO_COLUMNS = 256;
 /** Time that the samples of one frame may take, ms. */
 const FRAME_MS = 24;
 const SAMPLES_A_FRAME_MAX = 128;
@@ -26,8 +29,7 @@ export class LiveRender {
     this.gl = canvas.getContext("webgl2", { antialias: false, alpha: false });
     if (!this.gl) this.missing = "This browser has no WebGL2, which the live view needs.";
     else if (!this.gl.getExtension("EXT_color_buffer_float"))
-      this.missing =
-        "The live view needs float colour buffers (EXT_color_buffer_float), which this browser's WebGL2 lacks.";
+      this.missing = "This browser's WebGL2 lacks EXT_color_buffer_float, which the live view needs.";
     if (!this.missing) this.reset();
   }
 
@@ -62,17 +64,45 @@ export class LiveRender {
       this.keep(`environment ${view.env}`, () => loadChain(gl, light.levels, light.layout)),
       this.keep(`prefiltered ${view.env} ${lobe.brdf}`, () => loadChain(gl, prefiltered.levels, light.layout)),
       this.keep(`dfg ${view.lobe}`, () => loadChain(gl, [lobe.dfg])),
-      Promise.all(named.map(([name, table]) => this.keep(`${name} ${view.lobe}`, () => loadChain(gl, [table])))),
+      Promise.all(named.map(async ([name, table]) =>
+        [name, await this.keep(`${name} ${view.lobe}`, () => loadChain(gl, [table]))])), // prettier-ignore
       ...shape.parts.map((part, i) => this.keep(`part ${view.model} ${i}`, () => loadPart(gl, part))),
     ]);
     // A later call has overtaken this one.
     if (this.wanted !== view) return false;
     const levelCount = prefiltered.levels.length;
-    const tables = { filtered_environment: environment, prefiltered: map, dfg };
-    named.forEach(([name], i) => (tables[name] = tap_tables[i]));
+    const tables = { filtered_environment: environment, prefiltered: map, dfg, ...Object.fromEntries(tap_tables) };
     this.view = { ...view, light, lobe, shape, parts, levelCount, tables };
+    this.layer();
     this.restart();
     return true;
+  }
+
+  /** The surfaces, whose values settings override, as a table with the albedo of their sheen; layers in use. */
+  layer() {
+    const { gl, view } = this;
+    const given = Object.fromEntries(Object.entries(view).filter(([, value]) => value !== null));
+    const surfaces = [...view.shape.spheres, ...view.shape.parts].map(({ surface }) => ({ ...surface, ...given }));
+    const row = ({ albedo, metallic, sheen, sheen_roughness, coat, coat_roughness }) =>
+      [...albedo, metallic, ...sheen, sheen_roughness, coat, coat_roughness, 0, 0]; // prettier-ignore
+    const data = Float32Array.from(surfaces.flatMap(row));
+    const count = surfaces.length;
+    const table = this.keep(`surfaces ${count}`, () => makeTexture(gl, 0, gl.RGBA32F, 3, count, gl.RGBA, gl.FLOAT, null)); // prettier-ignore
+    gl.bindTexture(gl.TEXTURE_2D, table);
+    gl.texSubImage2D(gl.TEXTURE_2D, 0, 0, 0, 3, count, gl.RGBA, gl.FLOAT, data);
+    const albedo = this.keep(`albedo ${count}`, () => this.target(ALBEDO_COLUMNS, count));
+    Object.assign(view.tables, { surfaces: table, sheen_albedo: albedo.named.color });
+    const weights = surfaces.map(({ sheen, coat }) => [1, Math.max(...sheen), coat]);
+    view.layers = [BASE, SHEEN, COAT].filter((layer) => weights.some((all) => all[layer] > 0));
+    view.hasWidths = view.lobe.is_stretchable && surfaces.some(({ anisotropy }) => anisotropy > 0);
+    view.surfaces = surfaces;
+    if (!view.layers.includes(SHEEN)) return;
+    const inputs = { surfaces: table, points: this.points(REFERENCE_SAMPLES) };
+    this.pass("sheen_albedo", albedo, inputs, { ...lightTables().codes, column_count: ALBEDO_COLUMNS });
+  }
+
+  points(count) {
+    return this.keep(`points ${count}`, () => makePoints(this.gl, count));
   }
 
   target(width, height, names = ["color"]) {
@@ -141,8 +171,7 @@ export class LiveRender {
     const values = {
       eye: view.shape.camera.is_perspective ? [...camera.eye, 1] : [...camera.back, 0],
       ...{ width, height, sample_count: sampleCount, point_count: pointCount },
-      lod_bias: bias,
-      prefilter_level_count: view.levelCount,
+      ...{ lod_bias: bias, prefilter_level_count: view.levelCount },
       environment_scale: view.brightness * view.light.scale,
     };
     // The uniform's rows are the columns of the rotation.
@@ -150,10 +179,13 @@ export class LiveRender {
     for (const i of [0, 1, 2]) values[`environment_from_world_${i}`] = [...columns.map((column) => column[i]), 0];
     const named = Object.entries(values).map(([name, value]) => [`params.${name}`, value]);
     const MASKING = lightTables().masking_names.indexOf(view.lobe.masking);
-    return { ...Object.fromEntries(named), MASKING, LEVEL_BEND: view.light.level_bend, DFG_AXES: view.lobe.dfg_axes };
+    const tables = { MASKING, LEVEL_BEND: view.light.level_bend, DFG_AXES: view.lobe.dfg_axes };
+    const { codes, bends } = lightTables();
+    const layers = { ...codes, BEND: bends[view.bend], ANISOTROPY: view.hasWidths ? codes.ANISOTROPY : 0 };
+    return { ...Object.fromEntries(named), ...tables, ...layers };
   }
 
-  /** Makes a program of the g-buffer current; returns a setter of materials, which the view's settings override. */
+  /** Makes a program of the g-buffer current; returns a setter of surfaces. */
   startSurface(name, values, vertex = undefined) {
     const { view, camera } = this;
     const { gbuffer } = this.targets;
@@ -163,16 +195,17 @@ export class LiveRender {
       "camera.up": [...camera.up, camera.extent[1]],
       "camera.forward": [...camera.forward, camera.depth[0]],
       "camera.eye": [...camera.eye, view.shape.camera.is_perspective ? 1 : 0],
-      "camera.depth_offset": camera.depth[1],
-      "camera.width": gbuffer.width,
-      "camera.height": gbuffer.height,
+      ...{ "camera.depth_offset": camera.depth[1], "camera.width": gbuffer.width, "camera.height": gbuffer.height },
       ...values,
     }); // prettier-ignore
-    return (own) => {
-      const f0 = view.f0 === null ? own.f0 : [view.f0, view.f0, view.f0];
-      made.set["material.albedo_metallic"]([...(view.albedo ?? own.albedo), view.metallic ?? own.metallic]);
-      made.set["material.f0_alpha"]([...f0, 0]);
-      made.set.perceptual_roughness(view.roughness ?? Math.sqrt(own.alpha));
+    return (i) => {
+      const { albedo, metallic, f0, roughness, anisotropy, anisotropy_turn } = view.surfaces[i];
+      const turn = (anisotropy_turn * Math.PI) / 180;
+      made.set["material.albedo_metallic"]([...albedo, metallic]);
+      made.set["material.f0_alpha"](f0.length ? [...f0, 0] : [f0, f0, f0, 0]);
+      made.set["material.tangent"]([Math.cos(turn), Math.sin(turn), anisotropy, 0]);
+      made.set.perceptual_roughness(roughness);
+      made.set.surface_index(i);
       return made.set;
     };
   }
@@ -187,13 +220,13 @@ export class LiveRender {
     // Row 0 is the top, so counter-clockwise is the other way round.
     gl.frontFace(gl.CW);
     const sphere = spheres.length && this.startSurface("sphere", {});
-    for (const { center, radius, surface } of spheres) {
-      sphere(surface).sphere([...center, radius]);
+    spheres.forEach(({ center, radius }, i) => {
+      sphere(i).sphere([...center, radius]);
       gl.drawArrays(gl.TRIANGLES, 0, 3);
-    }
+    });
     const mesh = view.parts.length && this.startSurface("mesh", { low, high }, shaderText("mesh.vert"));
     view.parts.forEach(({ vertices, count }, i) => {
-      mesh(view.shape.parts[i].surface);
+      mesh(spheres.length + i);
       gl.bindVertexArray(vertices);
       gl.drawElements(gl.TRIANGLES, count, gl.UNSIGNED_SHORT, 0);
     });
@@ -225,8 +258,7 @@ export class LiveRender {
       "background.right": row(camera.right, extent[0]),
       "background.up": row(camera.up, extent[1]),
       "background.forward": row(camera.forward, 1),
-      "background.width": width,
-      "background.height": height,
+      ...{ "background.width": width, "background.height": height },
       "background.environment_scale": view.brightness * view.light.scale,
       has_diffuse: view.diffuse,
       coefficients: view.light.sh9.flatMap((c) => [...c, 0]),
@@ -239,18 +271,22 @@ export class LiveRender {
     const { methods } = lightTables();
     const { name } = methods.find((one) => one.name === way) ?? methods.findLast((one) => one.is_sampled);
     const total = this.total(way);
-    const [before, after, half] = [way, "spare", "half"].map((one) => this.colored(one));
-    const points = this.keep(`points ${total}`, () => makePoints(this.gl, total));
-    const plain = `specular:${view.light.layout}:${name}`;
+    const { layout } = view.light;
+    const plain = `specular:${layout}:${name}`;
     const shader = shaderText(plain) ? plain : `${plain}:${view.lobe.brdf}`;
-    this.pass(shader, after, { ...this.inputs, points, so_far: before.named.color }, {
-      ...this.params(way === "reference" ? 0 : view.bias, total, count),
-      first_sample: done[way],
-    }); // prettier-ignore
-    // Keeps half of the samples of each stopping point: they give the reference's own noise.
-    const isHalf = way === "reference" && ENDS.includes(2 * done.reference);
-    Object.assign(targets, isHalf ? { half: before, spare: half } : { spare: before }, { [way]: after });
-    if (isHalf) done.half = done.reference;
+    const ofSheen = way === "reference" ? `sheen:${layout}` : `specular:${layout}:sheen-lookup`;
+    const params = this.params(way === "reference" ? 0 : view.bias, total, count);
+    for (const layer of view.layers) {
+      const [before, after, half] = [way, "spare", "half"].map((one) => this.colored(one));
+      const inputs = { ...this.inputs, points: this.points(total), so_far: before.named.color };
+      const ANISOTROPY = layer === BASE ? params.ANISOTROPY : 0;
+      const values = { ...params, ANISOTROPY, layer, first_sample: done[way] };
+      this.pass(layer === SHEEN ? ofSheen : shader, after, inputs, values);
+      // Keeps half of the samples of each stopping point: they give the reference's own noise.
+      const isHalf = layer === BASE && way === "reference" && ENDS.includes(2 * done.reference);
+      Object.assign(targets, isHalf ? { half: before, spare: half } : { spare: before }, { [way]: after });
+      if (isHalf) done.half = done.reference;
+    }
     done[way] += count;
   }
 
@@ -283,21 +319,12 @@ export class LiveRender {
   drawResult(way, mode, isLinear = false) {
     const { against } = this.view;
     const share = (name) => this.total(name) / Math.max(1, this.done[name]);
-    const textures = {
-      gbuffer_position: this.targets.gbuffer.named.gbuffer_position,
-      surround: this.colored("surround").named.color,
-      test: this.colored(way).named.color,
-      truth: this.colored(against).named.color,
-      palette: this.palette,
-    };
+    const [surround, test, truth] = ["surround", way, against].map((one) => this.colored(one).named.color);
+    const textures = { ...this.targets.gbuffer.named, surround, test, truth, palette: this.palette };
     this.pass("show", isLinear ? this.colored("linear") : this.canvas, textures, {
-      test_share: share(way),
-      truth_share: share(against),
-      mode: ["image", "error", "signed"].indexOf(mode),
-      is_linear: isLinear,
-      canvas_height: this.canvas.height,
-      exposure: 2 ** this.view.ev,
-      contrast: 1,
+      ...{ test_share: share(way), truth_share: share(against) },
+      ...{ mode: ["image", "error", "signed"].indexOf(mode), is_linear: isLinear },
+      ...{ canvas_height: this.canvas.height, exposure: 2 ** this.view.ev, contrast: 1 },
       ...errorColors(this.lightMean),
     });
   }

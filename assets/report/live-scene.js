@@ -49,9 +49,11 @@ export async function loadChain(gl, levels, layout = "") {
 }
 
 /** The triangles of a part of a model: {vertices, count}. */
-export async function loadPart(gl, { positions, normals, triangles, vertex_count: count, triangle_count: size }) {
-  const texts = [decode(positions, count, 1), decode(normals, count, 1), decode(triangles, size, 1)];
-  const [fractions, octahedra, corners] = (await Promise.all(texts)).map(({ rgba }) => rgba);
+export async function loadPart(gl, part) {
+  const { positions, normals, tangents, triangles, vertex_count: count, triangle_count: size } = part;
+  const texts = [positions, normals, tangents || normals].map((text) => decode(text, count, 1));
+  const loaded = await Promise.all([...texts, decode(triangles, size, 1)]);
+  const [fractions, octahedra, turned, corners] = loaded.map(({ rgba }) => rgba);
   const vertices = gl.createVertexArray();
   gl.bindVertexArray(vertices);
   // A texel has four words; the last one is unused.
@@ -63,6 +65,8 @@ export async function loadPart(gl, { positions, normals, triangles, vertex_count
   };
   attribute(0, fractions, 3, gl.UNSIGNED_SHORT);
   attribute(1, octahedra, 2, gl.SHORT);
+  // Without tangents the third number, the handedness, is 0.
+  attribute(2, turned, 3, gl.SHORT);
   const indices = corners.filter((_, i) => i % 4 < 3);
   gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, gl.createBuffer());
   gl.bufferData(gl.ELEMENT_ARRAY_BUFFER, indices, gl.STATIC_DRAW);
@@ -88,8 +92,7 @@ export function makePoints(gl, count) {
 
 /** relMSE over the surface, under light of a mean luminance. Texels are RGB and 1 on the surface. */
 export function relativeError(test, truth, mean) {
-  let sum = 0;
-  let count = 0;
+  let [sum, count] = [0, 0];
   for (let i = 0; i < test.length; i += 4) {
     if (!test[i + 3]) continue;
     sum += texelError(test.subarray(i, i + 3), truth.subarray(i, i + 3), mean).relative ** 2;

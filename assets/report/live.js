@@ -15,6 +15,19 @@ const REST_MS = 180;
 const DISTANCE = [0.1, 4];
 const PITCH_MAX = 88;
 const FRONT = { yaw: 0, pitch: 0, distance: 1 };
+/** Settings of surfaces and their axes. */
+const SURFACE = {
+  ...{
+    roughness: "alpha",
+    coat_roughness: "coat_alpha",
+    sheen_roughness: "sheen_alpha",
+    metallic: "metallic",
+    f0: "f0",
+  },
+  ...{ albedo: "albedo", anisotropy: "anisotropy", anisotropy_turn: "anisotropy_rotation_deg", coat: "coat" },
+  sheen: "sheen_color",
+};
+const COLORS = ["albedo", "sheen"];
 
 /** Linear reflectance and its code in a colour field. */
 const toCode = (x) => Math.round(255 * x ** (1 / 2.2));
@@ -47,6 +60,7 @@ class Live {
     /** The sample counts of the run and some more. */
     this.counts = [...new Set([...own, ...COUNTS])].sort((a, b) => a - b);
     this.ways = [...this.tables.methods.map(({ name }) => name), "reference"];
+    this.bends = Object.keys(this.tables.bends);
     this.start = this.defaults();
     this.controls = new Controls(view, (name, value) => this.set({ [name]: this.written(name, value) }));
     this.controls.named.n.max = this.counts.length - 1;
@@ -55,6 +69,7 @@ class Live {
     this.controls.fill("env", environments.map(({ label }) => label)); // prettier-ignore
     this.controls.fill("lobe", lobes.map(({ brdf, masking }) => `${brdf}, ${masking} masking`)); // prettier-ignore
     const titles = this.ways.map((way) => this.titleOf(way));
+    this.controls.fill("bend", this.bends, this.bends);
     for (const name of ["method", "against"]) this.controls.fill(name, titles, this.ways);
     this.parts.notes.append(...notes.map((note) => h("p", { class: "note" }, note)));
     this.listen();
@@ -72,24 +87,21 @@ class Live {
   defaults() {
     const { models, environments, lobes } = this.tables;
     const { axes = {} } = firstRow(() => true) ?? {};
-    const albedo = worst("albedo");
-    const alpha = worst("alpha")?.[0];
-    const place = (all, name, of) =>
-      Math.max(
-        0,
-        all.findIndex((one) => of(one) === short(name, axes[name])),
-      );
+    const own = ([name, axis]) => {
+      const given = worst(axis);
+      const roughness = worst(axis.replace("alpha", "perceptual_roughness"))?.[0];
+      if (axis.endsWith("alpha")) return [name, roughness ?? (given && Math.sqrt(given[0]))];
+      return [name, COLORS.includes(name) ? given && [0, 1, 2].map((c) => given[c] ?? given[0]) : (given?.[0] ?? null)];
+    };
+    const place = (all, axis) =>
+      Math.max(0, all.map(({ label, brdf }) => label ?? brdf).indexOf(short(axis, axes[axis]))); // prettier-ignore
     return {
-      model: place(models, "scene", ({ label }) => label),
-      env: place(environments, "environment", ({ label }) => label),
-      lobe: place(lobes, "brdf", ({ brdf }) => brdf),
+      ...{ model: place(models, "scene"), env: place(environments, "environment"), lobe: place(lobes, "brdf") },
       method: this.ways.includes(axes.method) ? axes.method : this.ways[0],
       ...{ orientation: 0, against: "reference", mode: "image", split: 0.5 },
       n: this.counts[this.counts.length >> 1],
-      roughness: worst("perceptual_roughness")?.[0] ?? (alpha ? Math.sqrt(alpha) : null),
-      albedo: albedo && [0, 1, 2].map((c) => albedo[c] ?? albedo[0]),
-      metallic: worst("metallic")?.[0] ?? null,
-      f0: worst("f0")?.[0] ?? null,
+      ...Object.fromEntries(Object.entries(SURFACE).map(own)),
+      bend: axes.bend || "none",
       diffuse: axisOf.diffuse?.values.some((value) => value && value !== "none") ?? false,
       ...{ turn: worst("environment_rotation_deg")?.[0] ?? 0, ev: 0, ...FRONT },
     };
@@ -102,6 +114,7 @@ class Live {
     const one = (values) => (text) => (values.includes(text) ? text : null);
     const within = (lo, hi) => (text) => real(text, [lo, hi]);
     const [share, turn] = [within(0, 1), within(-360, 360)];
+    const parser = (name) => [name, COLORS.includes(name) ? color : within(...this.controls.range(name))];
     const color = (text) => (text.split(",").length === 3 ? text.split(",").map((x) => share(x) ?? 0) : null);
     const parsers = {
       ...{ model: index(tables.models), env: index(tables.environments), lobe: index(tables.lobes) },
@@ -109,8 +122,9 @@ class Live {
       ...{ method: one(this.ways), against: one(this.ways), mode: one(MODES) },
       split: within(-1, 1),
       n: (text) => this.counts.find((count) => count >= Number(text)) ?? null,
-      ...{ roughness: share, albedo: color, metallic: share, f0: share, diffuse: (text) => text === "true" },
-      ...{ turn, ev: within(...this.controls.range("ev")), yaw: turn, pitch: turn, distance: within(...DISTANCE) },
+      ...Object.fromEntries(Object.keys(SURFACE).map(parser)),
+      ...{ bend: one(this.bends), diffuse: (text) => text === "true", turn, ev: within(...this.controls.range("ev")) },
+      ...{ yaw: turn, pitch: turn, distance: within(...DISTANCE) },
     };
     const read = ([name, parse]) => [name, (state[name] && parse(state[name])) ?? start[name]];
     return Object.fromEntries(Object.entries(parsers).map(read));
@@ -119,7 +133,7 @@ class Live {
   /** A setting as its control writes it. */
   written(name, value) {
     if (name === "n") return this.counts[value];
-    if (name === "albedo") return value.match(/[0-9a-f]{2}/g).map((code) => fromCode(parseInt(code, 16)));
+    if (COLORS.includes(name)) return value.match(/[0-9a-f]{2}/g).map((code) => fromCode(parseInt(code, 16)));
     return ["model", "env", "lobe", "orientation"].includes(name) ? Number(value) : value;
   }
 
@@ -207,8 +221,7 @@ class Live {
     const score = `relMSE of ${this.titleOf(method)} against ${labelled(against)}: ${value ?? "not yet known"}`;
     const noise = errors?.noise ? `; noise of the reference itself: ${number(errors.noise, 2)}` : "";
     say(this.parts.score, `${score}${noise}.`);
-    const numbers = { relmse: errors?.own ?? "", noise: errors?.noise ?? "" };
-    Object.assign(this.canvas.dataset, { method: seen, mode, ...numbers });
+    Object.assign(this.canvas.dataset, { method: seen, mode, relmse: errors?.own ?? "", noise: errors?.noise ?? "" });
     this.probe();
     if (render.isComplete) {
       const places = `${view.shape.label} in ${view.light.label}, ${view.lobe.brdf}`;
@@ -241,20 +254,16 @@ class Live {
     out.addEventListener("click", () => this.approach(1 / 1.15));
     nearer.addEventListener("click", () => this.approach(1.15));
     front.addEventListener("click", () => this.set(FRONT));
-    own.addEventListener("click", () => {
-      const { albedo, metallic, f0, roughness, diffuse, orientation, turn } = this.start;
-      this.set({ albedo, metallic, f0, roughness, diffuse, orientation, turn });
-    });
+    const names = [...Object.keys(SURFACE), "diffuse", "orientation", "turn"];
+    own.addEventListener("click", () => this.set(Object.fromEntries(names.map((name) => [name, this.start[name]]))));
     followPointers(this.canvas, {
       // Half a turn over the width of the stage.
       drag: (dx, dy) => this.turn((-dx * 180) / this.canvas.width, (dy * 180) / this.canvas.width),
       zoom: (factor) => this.approach(factor),
       hover: (place) => {
         this.probed = place.map((at, i) => clamp(Math.floor(at), 0, [this.canvas.width, this.canvas.height][i] - 1));
-        this.probing ||= requestAnimationFrame(() => {
-          this.probing = 0;
-          this.probe();
-        });
+        cancelAnimationFrame(this.probing);
+        this.probing = requestAnimationFrame(() => this.probe());
       },
     });
     new ResizeObserver(() => {
@@ -269,21 +278,28 @@ class Live {
     const light = tables.environments[settings.env];
     const model = tables.models[settings.model];
     // The model's own values are shown as its first surface's.
-    const { alpha, albedo, metallic, f0 } = (model.spheres[0] ?? model.parts[0]).surface;
-    const own = { roughness: Math.sqrt(alpha), albedo, metallic, f0: f0[0] };
+    const { surface } = model.spheres[0] ?? model.parts[0];
+    const own = { ...surface, f0: surface.f0[0] };
     const given = Object.fromEntries(Object.entries(settings).map(([name, value]) => [name, value ?? own[name]]));
     const text = (name, more = "") => number(given[name]) + more + (settings[name] === null ? " (own)" : "");
-    const n = this.counts.indexOf(settings.n);
-    const { mode } = this.shown;
-    controls.show({ ...given, n, mode, albedo: hex(given.albedo) }, {
-      ...{ n: String(settings.n), metallic: text("metallic"), f0: text("f0") },
-      roughness: text("roughness", ` · α ${number(Math.max(given.roughness ** 2, tables.alpha_min))}`),
-      ...{ turn: text("turn", "°"), ev: stopsText(settings.ev) },
+    const alpha = ` · α ${number(Math.max(given.roughness ** 2, tables.alpha_min))}`;
+    const texts = Object.keys(SURFACE).map((name) => [name, text(name, name === "roughness" ? alpha : "")]);
+    const shown = { n: this.counts.indexOf(settings.n), mode: this.shown.mode };
+    controls.show({ ...given, ...shown, albedo: hex(given.albedo), sheen: hex(given.sheen) }, {
+      ...Object.fromEntries(texts),
+      ...{ n: String(settings.n), ev: stopsText(settings.ev) },
+      ...{ anisotropy_turn: text("anisotropy_turn", "°"), turn: text("turn", "°") },
     }); // prettier-ignore
-    const isSampled = ({ name, is_sampled }) => is_sampled && [settings.method, settings.against].includes(name);
-    controls.named.n.closest("label").hidden = !tables.methods.some(isSampled);
-    this.parts.legend.hidden = mode === "image";
-    if (mode !== "image") fillErrorLegend(this.parts.legend, mode === "signed", false);
+    const { is_stretchable } = tables.lobes[settings.lobe];
+    const ways = [settings.method, settings.against];
+    const isSampled = ({ name, is_sampled }) => is_sampled && ways.includes(name);
+    const used = {
+      ...{ n: tables.methods.some(isSampled), bend: ways.includes("split-sum-bent"), anisotropy: is_stretchable },
+      ...{ anisotropy_turn: is_stretchable && given.anisotropy, coat_roughness: given.coat },
+      sheen_roughness: Math.max(...given.sheen),
+    };
+    for (const [name, isUsed] of Object.entries(used)) controls.named[name].closest("label").hidden = !isUsed;
+    fillErrorLegend(this.parts.legend, this.shown.mode);
     const [finest, prefiltered] = [light, light.prefiltered[0]].map(({ levels }) => levels[0].size.join(" × "));
     say(this.parts.caption, `${light.layout} tables: environment ${finest} texels, prefiltered ${prefiltered}`);
   }
@@ -296,10 +312,8 @@ class Live {
     const show = (wanted) => this.set({ mode: mode === wanted ? "image" : wanted });
     const actions = {
       " ": () => this.hold(true),
-      ArrowLeft: () => this.turn(-5, 0),
-      ArrowRight: () => this.turn(5, 0),
-      ArrowUp: () => this.turn(0, 5),
-      ArrowDown: () => this.turn(0, -5),
+      ...{ ArrowLeft: () => this.turn(-5, 0), ArrowRight: () => this.turn(5, 0) },
+      ...{ ArrowUp: () => this.turn(0, 5), ArrowDown: () => this.turn(0, -5) },
       "+": () => this.approach(1.15),
       "-": () => this.approach(1 / 1.15),
       0: () => this.set(FRONT),

@@ -28,8 +28,7 @@ export function fitCanvas(canvas, stage) {
  */
 export function followPointers(canvas, { drag, zoom, hover, click = null, rest = null }) {
   const pointers = new Map();
-  let moved = false;
-  let spread = 0;
+  let [moved, spread] = [false, 0];
   const place = (event) => {
     const { left, top, width, height } = canvas.getBoundingClientRect();
     const share = [(event.clientX - left) / width, (event.clientY - top) / height];
@@ -123,8 +122,9 @@ export class Controls {
         button.setAttribute("aria-pressed", String(button.value === value));
       if (control.type === "checkbox") control.checked = settings[name];
       else if (control.matches("input, select")) control.value = value;
-      if (!(name in texts)) continue;
-      say(control.labels[0].querySelector("output"), texts[name]);
+      const output = control.labels?.[0].querySelector("output");
+      if (!output) continue;
+      say(output, texts[name]);
       control.setAttribute("aria-valuetext", texts[name]);
     }
   }

@@ -185,12 +185,9 @@ class Viewer {
     const reference = this.surface.images.get(this.row.reference);
     const left = this.isHeld ? reference : this.texels;
     if (!left || !reference || !this.place.origin) return;
-    const look = {
-      mode: MODES.indexOf(this.mode),
-      tone: Number(this.tone === "srgb"),
-      exposure: 2 ** this.stops,
-      contrast: this.contrast,
-    };
+    const { contrast } = this;
+    const tone = Number(this.tone === "srgb");
+    const look = { mode: MODES.indexOf(this.mode), tone, exposure: 2 ** this.stops, contrast };
     this.surface.draw(left, reference, this.place, this.wipe, this.isClipped, look);
     this.describe();
     this.probe();
@@ -299,8 +296,7 @@ class Viewer {
     for (const name of ["stops", "tone", "isSplit"]) controls.disable(name, !isImage);
     controls.disable("contrast", !isImage || this.tone === "srgb");
     say(parts.isClippedText, isImage ? "Mark clipped" : "Mark beyond the range");
-    parts.legend.hidden = isImage;
-    if (!isImage) fillErrorLegend(parts.legend, this.mode === "signed", true);
+    fillErrorLegend(parts.legend, this.mode, true);
   }
 
   fillVariants() {
@@ -312,9 +308,8 @@ class Viewer {
     const item = (row, name) => {
       const marks = { type: "button", class: "variant", "data-cell": row.cell, "data-run": row.run };
       const label = h("span", { class: inkOf(row), title: variantCode(row) }, variantLabel(row));
-      const words = [h("kbd", {}, name), label];
       const score = h("span", { class: "score" }, scoreText(row));
-      return h("li", {}, h("button", { ...marks, onclick: () => this.choose(row) }, words, score));
+      return h("li", {}, h("button", { ...marks, onclick: () => this.choose(row) }, h("kbd", {}, name), label, score));
     };
     parts.variants.replaceChildren(...[...keyed, ...rest].map((row, i) => item(row, keyed[i] ? String(i + 1) : "·")));
     this.markVariant();

@@ -5,9 +5,10 @@
 
 #include "generated/constants.glsl"
 
-// One width, or two by one of ANISOTROPY_*. With one, both components are alpha, and the code is that for alpha.
+// One width, or two by one of ANISOTROPY_*; in GLSL ES a uniform. With one, both components are alpha, and the code is
+// that for alpha.
 #ifdef GL_ES
-const uint ANISOTROPY = ANISOTROPY_NONE;
+uniform uint ANISOTROPY;
 #else
 layout(constant_id = 7) const uint ANISOTROPY = ANISOTROPY_NONE;
 #endif

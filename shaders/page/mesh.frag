@@ -3,7 +3,9 @@
 
 in vec3 position_world;
 in vec3 normal_world;
+in vec4 tangent_world;
 
 void main() {
-    write_surface(position_world, normalize(gl_FrontFacing ? normal_world : -normal_world));
+    vec3 n = normalize(gl_FrontFacing ? normal_world : -normal_world);
+    write_surface(position_world, n, tangent_world, normal_world);
 }

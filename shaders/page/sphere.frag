@@ -15,5 +15,6 @@ void main() {
     vec4 clip = clip_from_camera(camera, origin + center + hit);
     gl_FragDepth = 0.5 + 0.5 * clip.z / clip.w;
     vec3 hit_world = world_from_camera(camera, hit);
-    write_surface(sphere.xyz + hit_world, normalize(hit_world));
+    vec3 n = normalize(hit_world);
+    write_surface(sphere.xyz + hit_world, n, vec4(0.0), n);
 }

@@ -2,13 +2,12 @@
 #include "lib/camera.glsl"
 #include "lib/diffuse.glsl"
 #include "selected/map_layout.glsl"
-#include "page/surface.glsl"
+#include "page/layers.glsl"
 #include "shade/diffuse/sh9.glsl"
 
 uniform BackgroundParams background;
 uniform bool has_diffuse;
 uniform FILTERED_MAP filtered_environment;
-uniform sampler2D dfg;
 uniform vec4 coefficients[SH9_COUNT];
 
 out vec4 radiance;
@@ -23,6 +22,7 @@ void main() {
     } else if (has_diffuse) {
         // The method reads no map.
         vec3 irradiance = irradiance_over_pi(environment_from_world(s.n, params), filtered_environment, coefficients);
-        radiance.rgb = params.environment_scale * diffuse_albedo(s, dfg, params.flags) * irradiance;
+        vec3 diffuse = params.environment_scale * diffuse_albedo(s, dfg, params.flags) * irradiance;
+        radiance.rgb = layer_share(s) * diffuse;
     }
 }

@@ -118,6 +118,8 @@ constants! {
     BEND_TOWARD_TWICE: u32 = 4;
     BEND_TOWARD_UNITY: u32 = 5;
     BEND_TOWARD_CAP: u32 = 6;
+    /// F0 of every coat: index of refraction 1.5.
+    COAT_F0: f32 = 0.04;
     /// Visibilities of sheen; in the order of `brdf::SheenVisibility`.
     SHEEN_VISIBILITY_CHARLIE: u32 = 0;
     SHEEN_VISIBILITY_ASHIKHMIN: u32 = 1;

@@ -82,6 +82,8 @@ pub struct LiveLobe {
     pub dfg: PackedImage,
     /// One of `DFG_AXES_*`.
     pub dfg_axes: u32,
+    /// Whether it may have two widths.
+    pub is_stretchable: bool,
     /// Tables of taps by their samplers, of every method of the run and of `split-sum-one`.
     pub tap_tables: BTreeMap<String, PackedImage>,
 }
@@ -121,7 +123,8 @@ pub fn record(plan: &Plan, renderer: &mut dyn Renderer) -> Result<LiveRecord, Re
                 let dfg = pack(&tables.dfg.map(|[a, b]| [a, b, 0.0]), 1.0);
                 let (masking, dfg_axes) = (masking.to_owned(), tables.dfg_axes as u32);
                 let tap_tables = counts.iter().zip(&tables.tap_tables).map(packed).collect();
-                record.lobes.push(LiveLobe { brdf: brdf.clone(), masking, dfg, dfg_axes, tap_tables });
+                let is_stretchable = wanted.shading.widths.fault(model, masking_shadowing).is_none();
+                record.lobes.push(LiveLobe { brdf: brdf.clone(), masking, dfg, dfg_axes, is_stretchable, tap_tables });
             }
             let environment = environment.get_or_insert_with(|| of_environment(point, request, &tables));
             if !is_kept {

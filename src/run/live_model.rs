@@ -6,7 +6,6 @@
 use super::images::short_text;
 use crate::experiment::axis;
 use crate::experiment::plan::Plan;
-use crate::glsl::constants::ALPHA_MIN;
 use crate::pipeline::RenderRequest;
 use crate::pixels::packed;
 use crate::scene::{Camera, CameraKind, Material, Mesh, Projection, Scene};
@@ -47,13 +46,23 @@ pub struct LiveCamera {
     pub is_perspective: bool,
 }
 
-/// A material with the means of its textures.
+/// A material with the means of its textures. Every roughness is perceptual.
 #[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
 pub struct LiveSurface {
     pub albedo: [f32; 3],
     pub metallic: f32,
-    pub alpha: f32,
+    pub roughness: f32,
     pub f0: [f32; 3],
+    /// Strength.
+    pub anisotropy: f32,
+    /// Turn of the tangent, degrees.
+    pub anisotropy_turn: f32,
+    /// Weight.
+    pub coat: f32,
+    pub coat_roughness: f32,
+    /// Colour.
+    pub sheen: [f32; 3],
+    pub sheen_roughness: f32,
 }
 
 #[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
@@ -72,6 +81,8 @@ pub struct LivePart {
     pub positions: String,
     /// Two octahedral coordinates as signed 32767ths, and a zero.
     pub normals: String,
+    /// The same for tangents, with the handedness (1 or -1) for the zero; empty if the mesh has none.
+    pub tangents: String,
     pub triangle_count: usize,
     /// Three vertices each, counter-clockwise as seen from the side of their normals.
     pub triangles: String,
@@ -102,36 +113,29 @@ fn model(label: &str, request: &RenderRequest, triangles_max: usize) -> LiveMode
             format!("{label} has {count} triangles, but the page has room for {triangles_max}, so a sphere is shown.");
         return sphere(label, note, request);
     }
-    let has_map = scene.materials.iter().any(|material| material.maps().next().is_some());
-    let notes = [
-        (has_map, format!("The textures of {label} are replaced by their means.")),
-        (scene.has_coat(), format!("The clear coat of {label} is left out.")),
-        (scene.has_sheen(), format!("The sheen of {label} is left out.")),
-        (scene.has_anisotropy(), format!("The anisotropy of {label} is left out.")),
-    ];
-    let notes: Vec<String> = notes.into_iter().filter(|(applies, _)| *applies).map(|(_, note)| note).collect();
-    of_scene(label, notes.join(" "), scene, &request.camera, aspect)
+    let note = match scene.textures.is_empty() {
+        true => String::new(),
+        false => format!("The textures of {label} are replaced by their means."),
+    };
+    of_scene(label, note, scene, &request.camera, aspect)
 }
 
 /// The unit sphere in place of a scene that is not kept.
 fn sphere(label: &str, note: String, request: &RenderRequest) -> LiveModel {
-    let material = request.scene.materials.first().map(|material| averaged(&request.scene, material));
     let kind = match request.camera.projection {
         Projection::Ortho { .. } => CameraKind::Ortho,
         Projection::Perspective { .. } => CameraKind::Perspective,
     };
     let mut scene = Scene::sphere();
-    scene.materials = vec![material.unwrap_or_default()];
+    scene.materials = vec![request.scene.materials.first().cloned().unwrap_or_default()];
+    scene.textures.clone_from(&request.scene.textures);
     let camera = Camera::for_scene(kind, &scene, [1, 1]);
     of_scene(label, note, &scene, &camera, 1.0)
 }
 
 fn of_scene(label: &str, note: String, scene: &Scene, camera: &Camera, aspect: f64) -> LiveModel {
     let (low, high) = scene.bounds();
-    let surface = |index: usize| {
-        let Material { albedo, metallic, alpha, f0, .. } = averaged(scene, &scene.materials[index]);
-        LiveSurface { albedo, metallic, alpha, f0 }
-    };
+    let surface = |index: usize| averaged(scene, &scene.materials[index]);
     let offset = camera.eye - 0.5 * (low + high);
     LiveModel {
         label: label.to_owned(),
@@ -155,17 +159,24 @@ fn of_scene(label: &str, note: String, scene: &Scene, camera: &Camera, aspect: f
 }
 
 /// The material with the means of its textures.
-fn averaged(scene: &Scene, material: &Material) -> Material {
+fn averaged(scene: &Scene, material: &Material) -> LiveSurface {
     let mean = |map: Option<usize>| map.map_or([1.0; 3], |map| scene.textures[map].mean());
-    let albedo = mean(material.albedo_map);
-    let roughness = mean(material.roughness_map)[1];
-    Material {
-        name: material.name.clone(),
-        albedo: std::array::from_fn(|c| material.albedo[c] * albedo[c]),
+    let scaled = |color: [f32; 3], map| std::array::from_fn(|c| color[c] * mean(map)[c]);
+    let roughness = |alpha: f32, map| alpha.sqrt() * mean(map)[1];
+    let Material { anisotropy, coat, sheen, .. } = material;
+    // Without a map the direction is +x.
+    let direction = anisotropy.map.map_or(Vec3::X, |map| scene.textures[map].mean().into());
+    LiveSurface {
+        albedo: scaled(material.albedo, material.albedo_map),
         metallic: material.metallic * mean(material.metallic_map)[2],
-        alpha: (material.alpha * roughness.powi(2)).max(ALPHA_MIN),
+        roughness: roughness(material.alpha, material.roughness_map),
         f0: material.f0,
-        ..Material::default()
+        anisotropy: anisotropy.strength * direction.truncate().length(),
+        anisotropy_turn: (anisotropy.turn + direction.y.atan2(direction.x)).to_degrees(),
+        coat: coat.weight * mean(coat.weight_map)[0],
+        coat_roughness: roughness(coat.alpha, coat.roughness_map),
+        sheen: scaled(sheen.color, sheen.color_map),
+        sheen_roughness: roughness(sheen.alpha, sheen.roughness_map),
     }
 }
 
@@ -205,23 +216,31 @@ fn part(
         (fraction * 65535.0).round().to_array().map(|x| x as u16)
     };
     let positions: Vec<[u16; 3]> = vertices.iter().map(position).collect();
-    let normals: Vec<[u16; 3]> = vertices.iter().map(|&i| octahedral(mesh.normals[i])).collect();
+    let normals: Vec<[u16; 3]> = vertices.iter().map(|&i| octahedral(mesh.normals[i], 0.0)).collect();
+    // A tangent of length 0 is missing.
+    let tangent = |&i: &usize| {
+        let [x, y, z, side] = mesh.tangents[i];
+        if [x, y, z] == [0.0; 3] { [0; 3] } else { octahedral([x, y, z], side) }
+    };
+    let tangents: Vec<[u16; 3]> = vertices.iter().map(tangent).collect();
+    let has_tangents = tangents.iter().any(|tangent| tangent[2] != 0);
     LivePart {
         surface: surface.clone(),
         vertex_count: vertices.len(),
         positions: packed::words(&positions),
         normals: packed::words(&normals),
+        tangents: if has_tangents { packed::words(&tangents) } else { String::new() },
         triangle_count: triangles.len(),
         triangles: packed::words(triangles),
     }
 }
 
-/// Octahedral coordinates of a unit vector; `shaders/page/mesh.vert` has the inverse.
-fn octahedral(n: [f32; 3]) -> [u16; 3] {
+/// Octahedral coordinates of a vector, and `side`; `shaders/page/mesh.vert` has the inverse.
+fn octahedral(n: [f32; 3], side: f32) -> [u16; 3] {
     let [x, y, z] = n.map(f64::from);
     let sum = x.abs() + y.abs() + z.abs();
     let [x, y] = [x / sum, y / sum];
     let folded = |a: f64, b: f64| if z < 0.0 { (1.0 - b.abs()).copysign(a) } else { a };
     let word = |a: f64| (a * 32767.0).round() as i16 as u16;
-    [word(folded(x, y)), word(folded(y, x)), 0]
+    [word(folded(x, y)), word(folded(y, x)), side as i16 as u16]
 }

@@ -16,6 +16,7 @@ use glam::{DVec2, DVec3};
 
 /// F0 of every coat: index of refraction 1.5.
 pub const COAT_F0: f64 = 0.04;
+const _: () = assert!(COAT_F0 as f32 == crate::glsl::constants::COAT_F0);
 
 /// The exact radiance of a coated surface.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]

@@ -179,6 +179,12 @@ fn materialx_albedo(x: f64, pr: f64) -> f64 {
 }
 
 impl SheenLookup {
+    /// Returns itself if it reads the prefiltered map of the image, scaled by the exact albedo; else the first.
+    pub fn plain(&'static self) -> &'static Self {
+        let is_plain = matches!((self.map, self.factor), (SheenMap::Levels, SheenAlbedo::Exact));
+        if is_plain { self } else { &SHEEN_LOOKUPS[0] }
+    }
+
     /// Returns the specialization constant.
     pub fn code(&self) -> u32 {
         self.toward as u32 | (self.level as u32) << 4

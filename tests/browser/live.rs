@@ -76,6 +76,8 @@ fn keys_sliders_reference_and_link_of_the_live_view() {
     let radiance = std::array::from_fn(|c| shown[c] as f32);
     assert!(near(bytes, curve.apply_rgb8(radiance)), "{bytes:?}");
     slide(&mut page, "roughness", "0.5");
+    slide(&mut page, "coat", "0.25");
+    slide(&mut page, "anisotropy", "0.75");
 
     // Errors are against the reference, in the project's colours.
     page.eval("live.canvas.focus()");
@@ -122,8 +124,8 @@ fn keys_sliders_reference_and_link_of_the_live_view() {
     let hash = page.eval("location.hash").as_str().unwrap().to_owned();
     assert!(hash.contains("method=split-sum-frostbite") && hash.contains("roughness=0.5"), "{hash}");
     open(&mut page, &report, &hash, size);
-    let restored = page.eval("[live.settings.method, live.settings.roughness, live.settings.yaw, live.settings.ev]");
-    assert_eq!(restored, json!(["split-sum-frostbite", 0.5, -80, 1]));
+    let restored = page.eval("(({ method, roughness, coat, anisotropy, yaw, ev }) => [method, roughness, coat, anisotropy, yaw, ev])(live.settings)");
+    assert_eq!(restored, json!(["split-sum-frostbite", 0.5, 0.25, 0.75, -80, 1]));
     assert_clean(&page);
 }
 

@@ -1,8 +1,9 @@
-//! The pixels of the live view against the renderer's: spheres, a mesh, and the reference.
+//! The pixels of the live view against the renderer's: spheres, a mesh, layers, and the reference.
 
 use crate::chromium::{self, Page};
 use crate::fake::Silent;
 use crate::fixture::{assert_clean, page_of};
+use crate::gltf_files::mesh;
 use crate::live::{linear, open, rest};
 use serde::Serialize;
 use serde_json::json;
@@ -15,6 +16,7 @@ use splitsum::pipeline::{Frame, Options, Pipeline, PipelineError, RenderRequest}
 use splitsum::report::page::images::Choice;
 use splitsum::run::{RenderFault, Renderer, RunOptions, run};
 use splitsum::scene::{Camera, CameraKind, MaterialOverride, Orbit, Projection, Scene};
+use splitsum::shade::bend::Bend;
 use splitsum::shade::{Diffuse, Method};
 use splitsum::spelling::Listed;
 use splitsum::tonemap::ToneCurve;
@@ -31,8 +33,9 @@ const ORIENTATIONS: [u32; 2] = [0, 9];
 const ROTATION: f64 = 35.0;
 const BIAS: f64 = 0.5;
 const BRIGHTNESS: f32 = 2.5;
-/// Exact spheres with their own materials, and triangles.
-const SCENES: [&str; 3] = ["sphere", "spheres", "plane"];
+/// Exact spheres with their own materials, and triangles with tangents and with every layer.
+const SCENES: [&str; 3] = ["sphere", "spheres", "sheet.gltf"];
+const BEND: &str = "unity";
 /// Sides of the run's images; the camera knows their aspect.
 const RUN_SIZE: [u32; 2] = [16, 16];
 
@@ -57,18 +60,36 @@ pub fn pipeline() -> Option<Pipeline> {
     }
 }
 
+/// Writes the scene of triangles.
+fn write_sheet(dir: &Path) {
+    let positions = [-1.0, -1.0, 0.0, 1.0, -1.0, 0.3, 1.0, 1.0, -0.2, -1.0, 1.0, 0.1];
+    // Octahedral numbers hold this normal exactly.
+    let normals = [0.0, 0.0, 1.0].repeat(4);
+    let tangents = [0.6, 0.8, 0.0, -1.0, 0.8, 0.0, -0.6, -1.0, 0.96, 0.28, 0.0, -1.0, 0.0, 1.0, 0.0, -1.0];
+    let extensions = json!({
+        "KHR_materials_anisotropy": { "anisotropyStrength": 0.7, "anisotropyRotation": 0.4 },
+        "KHR_materials_clearcoat": { "clearcoatFactor": 0.5, "clearcoatRoughnessFactor": 0.4 },
+        "KHR_materials_sheen": { "sheenColorFactor": [0.3, 0.5, 0.1], "sheenRoughnessFactor": 0.6 },
+    });
+    let attributes = [("POSITION", 3, &positions[..]), ("NORMAL", 3, &normals), ("TANGENT", 4, &tangents)];
+    let mut model = mesh(&attributes, &[0, 1, 2, 0, 2, 3]);
+    model["materials"] = json!([{ "doubleSided": true, "extensions": extensions }]);
+    std::fs::write(dir.join(SCENES[2]), model.to_string()).unwrap();
+}
+
 /// The plan of a small run in both environments. Its maps are octahedral, because the shader filters them. The
 /// browser's device filters cubes with weights of so few bits that pixels move by 0.5 %.
-fn plan() -> Plan {
+fn plan(dir: &Path) -> Plan {
+    let environments = ENVIRONMENTS.map(|name| name.replace("tests/", concat!(env!("CARGO_MANIFEST_DIR"), "/tests/")));
     let text = format!(
         "name = \"live\"\nsize = {RUN_SIZE:?}\ncamera = \"perspective\"\nreference = {{ samples = 32 }}\n[axes]\n\
          environment = {}\nscene = {}\nbrdf = [\"ggx\", \"phong\"]\nmethod = [\"sampled\", \"split-sum\", \"split-sum-two\", \"split-sum-four\"]\nsamples = [12]\n\
          diffuse = [\"none\"]\nmasking = [\"correlated\"]\nlayout = [\"octahedral\"]\nprefilter_size = [[160, 160]]\nprefilter = [\"sampled\"]\nprefilter_sample_count = [{PREFILTER_SAMPLES}]\nlevel_mapping = [\"unity\"]\n\
          environment_orientation = {ORIENTATIONS:?}\nenvironment_rotation_deg = [{ROTATION}]\nlod_bias = [{BIAS}]\nenvironment_scale = [{BRIGHTNESS}]\n",
-        json!(ENVIRONMENTS),
+        json!(environments),
         json!(SCENES)
     );
-    Plan::from_text(Path::new("live.toml"), &text, &[]).unwrap_or_else(|error| panic!("{error}"))
+    Plan::from_text(&dir.join("live.toml"), &text, &[]).unwrap_or_else(|error| panic!("{error}"))
 }
 
 /// The page of a run on the device.
@@ -77,21 +98,22 @@ struct Bench {
     pipeline: Pipeline,
     plan: Plan,
     report: PathBuf,
-    _dir: tempfile::TempDir,
+    dir: tempfile::TempDir,
 }
 
 fn bench() -> Option<Bench> {
     let mut page = chromium::open()?;
     let (Some(first), Some(pipeline)) = (pipeline(), pipeline()) else { return None };
     let dir = tempfile::tempdir().unwrap();
-    let (plan, stop) = (plan(), AtomicBool::new(false));
+    write_sheet(dir.path());
+    let (plan, stop) = (plan(dir.path()), AtomicBool::new(false));
     let options = RunOptions { fail_fast: true, ..RunOptions::new(&dir.path().join("run"), &stop) };
     let mut first = Some(first);
     let mut make = || -> Result<Box<dyn Renderer>, RenderFault> { Ok(Box::new(first.take().unwrap())) };
     run(&plan, &mut make, &options, &mut Silent).unwrap_or_else(|error| panic!("{error}"));
     let report = page_of(&options.dir, Choice::None);
     page.resize(1200, 800, "light");
-    Some(Bench { page, pipeline, plan, report, _dir: dir })
+    Some(Bench { page, pipeline, plan, report, dir })
 }
 
 /// Settings as the page's scripts name them, and the same request to the renderer.
@@ -113,40 +135,50 @@ struct Setting {
 }
 
 /// `None` keeps the scene's own value.
-#[derive(Clone, Copy, Debug, Serialize)]
+#[derive(Clone, Copy, Debug, Default, Serialize)]
 struct Surface {
     albedo: Option<[f32; 3]>,
     metallic: Option<f32>,
     f0: Option<f32>,
     roughness: Option<f32>,
+    anisotropy: Option<f32>,
+    /// Degrees.
+    anisotropy_turn: Option<f32>,
+    coat: Option<f32>,
+    coat_roughness: Option<f32>,
+    sheen: Option<[f32; 3]>,
+    sheen_roughness: Option<f32>,
 }
 
 impl Surface {
-    const OF_SCENE: Self = Self { albedo: None, metallic: None, f0: None, roughness: None };
-
-    const fn at(metallic: f32, roughness: f32) -> Self {
-        Self { albedo: Some([0.9, 0.5, 0.2]), metallic: Some(metallic), f0: Some(0.04), roughness: Some(roughness) }
+    fn at(metallic: f32, roughness: f32) -> Self {
+        let (metallic, roughness) = (Some(metallic), Some(roughness));
+        Self { albedo: Some([0.9, 0.5, 0.2]), metallic, f0: Some(0.04), roughness, ..Self::default() }
     }
 }
 
 impl Setting {
-    const FIRST: Self = Self {
-        env: 0,
-        model: 0,
-        lobe: 0,
-        surface: Surface::at(0.0, 0.5),
-        diffuse: true,
-        n: 12,
-        yaw: 0.0,
-        pitch: 0.0,
-        distance: 1.0,
-        orientation: 0,
-        turn: 0.0,
-    };
+    fn first() -> Self {
+        let (surface, [yaw, pitch, turn]) = (Surface::at(0.0, 0.5), [0.0; 3]);
+        Self {
+            env: 0,
+            model: 0,
+            lobe: 0,
+            surface,
+            diffuse: true,
+            n: 12,
+            yaw,
+            pitch,
+            distance: 1.0,
+            orientation: 0,
+            turn,
+        }
+    }
 
     fn script(&self) -> String {
         let mut values = json!(self);
         (values["method"], values["against"], values["mode"]) = ("sampled".into(), "split-sum".into(), "error".into());
+        values["bend"] = BEND.into();
         format!("live.set({values}).then(() => null)")
     }
 
@@ -160,14 +192,20 @@ impl Setting {
         Camera { projection, ..camera.orbited(orbit, scene) }
     }
 
-    fn request(&self, plan: &Plan, method: &str, samples: u32, size: [u32; 2]) -> RenderRequest {
+    fn request(&self, dir: &Path, plan: &Plan, method: &str, samples: u32, size: [u32; 2]) -> RenderRequest {
         let of_run = plan.request(&plan.cells[0].point);
         let environment = Environment::load(ENVIRONMENTS[self.env], Path::new(""), &LoadOptions::default()).unwrap();
-        let scene = Scene::load(SCENES[self.model], Path::new("")).unwrap();
-        let Surface { albedo, metallic, f0, roughness } = self.surface;
-        let alpha = roughness.map(|roughness| (roughness * roughness).max(1e-3));
-        let surface =
-            MaterialOverride { albedo, metallic, alpha, f0: f0.map(|f0| [f0; 3]), ..MaterialOverride::default() };
+        let scene = Scene::load(SCENES[self.model], dir).unwrap();
+        let Surface { albedo, metallic, f0, anisotropy, coat, sheen: sheen_color, .. } = self.surface;
+        let alpha = |roughness: Option<f32>| roughness.map(|roughness| (roughness * roughness).max(1e-3));
+        let surface = MaterialOverride {
+            alpha: alpha(self.surface.roughness),
+            f0: f0.map(|f0| [f0; 3]),
+            anisotropy_turn: self.surface.anisotropy_turn.map(f32::to_radians),
+            coat_alpha: alpha(self.surface.coat_roughness),
+            sheen_alpha: alpha(self.surface.sheen_roughness),
+            ..MaterialOverride { albedo, metallic, anisotropy, coat, sheen_color, ..MaterialOverride::default() }
+        };
         RenderRequest {
             environment: Arc::new(environment),
             camera: self.camera(&scene, size),
@@ -181,6 +219,7 @@ impl Setting {
                 s.diffuse = Diffuse::listed(if self.diffuse { "sh9" } else { "none" });
                 s.brdf = *MODELS.iter().find(|model| model.name() == ["ggx", "phong"][self.lobe]).unwrap();
                 s.samples = samples;
+                s.bend = Bend::listed(BEND);
             })
         }
     }
@@ -203,14 +242,16 @@ fn is_storage_error(method: &str, error: f64) -> bool {
 
 #[test]
 fn pixels_and_errors_equal_the_renderers() {
-    let Some(Bench { mut page, mut pipeline, plan, report, _dir }) = bench() else { return };
+    let Some(Bench { mut page, mut pipeline, plan, report, dir }) = bench() else { return };
     let size = [32, 24];
     open(&mut page, &report, "#live", size);
     assert_eq!(page.eval("live.tables.environments.map((e) => e.scale)"), json!([1, 4]));
     let begins = page.eval("[live.settings.turn, live.render.view.bias, live.render.view.brightness]");
     let begins: Vec<f64> = begins.as_array().unwrap().iter().map(|x| x.as_f64().unwrap()).collect();
     assert_eq!(begins, [ROTATION, BIAS, f64::from(BRIGHTNESS)]);
-    let first = Setting::FIRST;
+    let first = Setting::first();
+    let brushed = Surface { anisotropy: Some(0.8), anisotropy_turn: Some(30.0), ..Surface::at(1.0, 0.4) };
+    let cloth = Surface { sheen: Some([0.7, 0.4, 0.1]), sheen_roughness: Some(0.5), ..first.surface };
     let settings = [
         first,
         Setting { surface: Surface::at(1.0, 0.2), yaw: 130.0, pitch: 25.0, ..first },
@@ -226,16 +267,20 @@ fn pixels_and_errors_equal_the_renderers() {
             ..first
         },
         // More samples than a frame takes, on the scene's own materials.
-        Setting { model: 1, surface: Surface::OF_SCENE, n: 1024, yaw: 15.0, ..first },
+        Setting { model: 1, surface: Surface::default(), n: 1024, yaw: 15.0, ..first },
         // Triangles.
         Setting { model: 2, surface: Surface::at(0.0, 0.6), pitch: 20.0, yaw: 15.0, ..first },
+        Setting { surface: brushed, ..first },
+        Setting { model: 1, surface: Surface { coat: Some(0.8), coat_roughness: Some(0.3), ..first.surface }, ..first },
+        Setting { surface: cloth, ..first },
     ];
     let methods = page.eval("live.tables.methods.map((method) => method.name)");
     let methods: Vec<&str> = methods.as_array().unwrap().iter().map(|name| name.as_str().unwrap()).collect();
     for setting in settings {
         page.eval(&setting.script());
         rest(&mut page);
-        let mut render = |method, samples| pipeline.render(&setting.request(&plan, method, samples, size)).unwrap();
+        let mut render =
+            |method, samples| pipeline.render(&setting.request(dir.path(), &plan, method, samples, size)).unwrap();
         let mut frames = Vec::new();
         for method in &methods {
             let truth = render(method, setting.n);
@@ -262,7 +307,7 @@ fn pixels_and_errors_equal_the_renderers() {
         let number =
             |page: &mut Page, name: &str| page.eval(&format!("Number(live.canvas.dataset.{name})")).as_f64().unwrap();
         let relmse = |test: &Frame, truth: &Frame| {
-            let epsilon = setting.request(&plan, "split-sum", 1, size).epsilon();
+            let epsilon = setting.request(dir.path(), &plan, "split-sum", 1, size).epsilon();
             let (test, curve) = (&test.radiance, ToneCurve::default());
             let comparison = Comparison::new(test, &truth.radiance, &truth.mask, curve, epsilon).unwrap();
             comparison.evaluate(&[Metric::listed(METRIC)])[0].1

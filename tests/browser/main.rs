@@ -6,6 +6,9 @@ mod compare;
 mod fake;
 mod fixture;
 mod gallery;
+#[path = "../shared/gltf.rs"]
+#[allow(dead_code, reason = "other tests use the rest")]
+mod gltf_files;
 mod live;
 mod live_pixels;
 mod pages;

@@ -76,19 +76,6 @@ fn every_view_fits_every_width_and_passes_axe() {
 }
 
 #[test]
-fn designs_are_measured_but_not_shown() {
-    let Some(mut page) = chromium::open() else { return };
-    let dir = tempfile::tempdir().unwrap();
-    let axes = "scene = [\"sphere\", \"design\"]\nenvironment = [\"builtin:constant\"]\nalpha = [0.1, 0.5]\n\
-                method = [\"sampled\", \"split-sum\"]\nsamples = [1, 4]";
-    page.go(&report_of(dir.path(), axes, ""), "#images");
-    assert_eq!(page.eval("document.querySelectorAll('.scene').length"), json!(2));
-    assert_eq!(page.eval("document.querySelectorAll('.thumb').length"), json!(2 * 4));
-    assert!(page.text("#view-images").contains("average the scene design"));
-    assert_clean(&page);
-}
-
-#[test]
 fn marks_are_reached_by_keyboard_and_lead_to_their_cells() {
     let Some((mut page, report, _dir)) = report(Choice::Automatic) else { return };
     page.resize(1366, 800, "light");

@@ -8,8 +8,12 @@
 #include "lib/lobe.glsl"
 #include "lib/surface.glsl"
 
-// One of SHEEN_VISIBILITY_*.
+// One of SHEEN_VISIBILITY_*; in GLSL ES a uniform.
+#ifdef GL_ES
+uniform uint SHEEN_VISIBILITY;
+#else
 layout(constant_id = 8) const uint SHEEN_VISIBILITY = SHEEN_VISIBILITY_CHARLIE;
+#endif
 
 // Gives this lobe other points than the others, so that their errors are independent.
 const uint LOBE_STREAM = 3u;

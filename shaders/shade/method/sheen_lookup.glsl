@@ -2,9 +2,9 @@
 
 #include "lib/split_sum.glsl"
 
-// Direction | level << 4, of SHEEN_TOWARD_* and SHEEN_LEVEL_*.
+// Direction | level << 4, of SHEEN_TOWARD_* and SHEEN_LEVEL_*; in GLSL ES a uniform.
 #ifdef GL_ES
-const uint SHEEN_LOOKUP = SHEEN_TOWARD_MOMENT;
+uniform uint SHEEN_LOOKUP;
 #else
 layout(constant_id = 8) const uint SHEEN_LOOKUP = SHEEN_TOWARD_MOMENT;
 #endif

@@ -2,15 +2,15 @@
 
 #include "lib/split_sum.glsl"
 
-// Parameters | normal << 4 | toward << 8, of BEND_*; 1 << 12 reads A and B at the root mean square width.
+// Parameters | normal << 4 | toward << 8, of BEND_*; 1 << 12 reads A and B at the root mean square width. In GLSL ES a uniform.
 #ifdef GL_ES
-const uint BEND = BEND_PARAMETERS_SQUARE;
+uniform uint BEND;
 #else
 layout(constant_id = 8) const uint BEND = BEND_PARAMETERS_SQUARE;
 #endif
-const uint BEND_PARAMETERS = BEND & 15u;
-const uint BEND_NORMAL = (BEND >> 4u) & 15u;
-const uint BEND_TOWARD = (BEND >> 8u) & 15u;
+#define BEND_PARAMETERS (BEND & 15u)
+#define BEND_NORMAL ((BEND >> 4u) & 15u)
+#define BEND_TOWARD ((BEND >> 8u) & 15u)
 
 float frostbite_share(float alpha) {
     return (1.0 - alpha) * (sqrt(1.0 - alpha) + alpha);

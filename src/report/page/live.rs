@@ -13,7 +13,8 @@ use crate::precompute::taps::TapCount;
 use crate::run::live::{LIVE_FILE, LiveEnvironment, LiveLobe, LiveRecord, LiveShader};
 use crate::run::live_model::LiveModel;
 use crate::scene::camera::PERSPECTIVE_FOV_DEG;
-use crate::shade::{METHODS, Method, own};
+use crate::shade::bend::Bend;
+use crate::shade::{METHODS, Method, Shading, own};
 use crate::spelling::Listed;
 use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
@@ -33,6 +34,10 @@ pub struct Light {
     pub orientations: Vec<Orientation>,
     /// Names of the maskings in the order of the shaders' constants.
     pub masking_names: Vec<&'static str>,
+    /// Constants of the shaders, by name.
+    pub codes: BTreeMap<&'static str, u32>,
+    /// The constant of every bend, by name.
+    pub bends: BTreeMap<&'static str, u32>,
     /// At least one, if there are environments.
     pub models: Vec<LiveModel>,
     /// Vertical field of view of the background of an orthographic camera.
@@ -110,6 +115,21 @@ impl Orientation {
     }
 }
 
+/// The constants of anisotropy and layers: of each the first among the runs' cells that is not the default.
+fn codes(runs: &[PageRun]) -> BTreeMap<&'static str, u32> {
+    let cells = || runs.iter().flat_map(|run| &run.finished.cells).map(|cell| cell.point.settings().shading);
+    let first = |code: fn(&Shading) -> u32| {
+        let default = code(&Shading::default());
+        cells().map(|shading| code(&shading)).find(|own| *own != default).unwrap_or(default)
+    };
+    BTreeMap::from([
+        ("ANISOTROPY", first(|shading| shading.widths as u32)),
+        ("SHEEN_LOOKUP", first(|shading| shading.sheen_lookup.plain().code())),
+        ("SHEEN_VISIBILITY", first(|shading| shading.sheen_visibility as u32)),
+        ("coat_layering", first(|shading| shading.coat_layering as u32)),
+    ])
+}
+
 impl Light {
     /// The tables of the first run that has some, within `budget` bytes.
     pub fn collect(runs: &[PageRun], budget: usize) -> Self {
@@ -146,6 +166,8 @@ impl Light {
             shaders,
             orientations: Orientation::all(runs),
             masking_names: MaskingShadowing::names(),
+            codes: codes(runs),
+            bends: Bend::all().map(|bend| (bend.name, bend.code())).collect(),
             models: Vec::new(),
             fov_deg: PERSPECTIVE_FOV_DEG,
             alpha_min: constants::ALPHA_MIN,

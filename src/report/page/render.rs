@@ -97,8 +97,8 @@ pub fn shaders(light: &Light) -> BTreeMap<String, String> {
     let sources = shader_sources();
     let layouts = light.environments.iter().map(|environment| environment.layout.as_str());
     let models = light.lobes.iter().map(|lobe| lobe.brdf.as_str());
-    let wanted: BTreeSet<&str> =
-        layouts.chain(models).chain(light.methods.iter().map(|method| method.name.as_str())).collect();
+    let methods = light.methods.iter().map(|method| method.name.as_str()).chain([Method::SHEEN_LOOKUP.name]);
+    let wanted: BTreeSet<&str> = layouts.chain(models).chain(methods).collect();
     let entries = sources.entries().filter(|entry| entry.starts_with(PAGE_FOLDER));
     let all = entries.flat_map(|entry| {
         let named = sources.permutations(entry, &Choice::new()).expect("every file that a shader includes is there");
