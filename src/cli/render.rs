@@ -6,7 +6,7 @@ use super::{Failure, log, print, progress};
 use clap::Args;
 use splitsum::bakes::given;
 use splitsum::environment::Environment;
-use splitsum::experiment::axis::{AXES, METHOD, Point, Reference, SAMPLES, View, motion_fault};
+use splitsum::experiment::axis::{AXES, BLUR, METHOD, Point, Reference, SAMPLES, View, is_blurred, motion_fault};
 use splitsum::experiment::value::{Kind, Range, Value};
 use splitsum::pixels::png;
 use splitsum::run::{RenderFault, write_radiance};
@@ -119,8 +119,15 @@ fn check_used(arguments: &Arguments, point: &Point, is_linear: bool) -> Result<(
         if collapsed[*axis] == Value::Unset && !is_reference_count {
             let without = format!("with method {method} and diffuse {diffuse}");
             let is_absent = |value: &Value| [Value::Unset, Value::Count(1)].contains(value) || value.is_zero();
-            let layer = AXES[*axis].layer().filter(|layer| is_absent(collapsed.get(layer)));
-            let why = layer.map_or(without, |layer| format!("without --{}", layer.replace('_', "-")));
+            let why = match AXES[*axis].layer() {
+                Some("frames") if is_absent(collapsed.get("frames")) => "without --frames of at least 2".to_owned(),
+                Some("frames") => "with the other options of frames (docs/frames.md)".to_owned(),
+                Some(layer) if is_absent(collapsed.get(layer)) => format!("without --{}", layer.replace('_', "-")),
+                _ if !is_absent(collapsed.get("frames")) => {
+                    "with --frames, whose --frame-points are their points".to_owned()
+                }
+                _ => without,
+            };
             faults.push(format!("--{flag}: has no effect {why}; leave it out"));
         } else if !AXES[*axis].changes_radiance() && is_linear {
             faults.push(format!("--{flag}: has no effect on an .exr, which is linear; expected --out FILE.png"));
@@ -131,9 +138,12 @@ fn check_used(arguments: &Arguments, point: &Point, is_linear: bool) -> Result<(
             "--relative-error: has no effect: method {method} with diffuse {diffuse} has no reference term"
         ));
     }
-    faults.extend(motion_fault(&collapsed).map(|fault| format!("--motion: {fault}")));
+    faults.extend(motion_fault(&collapsed, arguments.antialias).map(|fault| format!("--motion: {fault}")));
     if has_reference_term && let Err(error) = pair_count(reference_samples(arguments)) {
         faults.push(format!("--samples: {error}"));
+    }
+    if is_blurred(&collapsed) {
+        super::log(&format!("warning: {BLUR}"));
     }
     if faults.is_empty() { Ok(()) } else { Err(Failure::input(faults.join("\n"))) }
 }

@@ -29,7 +29,7 @@ pub fn check_combinations(config: &Config, faults: &mut Faults) {
         {
             faults.add(&config.place_of(ANISOTROPY, &point), format!("anisotropy: {what}"));
         }
-        if let Some(fault) = motion_fault(&point) {
+        if let Some(fault) = motion_fault(&point, config.antialias) {
             faults.add(&config.place_of(MOTION, &point), format!("motion: {fault}"));
         }
         if let Err(error) = point.method().tables(point.settings().shading.precompute).validate() {

@@ -1,6 +1,6 @@
 //! The validated experiment: every cell with its id, work shared between cells, and exclusions.
 
-use super::axis::{AXES, DFG_TABLE, ENVIRONMENT, METHOD, PREFILTERED, Point, SCENE, SIZE, View};
+use super::axis::{AXES, BLUR, DFG_TABLE, ENVIRONMENT, METHOD, PREFILTERED, Point, SCENE, SIZE, View, is_blurred};
 use super::checks;
 use super::config::Config;
 use super::fault::{ConfigError, Faults, Place};
@@ -240,6 +240,10 @@ impl Plan {
         let idle = checks::idle_sweeps(&self.config, points()).into_iter();
         for (place, text) in idle.chain(checks::black_metals(&self.config, &self.inputs, points())) {
             warnings.add(&place, text);
+        }
+        let mut sequences = points().filter(|point| point.settings().shading.frames.count > 1).peekable();
+        if sequences.peek().is_some() && sequences.all(|point| is_blurred(point) || !point.method().uses_lod_bias) {
+            warnings.add(&Place::File(0), BLUR);
         }
         if !self.config.orbit.is_still() && self.inputs.scenes().any(|scene| scene.is_design) {
             warnings.add(&Place::File(0), "orbit: has no effect on the scene design");

@@ -232,7 +232,7 @@ impl<'a> Renderer<'a> {
 
     fn show(&mut self, state: &State) -> Result<(), Stop> {
         let inputs = &self.inputs(state)?;
-        if let Some(fault) = motion_fault(&state.point.collapsed()) {
+        if let Some(fault) = motion_fault(&state.point.collapsed(), false) {
             return Err(Stop::Refused(format!("motion: {fault}")));
         }
         self.pipeline.interrupt_by(Some(self.post.is_overdue.clone()));

@@ -91,13 +91,25 @@ pub(super) const FRAME_AXES: &[Axis] = &[
 ];
 
 /// Returns why a point cannot move, if it cannot.
-pub fn motion_fault(point: &Point) -> Option<String> {
+pub fn motion_fault(point: &Point, is_antialiased: bool) -> Option<String> {
     let motion = &point[MOTION];
     let is_moving = ![&Value::Unset, &first::<Motion>()].contains(&motion);
-    (is_moving && is_design(point[SCENE].text())).then(|| {
-        format!(
+    if is_moving && is_design(point[SCENE].text()) {
+        return Some(format!(
             "{motion} on the scene design, whose pixels are unrelated views: none has a history at another pixel; \
              expected still, or another scene"
-        )
-    })
+        ));
+    }
+    let is_mixed = is_antialiased && point.settings().shading.frames.motion == Motion::Orbit;
+    is_mixed.then(|| "orbit with antialiasing: edges would mix before they add up; expected one of them".to_owned())
 }
+
+/// Whether each frame of a sequence is as blurred as its own samples alone.
+pub fn is_blurred(point: &Point) -> bool {
+    let shading = point.settings().shading;
+    shading.frames.count > 1 && shading.method.uses_lod_bias && shading.lod_bias >= 0.0
+}
+
+/// What to do about it.
+pub const BLUR: &str =
+    "lod_bias: each frame is blurred as by its own samples alone; -0.5 log2(frames) sharpens it (docs/frames.md)";

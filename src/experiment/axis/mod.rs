@@ -12,7 +12,7 @@ mod tables;
 pub use crate::shade::REFERENCE;
 use crate::spelling::Listed;
 use frames::FRAME_AXES;
-pub use frames::motion_fault;
+pub use frames::{BLUR, is_blurred, motion_fault};
 pub use list::*;
 pub use named::{Named, Spelling};
 pub use settings::{Reference, Settings, Terms, View};

@@ -169,7 +169,12 @@ fn answer(frame: &Frame) -> Option<Finding> {
     let axes = conditions(frame);
     let table = table(frame, &axes, QUESTION.columns, &all, |_| Vec::new());
     let figure = by_lookups::figure(of_pictures.as_ref().unwrap_or(frame));
-    Some(Finding { sentence: sentence(frame, &axes, &all)?, digest: Some(digest(frame, &axes, &all)), table, figure })
+    Some(Finding {
+        sentence: sentence(frame, &axes, &all)?,
+        digest: Some(digest(frame, &axes, &all, "samples per pixel")),
+        table,
+        figure,
+    })
 }
 
 /// One row per pair and condition, and `more` cells of each.
@@ -261,14 +266,14 @@ fn sentence(frame: &Frame, axes: &[usize], all: &[Pair]) -> Option<String> {
     Some(format!("`{}` needs {needs}{place}.{more}{scope}", first.sampled))
 }
 
-/// One row per metric, condition and pair, one column per value of [`Frame::row_axis`].
-pub(super) fn digest(frame: &Frame, axes: &[usize], all: &[Pair]) -> Table {
+/// One row per metric, condition and pair, one column per value of [`Frame::row_axis`], else one of what is `counted`.
+pub(super) fn digest(frame: &Frame, axes: &[usize], all: &[Pair], counted: &str) -> Table {
     let of = frame.row_axis();
     let others: Vec<usize> = (0..axes.len()).filter(|place| axes[*place] != of).collect();
     let width = |own: &Pair| axes.iter().position(|axis| *axis == of).map(|place| own.key[place].clone());
     let widths = ascending(distinct_in_order(all.iter().filter_map(width)));
     let heads = widths.iter().map(|width| frame.names.heading(of, width));
-    let heads: Vec<String> = if widths.is_empty() { vec!["samples per pixel".to_owned()] } else { heads.collect() };
+    let heads: Vec<String> = if widths.is_empty() { vec![counted.to_owned()] } else { heads.collect() };
     let names = others.iter().map(|place| frame.names.name(axes[*place]));
     let names = std::iter::once("metric").chain(names).chain(["without samples", "sampling"]);
     let mut table = Table::with_names(names.map(str::to_owned).chain(heads));

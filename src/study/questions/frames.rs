@@ -49,7 +49,7 @@ fn answer(frame: &Frame) -> Option<Finding> {
     Some(Finding {
         sentence: sentence(frame, &axes, &all)?,
         table: table(frame, &axes, QUESTION.columns, &all, |own| own.last.map(finite).into()),
-        digest: Some(digest(frame, &axes, &all)),
+        digest: Some(digest(frame, &axes, &all, "frames")),
         figure: figure(frame),
     })
 }
@@ -85,14 +85,12 @@ fn sentence(frame: &Frame, axes: &[usize], all: &[Pair]) -> Option<String> {
         format!(" It needs {}{}.", counts(&slowest.1)?, at(&slowest.0))
     };
     let [most, end] = [lead[0].tried.last()?.to_string(), range(lead.iter().map(|own| own.last[0]))];
-    Some(format!(
-        "`{}` beats `{}` in `{}` from **{} frames** on{}. After {most} frames it has {end} times the error.{slow}",
-        first.sampled,
-        first.fixed,
-        first.metric,
-        counts(lead)?,
-        at(name),
-    ))
+    let beats = match counts(lead)?.strip_prefix("more than ") {
+        Some(most) => format!("does not beat `{}` in `{}` within **{most} frames**", first.fixed, first.metric),
+        None => format!("beats `{}` in `{}` from **{} frames** on", first.fixed, first.metric, counts(lead)?),
+    };
+    let end = format!("After {most} frames it has {end} times the error.");
+    Some(format!("`{}` {beats}{}. {end}{slow}", first.sampled, at(name)))
 }
 
 /// Error over the first split sum's, against the frames: one panel per value of [`Frame::row_axis`] and motion, one line
