@@ -142,7 +142,7 @@ fn check_used(arguments: &Arguments, point: &Point, is_linear: bool) -> Result<(
     if has_reference_term && let Err(error) = pair_count(reference_samples(arguments)) {
         faults.push(format!("--samples: {error}"));
     }
-    if is_blurred(&collapsed) {
+    if faults.is_empty() && is_blurred(&collapsed) {
         super::log(&format!("warning: {BLUR}"));
     }
     if faults.is_empty() { Ok(()) } else { Err(Failure::input(faults.join("\n"))) }
