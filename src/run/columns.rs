@@ -30,11 +30,11 @@ pub const ERRORS: &[Column] = &[
     ),
     column(
         "lag_bias",
-        "With an axis of frames only: `relmse` that moving frames leave without noise, against the last frame; 0 if still.",
+        "Of sequences only: `relmse` that accumulation leaves under motion in frames without noise, against the last; 0 if still.",
     ),
     column(
         "flicker",
-        "With an axis of frames only: variance over the last eight frames after the tone curve of `tone_mapped_mse`, without the motion.",
+        "Of sequences only: variance over the last eight results after the tone curve of `tone_mapped_mse`, without the motion.",
     ),
 ];
 

@@ -40,7 +40,7 @@ pub(super) const FRAME_AXES: &[Axis] = &[
     Axis {
         name: "ema_factor",
         label: "Newest frame",
-        about: "weight of the newest frame in a long exponential moving average",
+        about: "weight of the newest frame in a long exponential moving average (`ema`)",
         symbol: Symbol::Before("factor"),
         kind: Kind::Number(Range::above(0.0, 1.0)),
         default: || Value::Number(Frames::default().ema_factor),
@@ -70,7 +70,7 @@ pub(super) const FRAME_AXES: &[Axis] = &[
     },
     Axis {
         name: "frame_points",
-        about: "points of each pixel and frame: scrambled (owen), continued (r2), or shifted by blue noise (blue)",
+        about: "points of each pixel and frame: scrambled (owen), continued (r2, least error in a still view), or shifted by blue noise (blue)",
         plural: "kinds of frame points",
         symbol: Symbol::After("frame points", "frame points"),
         kind: Kind::one_of::<FramePoints>(),
