@@ -46,11 +46,15 @@ fn texels(side: u32, patch: Patch, pair: &(impl Fn(DVec2) -> DVec2 + Sync)) -> V
     });
     let values: Vec<DVec2> =
         (0..COUNT * COUNT).into_par_iter().map(|i| pair(DVec2::new(u[i % COUNT].powi(2), v[i / COUNT]))).collect();
-    let columns: Vec<_> = (patch.low[0]..patch.high[0]).map(|x| weights(&u, place(x).sqrt())).collect();
     let rows: Vec<_> = (patch.low[1]..patch.high[1]).map(|y| weights(&v, place(y))).collect();
+    // Polynomials in v, one for each column of texels.
+    let of_row =
+        |x: u32, row: &[DVec2]| weights(&u, place(x).sqrt()).iter().zip(row).map(|(w, value)| *w * *value).sum();
+    let columns: Vec<Vec<DVec2>> =
+        (patch.low[0]..patch.high[0]).map(|x| values.chunks_exact(COUNT).map(|row| of_row(x, row)).collect()).collect();
     let value = |[x, y]: [u32; 2]| -> DVec2 {
         let (column, row) = (&columns[(x - patch.low[0]) as usize], &rows[(y - patch.low[1]) as usize]);
-        (0..COUNT * COUNT).map(|i| column[i % COUNT] * row[i / COUNT] * values[i]).sum()
+        row.iter().zip(column).map(|(w, value)| *w * *value).sum()
     };
     let compared =
         [1, 4, 8, 11].map(|y| [1, 4, 8, 11].map(|x| [patch.low[0] + width * x / 12, patch.low[1] + height * y / 12]));

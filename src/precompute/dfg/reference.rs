@@ -10,7 +10,7 @@
 //! - φ as a fraction of its limit.
 
 use super::DfgAxes;
-use crate::brdf::{Brdf, MaskingShadowing, g2, schlick_weight};
+use crate::brdf::{Brdf, MaskingShadowing, g1, g2_from_g1, schlick_weight};
 use crate::math::quadrature::{Bounded, Rectangle, Tolerance, integrate_columns};
 use crate::pixels::Pixels;
 use crate::precompute::prefilter::Kernel;
@@ -49,8 +49,10 @@ pub fn dfg(model: &'static dyn Brdf, masking: MaskingShadowing, n_dot_v: f64, al
 
 /// Integrates A and B within a relative error.
 pub fn dfg_within(model: &'static dyn Brdf, masking: MaskingShadowing, n_dot_v: f64, alpha: f64, relative: f64) -> Dfg {
+    let g1_v = g1(model, n_dot_v, alpha, masking);
     let integral = mean_over_facets(model, n_dot_v, alpha, relative, |h, v_dot_h, n_dot_l| {
-        let weight = g2(model, n_dot_v, n_dot_l, alpha, masking) * v_dot_h / (n_dot_v * h.z);
+        let g1_l = if n_dot_l > 0.0 { g1(model, n_dot_l, alpha, masking) } else { 0.0 };
+        let weight = g2_from_g1(g1_v, g1_l, masking) * v_dot_h / (n_dot_v * h.z);
         DVec3::new(weight, weight * schlick_weight(v_dot_h), 0.0)
     });
     let [albedo, f90_scale, _] = integral.value.to_array();
