@@ -61,6 +61,7 @@ fn engines_help() -> String {
 }
 
 pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
+    progress::phase("reading the map");
     let environment = arguments.inputs.environment(&arguments.environment)?;
     let mut point = Point::default();
     for (index, (axis, value)) in arguments.settings.iter().enumerate() {
@@ -81,7 +82,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         masking: settings.shading.masking_shadowing,
     };
     baking.check().map_err(Failure::input)?;
-    progress::doing("baking");
+    progress::phase("baking");
     for path in baking.bake(&arguments.out).map_err(Failure::input)? {
         print(&format!("{}\n", path.display()))?;
     }
@@ -100,11 +101,8 @@ fn execute_for(
     let known = [BRDF, MASKING, PREFILTER_WEIGHT, PREFILTER_SIZE, PREFILTER_LEVEL_COUNT, IRRADIANCE_SIZE, DFG_SIZE];
     if let Some((axis, _)) = arguments.settings.iter().find(|(axis, _)| !known.contains(axis)) {
         let names: Vec<&str> = known.iter().map(|axis| AXES[*axis].name).collect();
-        let name = AXES[*axis].name;
-        return Err(Failure::input(format!(
-            "--set {name}: --for {engine} determines it; expected {}",
-            names.join(", ")
-        )));
+        let (name, names) = (AXES[*axis].name, names.join(", "));
+        return Err(Failure::input(format!("--set {name}: --for {engine} determines it; expected {names}")));
     }
     let value = |axis: usize| arguments.settings.iter().find(|(set, _)| *set == axis).map(|(_, value)| value);
     let square = |axis: usize, default: u32| match value(axis).map(Value::pair) {
@@ -126,7 +124,7 @@ fn execute_for(
         ..Making::new(preset, environment, side)
     };
     making.check().map_err(Failure::input)?;
-    progress::doing("baking");
+    progress::phase("baking");
     let baked = make::make(&making, &arguments.out).map_err(Failure::input)?;
     for path in &baked.files {
         print(&format!("{}\n", path.display()))?;

@@ -10,6 +10,8 @@ use std::time::{Duration, Instant};
 
 /// Shorter work is silent.
 const SILENT: Duration = Duration::from_secs(2);
+/// The same for all phases of a command together: with a tick it ends within the first second.
+const SILENT_PHASES: Duration = Duration::from_millis(700);
 /// Time between lines; a hundredth of longer work.
 const LINES_APART: Duration = Duration::from_secs(5);
 /// Time between two drawings of the bar.
@@ -22,6 +24,7 @@ static SHOWN: Mutex<Option<Shown>> = Mutex::new(None);
 struct Shown {
     words: String,
     began: Instant,
+    silent: Duration,
     /// Time of the last line.
     said: Instant,
     steps: Option<Steps>,
@@ -44,6 +47,16 @@ fn shown() -> MutexGuard<'static, Option<Shown>> {
 /// Starts work without steps.
 pub fn doing(words: impl Into<String>) {
     follow(words.into(), None);
+}
+
+/// Starts the next phase of a command: time counts from its first one.
+pub fn phase(words: impl Into<String>) {
+    match &mut *shown() {
+        Some(shown) if shown.silent == SILENT_PHASES => return shown.words = words.into(),
+        _ => {}
+    }
+    doing(words);
+    shown().iter_mut().for_each(|shown| shown.silent = SILENT_PHASES);
 }
 
 /// Starts work of `total` steps of about equal length; [`one_more`] ends each.
@@ -78,7 +91,7 @@ fn follow(words: String, steps: Option<Steps>) {
     static THREAD: Once = Once::new();
     end();
     let now = Instant::now();
-    *shown() = Some(Shown { words, began: now, said: now, steps, bar: None });
+    *shown() = Some(Shown { words, began: now, silent: SILENT, said: now, steps, bar: None });
     THREAD.call_once(|| {
         std::thread::spawn(|| {
             loop {
@@ -93,11 +106,11 @@ impl Shown {
     fn tick(&mut self) {
         let elapsed = self.began.elapsed();
         // A run predicts its time from the first second.
-        let is_due = elapsed >= SILENT || self.steps.as_ref().is_some_and(|steps| steps.ahead.seconds > 0.0);
+        let is_due = elapsed >= self.silent || self.steps.as_ref().is_some_and(|steps| steps.ahead.seconds > 0.0);
         if !std::io::stderr().is_terminal() {
             let apart = LINES_APART.max(elapsed / 100);
             let last = self.said.elapsed();
-            if is_due && (last >= apart || self.said == self.began && elapsed >= SILENT) {
+            if is_due && (last >= apart || self.said == self.began && elapsed >= self.silent) {
                 self.say();
             }
         } else if is_due {
