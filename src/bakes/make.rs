@@ -1,7 +1,7 @@
 //! Bakes tables for an engine: exact levels by its preset, written, read back and compared. `examples/judge_bake.rs` does it.
 
 pub use super::check::GOOD;
-use super::check::{Directions, Truth, errors, exact, level, table};
+use super::check::{Directions, Truth, errors, exact, level, table, texels};
 use super::container::{Encoding, FACE_COUNT, FORMATS, Format, TEXELS, TEXELS_MAX, Texel};
 use super::convention::{Convention, Preset, TableAxes};
 use super::parts::{KEY, Manifest, Map};
@@ -17,6 +17,7 @@ use crate::precompute::dfg::patches;
 use crate::precompute::exact_quadrature;
 use crate::precompute::prefilter::{Kernel, Weight};
 use crate::precompute::sh9::reference::project_bilinear;
+use crate::precompute::taps::TapCount;
 use crate::spelling::Listed;
 use glam::{DVec2, DVec3};
 use std::io::Write;
@@ -93,17 +94,16 @@ pub fn make(making: &Making, out: &Path) -> Result<Baked, PixelsError> {
     let kernel = Kernel::new(making.brdf, making.weight, making.masking);
     let truth = Truth::new(making.environment, kernel, &alphas);
     let sides = (0..making.level_count).map(|k| (making.side >> k).max(1));
-    let specular = alphas.iter().zip(sides).map(|(alpha, side)| {
+    let exact = |kernel: Kernel, alpha: f64, side: u32| {
         let directions = Directions::new(&LAYOUTS[0], convention.axes, [side; 2]);
-        let exact = exact::exact(&truth, kernel, &directions, *alpha);
+        let exact = exact::exact(&truth, kernel, &directions, alpha);
         (directions, exact)
-    });
+    };
+    let specular = alphas.iter().zip(sides).map(|(alpha, side)| exact(kernel, *alpha, side));
     let mut maps = vec![planned(product.specular, specular.collect(), alphas.clone())];
     if let Some(name) = product.irradiance {
-        let directions = Directions::new(&LAYOUTS[0], convention.axes, [making.irradiance_side; 2]);
         let (kernel, alpha) = Truth::of_irradiance();
-        let exact = exact::exact(&truth, kernel, &directions, alpha);
-        maps.push(planned(name, vec![(directions, exact)], vec![1.0]));
+        maps.push(planned(name, vec![exact(kernel, alpha, making.irradiance_side)], vec![1.0]));
     }
     let radiance = project_bilinear(&exact_quadrature(&making.environment.image));
     let radiance = sh::turned(&radiance, |file| convention.axes.to_world(file));
@@ -121,22 +121,16 @@ pub fn make(making: &Making, out: &Path) -> Result<Baked, PixelsError> {
         write_table(table.as_ref().expect("made above"), &keys[..keys.len() - 1], &path)?;
         files.push(path);
     }
-    if let Some(name) = product.sh {
-        let path = out.join(name);
-        write_bytes(&path, sh::to_cmgen(&radiance).as_bytes())?;
-        files.push(path);
-    }
     let level_count = convention.mapping_levels(making.level_count as usize);
-    let taps = paste::taps(kernel, making.masking, convention.mapping, level_count);
-    for (name, bytes) in [(TAPS, taps), (&code_name, code.into_bytes())] {
+    let taps = paste::taps(kernel, making.masking, convention.mapping, level_count, TapCount::Two);
+    let text = serde_json::to_string_pretty(&manifest).expect("plain values") + "\n";
+    let of_sh = product.sh.map(|name| (name, sh::to_cmgen(&radiance).into_bytes()));
+    let others = [(TAPS, super::container::write_table(&taps)), (&code_name, code.into()), (MANIFEST, text.into())];
+    for (name, bytes) in of_sh.into_iter().chain(others) {
         let path = out.join(name);
         write_bytes(&path, &bytes)?;
         files.push(path);
     }
-    let path = out.join(MANIFEST);
-    let text = serde_json::to_string_pretty(&manifest).expect("plain values") + "\n";
-    write_bytes(&path, text.as_bytes())?;
-    files.push(path);
 
     let bake = read(&[out.display().to_string()], Reading { layout: None, brdf: making.brdf.name() })?;
     let mut levels = Vec::new();
@@ -162,7 +156,7 @@ impl<'a> Making<'a> {
             brdf: &Ggx,
             masking: convention.masking,
             weight: convention.weight,
-            texel: TEXELS.iter().find(|texel| texel.name == product.texel).expect("a listed format"),
+            texel: Texel::listed(product.texel),
             side,
             irradiance_side: IRRADIANCE_SIDE,
             table_side: TABLE_SIDE,
@@ -271,8 +265,7 @@ fn write_table(table: &RgbImage, keys: &[(String, String)], path: &Path) -> Resu
     let channel = |i: usize| table.map(|texel| texel[i]);
     let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
     if let Some(format) = container(&name) {
-        let texel = TEXELS.iter().find(|texel| texel.name == "rg16f").expect("a listed format");
-        let levels = [vec![table.clone()]];
+        let (texel, levels) = (Texel::listed("rg16f"), [vec![table.clone()]]);
         return write_bytes(path, &(format.write)(&Encoding { texel, levels: &levels, keys, is_packed: false }));
     }
     if name.ends_with(".png") {
@@ -356,9 +349,7 @@ fn compared(making: &Making, truth: &Truth, map: &Planned, found: &Map) -> Vec<W
     let is_only = map.levels.len() == 1;
     let level = |k: usize| {
         let (directions, exact) = &map.exact[k];
-        let texels = found.levels[k].iter().flat_map(|face| &face.data);
-        let texels: Vec<DVec3> = texels.map(|texel| DVec3::from_array(texel.map(f64::from))).collect();
-        let relmse = errors(directions, &texels, exact, truth.epsilon(), 1.0).relmse;
+        let relmse = errors(directions, &texels(&found.levels[k], 1.0), exact, truth.epsilon(), 1.0).relmse;
         let largest = making.texel.largest;
         let own = map.levels[k].iter().flat_map(|face| &face.data);
         let cut = own.filter(|texel| texel.iter().any(|value| *value > largest)).count();

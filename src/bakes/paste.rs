@@ -1,34 +1,51 @@
 //! The code of docs/paste.md.
 
-use super::container::write_table;
 use crate::brdf::{Brdf, Ggx, MaskingShadowing};
+use crate::pixels::Pixels;
 use crate::precompute::prefilter::{Kernel, LevelMapping};
 use crate::precompute::taps::{Chain, TapCount, TapTable};
+use crate::spelling::Listed;
+use half::f16;
+use ruzstd::decoding::StreamingDecoder;
+use std::io::Read;
 
 const PAGE: &str = include_str!("../../docs/paste.md");
 
 /// The table of two taps beside an engine's files.
 pub const TAPS: &str = "taps.ktx2";
 
-/// Fitted tables for GGX with correlated masking and the levels that engines have by default, since a fit takes more time
-/// than the maps of a bake. By weight, level mapping and number of levels.
-static FITTED: &[(&str, &[u8])] = &[
-    ("cosine-linear-6", include_bytes!("../../assets/bakes/taps/cosine-linear-6.ktx2")),
-    ("cosine-quadratic-5", include_bytes!("../../assets/bakes/taps/cosine-quadratic-5.ktx2")),
-    ("cosine-quadratic-6", include_bytes!("../../assets/bakes/taps/cosine-quadratic-6.ktx2")),
-    ("cosine-unity-7", include_bytes!("../../assets/bakes/taps/cosine-unity-7.ktx2")),
-    ("masking-unity-7", include_bytes!("../../assets/bakes/taps/masking-unity-7.ktx2")),
+/// Fitted tables of GGX for the default levels of engines and of `splitsum bake`: a fit takes more time than the maps. Each is
+/// the texels of a fresh fit in half floats: without its entry here, `tail -c +201 taps.ktx2 | zstd --ultra -22 --no-check`.
+macro_rules! fitted {
+    ($($name:literal)*) => {
+        [$(($name, include_bytes!(concat!("../../assets/bakes/taps/", $name, ".zst")))),*]
+    };
+}
+static FITTED: [(&str, &[u8]); 8] = fitted![
+    "one-separable-cosine-linear-5" "two-separable-cosine-linear-5" "four-separable-cosine-linear-5"
+    "two-correlated-cosine-linear-6" "two-correlated-cosine-quadratic-5" "two-correlated-cosine-quadratic-6"
+    "two-correlated-cosine-unity-7" "two-correlated-masking-unity-7"
 ];
 
-/// Returns the table of two taps for the levels of a prefiltered map; a KTX 2 file.
-pub fn taps(kernel: Kernel, masking: MaskingShadowing, mapping: &'static LevelMapping, level_count: u32) -> Vec<u8> {
-    let name = format!("{}-{}-{level_count}", kernel.weight.name, mapping.name);
-    let is_usual = kernel.brdf.name() == Ggx.name() && masking == MaskingShadowing::Correlated;
-    if let Some((_, file)) = FITTED.iter().find(|(fitted, _)| is_usual && *fitted == name) {
-        return file.to_vec();
+/// Returns the table of taps for the levels of a prefiltered map.
+pub fn taps(
+    kernel: Kernel,
+    masking: MaskingShadowing,
+    mapping: &'static LevelMapping,
+    level_count: u32,
+    count: TapCount,
+) -> Pixels<[f32; 4]> {
+    let [count_name, masking_name] = [count.word(), masking.name()];
+    let name = format!("{count_name}-{masking_name}-{}-{}-{level_count}", kernel.weight.name, mapping.name);
+    if let Some((_, packed)) = FITTED.iter().find(|(fitted, _)| kernel.brdf.name() == Ggx.name() && *fitted == name) {
+        let ([width, height], mut bytes) = (TapTable::size(count), Vec::new());
+        let mut decoder = StreamingDecoder::new(*packed).expect("a file of the program");
+        decoder.read_to_end(&mut bytes).expect("a file of the program");
+        let half = |bytes: &[u8; 2]| f16::from_le_bytes(*bytes).to_f32();
+        let texel = |texel: &[u8; 8]| [0, 1, 2, 3].map(|i| half(&texel.as_chunks().0[i]));
+        return Pixels::new(width, height, bytes.as_chunks().0.iter().map(texel).collect());
     }
-    let chain = Chain::new(kernel, mapping, level_count);
-    write_table(&TapTable::fit(&chain, kernel.brdf, masking, TapCount::Two).texels)
+    TapTable::fit(&Chain::new(kernel, mapping, level_count), kernel.brdf, masking, count).texels
 }
 
 /// Returns name and text of a file with the code for [`TAPS`]: the functions, and their use as a comment.

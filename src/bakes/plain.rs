@@ -2,9 +2,10 @@
 
 use super::check::{Directions, exact};
 use super::container::{TEXELS_MAX, write_table};
-use super::convention::{Axes, Preset};
+use super::convention::{Axes, TABLE_AXES};
 use super::make::{dfg, write_bytes};
 use super::parts::Stated;
+use super::paste;
 use super::source::MANIFEST;
 use crate::brdf::{Brdf, MaskingShadowing};
 use crate::environment::Environment;
@@ -13,7 +14,7 @@ use crate::files::{RECORD_BYTES_MAX, names_in, read_text};
 use crate::pixels::{Fault, Pixels, PixelsError, exr};
 use crate::precompute::prefilter::{Kernel, harmonic};
 use crate::precompute::sh9::reference::project_bilinear;
-use crate::precompute::taps::{Chain, TapCount, TapTable};
+use crate::precompute::taps::TapCount;
 use crate::precompute::{PrecomputeSettings, exact_quadrature};
 use crate::spelling::Listed;
 use serde_json::json;
@@ -99,14 +100,12 @@ impl Baking<'_> {
                 let file = format!("prefiltered_{name}_{level}.exr");
                 files.image(&file, &faces(layout, size, texels), &["R", "G", "B"])?;
             }
-            let axes = Preset::listed("splitsum").convention().table_axes;
-            let table = dfg(*brdf, masking, axes, settings.dfg_size).map(|[a, b, _]| [a, b, 0.0, 0.0]);
+            let table = dfg(*brdf, masking, &TABLE_AXES[0], settings.dfg_size).map(|[a, b, _]| [a, b, 0.0, 0.0]);
             // Viewers show nothing for channels named A and B.
             files.image(&format!("dfg_{name}.exr"), &table, &["R", "G"])?;
             for count in TapCount::ALL {
                 let word = count.word();
-                let chain = Chain::new(kernel, settings.level_mapping, level_count);
-                let taps = TapTable::fit(&chain, *brdf, masking, count).texels;
+                let taps = paste::taps(kernel, masking, settings.level_mapping, level_count, count);
                 files.image(&format!("taps_{word}_{name}.exr"), &taps, &["R", "G", "B", "A"])?;
                 files.bytes(&format!("taps_{word}_{name}.ktx2"), &write_table(&taps))?;
             }

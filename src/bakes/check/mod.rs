@@ -16,7 +16,7 @@ pub mod sh;
 pub mod slip;
 pub mod table;
 
-pub use directions::Directions;
+pub use directions::{Directions, texels};
 pub use fit::Fit;
 pub use judge::{IRRADIANCE, Judged, Judging};
 pub use scores::{Limits, as_json};
@@ -89,11 +89,7 @@ impl<'a> Truth<'a> {
         self.harmonics.convolved(&self.factors(kernel, alpha, self.harmonics.degree()))
     }
 
-    fn bands(&self, directions: &[DVec3], degree: usize) -> Vec<Vec<DVec3>> {
-        self.harmonics.bands(degree, directions)
-    }
-
-    /// Sums prefiltered radiance from [`Self::bands`].
+    /// Sums prefiltered radiance from bands of the light.
     fn of_bands(&self, bands: &[Vec<DVec3>], alpha: f64) -> Vec<DVec3> {
         let degree = bands.first().map_or(0, |bands| bands.len() - 1);
         let factors = self.factors(self.kernel, alpha, degree);

@@ -2,8 +2,9 @@
 
 use half::f16;
 use splitsum::bakes::container::read_texture;
+use splitsum::bakes::paste::taps;
 use splitsum::bakes::plain::Baking;
-use splitsum::brdf::{Brdf, MaskingShadowing, Phong};
+use splitsum::brdf::{Brdf, Ggx, MaskingShadowing, Phong};
 use splitsum::environment::Environment;
 use splitsum::math::quadrature::Tolerance;
 use splitsum::pixels::exr;
@@ -46,6 +47,10 @@ fn files_hold_the_tables_in_f64() {
     let chain = Chain::new(kernel, mapping, settings.prefilter_level_count);
     for (word, count) in [("one", TapCount::One), ("two", TapCount::Two), ("four", TapCount::Four)] {
         let table = TapTable::fit(&chain, &Phong, masking, count).texels;
+        let (of_ggx, linear) = (Kernel::cosine(&Ggx), LevelMapping::listed("linear"));
+        let fresh = TapTable::fit(&Chain::new(of_ggx, linear, 5), &Ggx, MaskingShadowing::Separable, count).texels;
+        let of_program = taps(of_ggx, MaskingShadowing::Separable, linear, 5, count);
+        assert_eq!(of_program.data, fresh.map(|texel| texel.map(|value| f16::from_f32(value).to_f32())).data);
         let image = exr::read(&file(&format!("taps_{word}_phong.exr"))).unwrap().rgb;
         let texture = read_texture(&file(&format!("taps_{word}_phong.ktx2"))).unwrap();
         let halves = &texture.levels[0][0];
