@@ -18,7 +18,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         make(&Making::new(Preset::listed("bevy"), &environment, 32), folder.path())?;
     }
     let bake = read(&files, Reading::default())?;
-    let judged = Judging::stated(&bake.stated)?.judge(&environment, &bake)?;
+    let judged = Judging::stated(&bake.stated)?.judge(&environment, &bake, |_| ())?;
     judged.levels.iter().enumerate().for_each(|(k, level)| println!("level {k}: {}", level.verdict));
     judged.dfg.iter().for_each(|table| println!("DFG table: {}", table.verdict));
     Ok(())

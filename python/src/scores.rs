@@ -89,7 +89,7 @@ pub fn check_bake(
     };
     let judging = Judging::by(preset, &bake.stated).map_err(value_error)?;
     let judging = Judging { brdf, is_guessed, ..judging };
-    let judged = py.detach(|| judging.judge(&environment, &bake)).map_err(value_error)?;
+    let judged = py.detach(|| judging.judge(&environment, &bake, |_| ())).map_err(value_error)?;
     Ok(as_json(&environment.name, preset.name, &limits, &judged).to_string())
 }
 

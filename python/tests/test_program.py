@@ -51,7 +51,7 @@ def test_check_bake_of_a_wrong_bake(program, tmp_path):
         splitsum.write_exr(path, level / np.float32(np.pi))
     own = {"alphas": [0, 0.5, 1], "masking": "separable"}
     found = splitsum.check_bake(paths, MAP, own)
-    assert "1/pi times" in found["verdict"] and found["preset"] == "own"
+    assert "times 1/pi" in found["verdict"] and found["preset"] == "own"
     flags = ["--preset", "splitsum", "--alphas", "0,0.5,1", "--json"]
     expected = json.loads(program("check-bake", *paths, "--environment", MAP, *flags))
     assert found == {**expected, "preset": "own"}

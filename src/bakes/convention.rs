@@ -67,38 +67,38 @@ impl fmt::Display for Axes {
 pub struct TableAxes {
     /// Parameter to the right, then downwards: `n` for n·v, `r` for perceptual roughness, `-` if it falls.
     pub name: &'static str,
-    is_transposed: bool,
-    falls: [bool; 2],
-}
-
-const fn table_axes(name: &'static str, is_transposed: bool, falls: [bool; 2]) -> TableAxes {
-    TableAxes { name, is_transposed, falls }
 }
 
 /// Every variant; the first is ours.
 pub static TABLE_AXES: &[TableAxes] = &[
-    table_axes("n+r+", false, [false, false]),
-    table_axes("n+r-", false, [false, true]),
-    table_axes("n-r+", false, [true, false]),
-    table_axes("n-r-", false, [true, true]),
-    table_axes("r+n+", true, [false, false]),
-    table_axes("r+n-", true, [false, true]),
-    table_axes("r-n+", true, [true, false]),
-    table_axes("r-n-", true, [true, true]),
+    TableAxes { name: "n+r+" },
+    TableAxes { name: "n+r-" },
+    TableAxes { name: "n-r+" },
+    TableAxes { name: "n-r-" },
+    TableAxes { name: "r+n+" },
+    TableAxes { name: "r+n-" },
+    TableAxes { name: "r-n+" },
+    TableAxes { name: "r-n-" },
 ];
 
 impl TableAxes {
     /// Returns n·v and perceptual roughness at texture coordinates.
     pub fn parameters(&self, uv: DVec2) -> DVec2 {
-        let [u, v] = [(uv.x, self.falls[0]), (uv.y, self.falls[1])].map(|(t, falls)| if falls { 1.0 - t } else { t });
-        if self.is_transposed { DVec2::new(v, u) } else { DVec2::new(u, v) }
+        self.swapped(self.flipped(uv))
     }
 
     /// Returns texture coordinates of n·v and perceptual roughness. Inverse: [`Self::parameters`].
     pub fn place(&self, parameters: DVec2) -> DVec2 {
-        let at = if self.is_transposed { DVec2::new(parameters.y, parameters.x) } else { parameters };
-        let [u, v] = [(at.x, self.falls[0]), (at.y, self.falls[1])].map(|(t, falls)| if falls { 1.0 - t } else { t });
-        DVec2::new(u, v)
+        self.flipped(self.swapped(parameters))
+    }
+
+    fn flipped(&self, uv: DVec2) -> DVec2 {
+        let falls = |sign: usize| self.name.as_bytes()[sign] == b'-';
+        DVec2::select(glam::BVec2::new(falls(1), falls(3)), 1.0 - uv, uv)
+    }
+
+    fn swapped(&self, at: DVec2) -> DVec2 {
+        if self.name.starts_with('r') { DVec2::new(at.y, at.x) } else { at }
     }
 }
 

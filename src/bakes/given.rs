@@ -146,8 +146,7 @@ fn opened(value: &str, dir: &Path) -> Result<Option<(super::Bake, Convention)>, 
         return Err(format!("{value:?} is neither {OWN} nor {FILE_PREFIX}PATH or {FILE_PREFIX}PATH#PRESET"));
     };
     let (path, preset) = path.rsplit_once(PRESET).map_or((path, None), |(path, preset)| (path, Some(preset)));
-    let reading = Reading::default();
-    let bake = read(&[dir.join(path).display().to_string()], reading).map_err(|fault| fault.to_string())?;
+    let bake = read(&[dir.join(path).display().to_string()], Reading::default()).map_err(|fault| fault.to_string())?;
     let name = preset.or(bake.stated.preset.as_deref()).unwrap_or(PRESETS[0].name);
     let found = Preset::parse(name).map_err(|fault| format!("{value}: {fault}"))?;
     let own = found.convention();

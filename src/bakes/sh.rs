@@ -71,21 +71,10 @@ fn from_cmgen(text: &str) -> Result<Coefficients, Fault> {
 /// Returns cmgen's coefficient over ours for each function: `A_l / π` times the constant of its polynomial.
 pub fn prescaled() -> [f64; COUNT] {
     // At z = 1 the polynomials z and 3 z² - 1 are 1 and 2; xy, yz and xz are 1/2 at a diagonal.
-    let (z, xy, yz, xz) =
-        (basis(DVec3::Z), DVec3::new(1.0, 1.0, 0.0), DVec3::new(0.0, 1.0, 1.0), DVec3::new(1.0, 0.0, 1.0));
-    let two = |diagonal: DVec3, k: usize| 2.0 * basis(diagonal.normalize())[k];
-    let constants = [
-        z[0],
-        basis(DVec3::Y)[1],
-        z[2],
-        basis(DVec3::X)[3],
-        two(xy, 4),
-        two(yz, 5),
-        0.5 * z[6],
-        two(xz, 7),
-        basis(DVec3::X)[8],
-    ];
-    std::array::from_fn(|k| constants[k] * COSINE_LOBE[DEGREE[k]] / PI)
+    let [x, y, z] = [DVec3::X, DVec3::Y, DVec3::Z];
+    let places = [z, y, z, x, x + y, y + z, z, x + z, x];
+    let polynomials = [1.0, 1.0, 1.0, 1.0, 0.5, 0.5, 2.0, 0.5, 1.0];
+    std::array::from_fn(|k| basis(places[k].normalize())[k] / polynomials[k] * COSINE_LOBE[DEGREE[k]] / PI)
 }
 
 pub fn to_cmgen(radiance: &Sh9) -> String {

@@ -168,11 +168,14 @@ fn read_folder(path: &Path, part: Option<Part>, reading: Reading, bake: &mut Bak
     if part.is_none() && parts.iter().any(|name| !name.ends_with("sh.txt") && face_of(name).is_none()) {
         return parts.into_iter().try_for_each(|name| add_file(bake, &path.join(name), None, reading));
     }
-    let map = read_faces(path, &names)?;
+    add_faces(bake, path, part)?;
+    let own = names.iter().find(|name| *name == "sh.txt");
+    own.map_or(Ok(()), |name| once(&mut bake.sh, sh::read(&path.join(name))?, "SH", path))
+}
+
+fn add_faces(bake: &mut Bake, path: &Path, part: Option<Part>) -> Result<(), PixelsError> {
+    let map = read_faces(path, &names_in(path))?;
     let is_irradiance = part.map_or(map.levels.len() == 1, |part| part == Part::Irradiance);
-    if let Some(name) = names.iter().find(|name| *name == "sh.txt") {
-        once(&mut bake.sh, sh::read(&path.join(name))?, "SH", path)?;
-    }
     let (place, what) = match is_irradiance {
         true => (&mut bake.irradiance, "irradiance map"),
         false => (&mut bake.specular, "prefiltered map"),
@@ -288,14 +291,9 @@ fn read_engines(path: &Path, file: Manifest, reading: Reading, bake: &mut Bake) 
     let table = file.tables.first().map(|name| (name, Part::Dfg));
     for (name, part) in maps.chain(table).chain(file.sh.as_ref().map(|name| (name, Part::Sh))) {
         let path = named(name)?;
-        if !path.is_dir() {
-            add_file(bake, &path, Some(part), reading)?;
-            continue;
-        }
-        let map = read_faces(&path, &names_in(&path))?;
-        match part {
-            Part::Irradiance => once(&mut bake.irradiance, map, "irradiance map", &path)?,
-            _ => once(&mut bake.specular, map, "prefiltered map", &path)?,
+        match path.is_dir() {
+            true => add_faces(bake, &path, Some(part))?,
+            false => add_file(bake, &path, Some(part), reading)?,
         }
     }
     Ok(())

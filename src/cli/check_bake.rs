@@ -86,15 +86,12 @@ pub struct Arguments {
 
 fn presets_help() -> String {
     let lines: Vec<String> = PRESETS.iter().map(|preset| format!("  {}: {}", preset.name, preset.about)).collect();
-    format!(
-        "Use the conventions of a tool, or of a FILE.toml (docs/bakes.md) [default: {} unless the files state one]:\n{}",
-        PRESETS[0].name,
-        lines.join("\n")
-    )
+    let default = format!("[default: {} unless the files state one]", PRESETS[0].name);
+    format!("Use the conventions of a tool, or of a FILE.toml (docs/bakes.md) {default}:\n{}", lines.join("\n"))
 }
 
 pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
-    progress::doing("reading the bake");
+    progress::phase("reading the bake");
     let reading = Reading { layout: arguments.layout, brdf: arguments.brdf.name() };
     let bake = read(&arguments.files, reading).map_err(Failure::input)?;
     let has_map = bake.specular.is_some() || bake.irradiance.is_some() || bake.sh.is_some();
@@ -116,7 +113,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     if let Some(map) = &bake.specular {
         judging.convention.alphas(map.levels.len()).map_err(|fault| Failure::input(format!("--alphas: {fault}")))?;
     }
-    let judged = judging.judge_saying(&environment, &bake, progress::doing).map_err(Failure::input)?;
+    let judged = judging.judge(&environment, &bake, progress::phase).map_err(Failure::input)?;
     if arguments.json {
         let scores = as_json(light, preset.name, &arguments.limits, &judged);
         print_data(&(serde_json::to_string_pretty(&scores).map_err(Failure::failed)? + "\n"))?;
@@ -124,16 +121,14 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         print(&as_text(&judged, arguments.guess))?;
     }
     let failures = arguments.limits.failures(&judged);
-    if failures.is_empty() { Ok(()) } else { Err(Failure::failed(failures.join("\n"))) }
+    if failures.is_empty() { Ok(()) } else { Err(Failure::failed(wrapped(&failures.join("\n")))) }
 }
 
 /// Refuses limits of which none applies to a part of the bake.
 fn check_limits(limits: &Limits, has_map: bool, has_table: bool) -> Result<(), Failure> {
-    let given = [
-        (limits.fail_above.is_some() || limits.fail_between_above.is_some(), has_map),
-        (limits.fail_table_above.is_some(), has_table),
-    ];
-    if given.iter().any(|(is_given, _)| *is_given) && !given.iter().any(|(is_given, is_there)| *is_given && *is_there) {
+    let [of_maps, of_table] =
+        [limits.fail_above.or(limits.fail_between_above), limits.fail_table_above].map(|x| x.is_some());
+    if (of_maps || of_table) && !(of_maps && has_map || of_table && has_table) {
         return Err(Failure::input(
             "nothing to judge: --fail-above and --fail-between-above are for maps and SH, --fail-table-above for a DFG table",
         ));
@@ -172,7 +167,7 @@ fn as_text(judged: &Judged, is_guessed: bool) -> String {
     let mut text = String::new();
     for (what, fits) in &judged.axes {
         match judged.doubt(what, fits) {
-            Some(doubt) => super::warn(what, &doubt.words),
+            Some(doubt) => super::log(&wrapped(&format!("warning: {what}: {}{}", doubt.words, doubt.more))),
             None if is_guessed => text += &format!("{what}: {}\n", guess::in_words(fits)),
             None => {}
         }
@@ -215,14 +210,37 @@ fn as_text(judged: &Judged, is_guessed: bool) -> String {
         );
     }
     if let Some(sh) = &judged.sh {
-        text += &format!(
-            "SH: {:.2} % rms in irradiance, bias {:+.2} %\n",
-            100.0 * sh.errors.relmse.sqrt(),
-            100.0 * sh.errors.bias_rel
-        );
+        let [rms, bias] = [sh.errors.relmse.sqrt(), sh.errors.bias_rel].map(|x| 100.0 * x);
+        text += &format!("SH: {rms:.2} % rms in irradiance, bias {bias:+.2} %\n");
     }
     for (name, verdict) in judged.parts() {
         text += &format!("{name}: {verdict}\n");
     }
-    text + &format!("Verdict: {}\n", judged.verdict())
+    wrapped(&text) + &shortened(&format!("Verdict: {}", judged.verdict())) + "\n"
+}
+
+/// Columns of a line.
+const WIDTH: usize = 100;
+
+/// Breaks lines at spaces.
+fn wrapped(text: &str) -> String {
+    let (mut broken, mut column) = (String::new(), 0);
+    for word in text.split_inclusive([' ', '\n']) {
+        if column > 0 && column + word.trim_end().chars().count() > WIDTH {
+            (broken, column) = (broken.trim_end().to_owned() + "\n    ", 4);
+        }
+        broken += word;
+        column = if word.ends_with('\n') { 0 } else { column + word.chars().count() };
+    }
+    broken
+}
+
+/// Leaves out the last clauses of a verdict until it fits a line, first what is left if the causes are fixed.
+fn shortened(verdict: &str) -> String {
+    let clauses: Vec<&str> = verdict.split("; ").collect();
+    let is_cause = |clause: &&str| !clause.ends_with("if fixed");
+    let more = |count: usize| if clauses[count..].iter().any(is_cause) { "; ..." } else { "" };
+    let kept = |count: usize| clauses[..count].join("; ") + more(count);
+    let narrow = (1..=clauses.len()).rev().map(kept).find(|line| line.chars().count() <= WIDTH);
+    narrow.unwrap_or_else(|| clauses[0].to_owned())
 }

@@ -29,7 +29,8 @@ pub fn slip(convention: &Convention, scores: &[LevelScore]) -> Option<Chain> {
         return None;
     }
     let width = |score: &LevelScore| match score.fit {
-        Some(fit) => (fit.left <= EXPLAINED && score.slip.is_none()).then_some(fit.alpha),
+        Some(fit) if fit.left > EXPLAINED || score.slip.is_some() || fit.is_at_end(score.alpha) => None,
+        Some(fit) => Some(fit.alpha),
         None => (has_width(score.alpha) && score.errors.relmse <= GOOD).then_some(score.alpha),
     };
     let found: Vec<(usize, f64)> =

@@ -36,7 +36,6 @@ pub fn slip(truth: &Truth, directions: &Directions, found: &[DVec3], exact: &[DV
     }
     let texels = found.len() / FACE_COUNT;
     let side = texels.isqrt();
-    let epsilon = truth.epsilon();
     let place = |turn: usize, index: usize| {
         let (x, y) = turned(turn, index % side, index / side, side - 1);
         y * side + x
@@ -44,7 +43,8 @@ pub fn slip(truth: &Truth, directions: &Directions, found: &[DVec3], exact: &[DV
     let off = |face: usize, of: usize, turn: usize| -> f64 {
         let square = |index: usize| {
             let at = face * texels + index;
-            directions.weights[at] * relative_square(found[at], exact[of * texels + place(turn, index)], epsilon)
+            directions.weights[at]
+                * relative_square(found[at], exact[of * texels + place(turn, index)], truth.epsilon())
         };
         (0..texels).map(square).sum()
     };
@@ -68,7 +68,8 @@ pub fn slip(truth: &Truth, directions: &Directions, found: &[DVec3], exact: &[DV
             let from = directions.axes.to_file(directions.world[face * texels + index]);
             axes.to_world(from).distance(directions.world[of * texels + place(turn, index)]) < 1e-6
         };
-        is_at(0) && is_at(1)
+        // A face of one texel has no turn.
+        is_at(0) && is_at(1.min(texels - 1))
     };
     let holds = |axes: &Axes| (0..FACE_COUNT).all(|face| held[face].is_some_and(|held| lands(*axes, face, held)));
     let cause = match Axes::all().find(holds).filter(|axes| *axes != directions.axes) {
@@ -82,11 +83,8 @@ pub fn slip(truth: &Truth, directions: &Directions, found: &[DVec3], exact: &[DV
 fn words(held: [Option<(usize, usize)>; FACE_COUNT]) -> Option<String> {
     let moved = |face: usize| held[face] != Some((face, 0));
     let odd: Vec<usize> = (0..FACE_COUNT).filter(|face| moved(*face)).collect();
-    let first = held[0].map(|(_, turn)| turn);
-    let is_one_turn =
-        first.is_some_and(|turn| turn > 0 && (0..FACE_COUNT).all(|face| held[face] == Some((face, turn))));
-    if is_one_turn {
-        return Some(format!("every face is {}", TURNS[first?]));
+    if let Some(turn) = (1..TURNS.len()).find(|turn| (0..FACE_COUNT).all(|face| held[face] == Some((face, *turn)))) {
+        return Some(format!("every face is {}", TURNS[turn]));
     }
     if let [a, b] = odd[..]
         && [held[a], held[b]] == [Some((b, 0)), Some((a, 0))]

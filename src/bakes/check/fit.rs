@@ -7,14 +7,14 @@ use glam::DVec3;
 use std::f64::consts::PI;
 
 /// Tries lobes narrower and wider by this factor.
-const REACH: f64 = 4.0;
+const REACH: f64 = 5.0;
 /// Approximate number of directions in a fit.
 const DIRECTIONS: usize = 600;
 pub const DEGREE_MAX: usize = 320;
 /// Narrower lobes reach beyond [`DEGREE_MAX`].
 const ALPHA_MIN: f64 = 5.0 / DEGREE_MAX as f64;
 /// Widths on the grid, then bisections around the best.
-const GRID: i32 = 12;
+const GRID: i32 = 14;
 const REFINED: u32 = 8;
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -26,6 +26,13 @@ pub struct Fit {
     pub left: f64,
 }
 
+impl Fit {
+    /// Whether the right width of a level may be beyond the widths that were tried.
+    pub fn is_at_end(&self, alpha: f64) -> bool {
+        self.alpha < 1.02 * ALPHA_MIN.max(alpha / REACH) || self.alpha > 0.98 * REACH * alpha
+    }
+}
+
 /// Fits a level of width `alpha` with texels `found` at `directions`; `None` for lobes too narrow to fit.
 pub fn fit(truth: &Truth, directions: &Directions, found: &[DVec3], alpha: f64) -> Option<Fit> {
     if alpha < ALPHA_MIN {
@@ -34,7 +41,7 @@ pub fn fit(truth: &Truth, directions: &Directions, found: &[DVec3], alpha: f64) 
     let chosen = directions.grid(DIRECTIONS);
     let found: Vec<DVec3> = chosen.iter().map(|index| found[*index]).collect();
     let directions = directions.only(&chosen);
-    let bands = truth.bands(&directions.world, DEGREE_MAX);
+    let bands = truth.harmonics.bands(DEGREE_MAX, &directions.world);
     let epsilon = truth.epsilon();
     let own = errors(&directions, &found, &truth.of_bands(&bands, alpha), epsilon, 1.0).relmse;
     let at = |alpha: f64| {
@@ -69,20 +76,15 @@ pub fn gain(directions: &Directions, found: &[DVec3], exact: &[DVec3], epsilon: 
     if square > 0.0 && product > 0.0 { square / product } else { 1.0 }
 }
 
-/// Describes a gain, as a forgotten factor if it is near one.
-pub fn gain_in_words(gain: f64) -> String {
-    let known = [
-        ("pi", PI),
-        ("1/pi", 1.0 / PI),
-        ("4 pi", 4.0 * PI),
-        ("1/4pi", 0.25 / PI),
-        ("2 pi", 2.0 * PI),
-        ("2", 2.0),
-        ("1/2", 0.5),
-    ];
-    match known.iter().find(|(_, factor)| (gain / factor - 1.0).abs() < 0.02) {
-        Some((name, _)) => format!("{name} times what it should be"),
-        None if gain > 1.0 => format!("{:.1} % too bright", 100.0 * (gain - 1.0)),
-        None => format!("{:.1} % too dark", 100.0 * (1.0 - gain)),
+/// Factors that are forgotten, and their names.
+const KNOWN: [f64; 7] = [PI, 1.0 / PI, 4.0 * PI, 0.25 / PI, 2.0 * PI, 2.0, 0.5];
+const NAMES: [&str; 7] = ["pi", "1/pi", "4 pi", "1/4pi", "2 pi", "2", "1/2"];
+
+/// Describes a gain, as a forgotten factor if it is near one, and returns what was described.
+pub fn gain_in_words(gain: f64) -> (String, f64) {
+    match KNOWN.iter().position(|factor| (gain / factor - 1.0).abs() < 0.01) {
+        Some(i) => (format!("times {}", NAMES[i]), KNOWN[i]),
+        None if gain > 1.0 => (format!("{:.1} % too bright", 100.0 * (gain - 1.0)), gain),
+        None => (format!("{:.1} % too dark", 100.0 * (1.0 - gain)), gain),
     }
 }

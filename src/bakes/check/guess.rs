@@ -53,17 +53,13 @@ pub fn axes(truth: &Truth, map: &Map, convention: &Convention) -> Result<Vec<Axe
         };
         return Ok(ranked(truth, map, level, cell));
     }
-    let mut best = fits(1.0);
-    for factor in [0.5, 0.25, 2.0, 4.0] {
-        if best[0].correlation >= SURE {
-            break;
+    let better = |best: Vec<AxesFit>, factor| match best[0].correlation >= SURE {
+        true => best,
+        false => {
+            [best, fits(factor)].into_iter().max_by(|a, b| a[0].correlation.total_cmp(&b[0].correlation)).expect("two")
         }
-        let found = fits(factor);
-        if found[0].correlation > best[0].correlation {
-            best = found;
-        }
-    }
-    Ok(best)
+    };
+    Ok([0.5, 0.25, 2.0, 4.0].into_iter().fold(fits(1.0), better))
 }
 
 pub fn irradiance_axes(truth: &Truth, map: &Map) -> Vec<AxesFit> {
@@ -98,14 +94,10 @@ fn ranked(truth: &Truth, map: &Map, level: usize, light: impl Fn(DVec3) -> DVec3
 }
 
 fn correlation(weights: &[f64], a: &[f64], b: &[f64]) -> f64 {
-    let mean =
-        |values: &[f64]| weights.iter().zip(values).map(|(w, x)| w * x).sum::<f64>() / weights.iter().sum::<f64>();
-    let (mean_a, mean_b) = (mean(a), mean(b));
-    let (mut ab, mut aa, mut bb) = (0.0, 0.0, 0.0);
-    for ((w, a), b) in weights.iter().zip(a).zip(b) {
-        let (a, b) = (a - mean_a, b - mean_b);
-        (ab, aa, bb) = (ab + w * a * b, aa + w * a * a, bb + w * b * b);
-    }
+    let sum = |value: &dyn Fn(usize) -> f64| (0..a.len()).map(|i| weights[i] * value(i)).sum::<f64>();
+    let [mean_a, mean_b] = [sum(&|i| a[i]), sum(&|i| b[i])].map(|of| of / sum(&|_| 1.0));
+    let (a, b) = (|i: usize| a[i] - mean_a, |i: usize| b[i] - mean_b);
+    let [ab, aa, bb] = [sum(&|i| a(i) * b(i)), sum(&|i| a(i).powi(2)), sum(&|i| b(i).powi(2))];
     if aa * bb > 0.0 { ab / (aa * bb).sqrt() } else { 0.0 }
 }
 

@@ -44,6 +44,8 @@ pub struct Judged {
 #[derive(Clone, Debug)]
 pub struct Doubt {
     pub words: String,
+    /// Details of the warning, after `words`.
+    pub more: String,
     /// The axes that fit; `None` for another map.
     pub axes: Option<Axes>,
 }
@@ -72,15 +74,10 @@ impl Judging {
         Ok(Self { brdf: &Ggx, convention, is_guessed: false })
     }
 
-    /// Scores each part of `bake` against its integral over `environment`.
+    /// Scores each part of `bake` against its integral over `environment`, and reports each step to `doing`.
     ///
     /// Fails unless the convention has one width per level.
-    pub fn judge(&self, environment: &Environment, bake: &Bake) -> Result<Judged, String> {
-        self.judge_saying(environment, bake, |_| ())
-    }
-
-    /// Does the same and reports each step to `doing`.
-    pub fn judge_saying(
+    pub fn judge(
         &self,
         environment: &Environment,
         bake: &Bake,
@@ -184,29 +181,23 @@ impl Judged {
         let is_sure = fits[0].correlation >= guess::SURE;
         let is_like = fits[0].correlation >= guess::SAME_LIGHT && (is_sure || best.len() < guess::ALIKE_MAX);
         if is_wrong && !is_like {
-            let (axes, correlation) = (fits[0].axes, fits[0].correlation);
-            let words = format!(
-                "seems to be a bake of another map: the best axes, {axes}, only have correlation {correlation:.2}{hint}"
-            );
-            return Some(Doubt { words, axes: None });
+            let AxesFit { axes, correlation: c } = fits[0];
+            let words =
+                format!("seems to be a bake of another map: the best axes, {axes}, only have correlation {c:.2}");
+            return Some(Doubt { words, more: hint.to_owned(), axes: None });
         }
         let own = *fits.iter().find(|fit| fit.axes == used)?;
         let is_slip = |score: &LevelScore| score.errors.relmse <= GOOD || score.slip.is_some();
         let is_explained = !is_sure && (self.levels.iter().all(is_slip) || !is_like && !is_wrong);
         let is_doubtful = fits[0].axes != used && guess::is_clear(fits[0], own) && !is_explained;
-        let alike = if best.len() > 1 { ", which this map does not tell apart," } else { "" };
-        let presets = PRESETS.iter().filter(|preset| preset.convention().axes == fits[0].axes);
-        let presets: Vec<&str> = presets.map(|preset| preset.name).collect();
-        let of = if presets.is_empty() { String::new() } else { format!(", of --preset {}", presets.join(" or ")) };
-        is_doubtful.then(|| {
-            let words = format!(
-                "axes {}{alike} fit far better than {used} (correlation {:.4}, not {:.4}): --axes={}{of}, or --guess{hint}",
-                best.join(" or "),
-                fits[0].correlation,
-                own.correlation,
-                fits[0].axes
-            );
-            Doubt { words, axes: Some(fits[0].axes) }
+        let (AxesFit { axes, correlation }, of_own) = (fits[0], own.correlation);
+        let presets = PRESETS.iter().filter(|preset| preset.convention().axes == axes);
+        let presets: String = presets.map(|preset| format!(", --preset {}", preset.name)).collect();
+        let alike = if best.len() > 1 { format!("; as good: {}", best[1..].join(", ")) } else { String::new() };
+        is_doubtful.then(|| Doubt {
+            words: format!("axes {axes} fit far better than {used}: --axes={axes}"),
+            more: format!("{presets}, or --guess; correlation {correlation:.4}, not {of_own:.4}{alike}{hint}"),
+            axes: Some(axes),
         })
     }
 
@@ -233,7 +224,7 @@ impl Judged {
         seen
     }
 
-    /// Lists each part with its verdict; neighbouring levels of one verdict share a line.
+    /// Lists each part with its verdict, then by the axes or the chain that fit; neighbouring levels of one verdict share a line.
     pub fn parts(&self) -> Vec<(String, &str)> {
         let mut parts: Vec<(String, &str)> = Vec::new();
         let mut first = 0;
@@ -250,10 +241,12 @@ impl Judged {
         parts.extend(self.irradiance.iter().map(|score| one("irradiance", score.verdict.as_str())));
         parts.extend(self.sh.iter().map(|score| one("SH", score.verdict.as_str())));
         parts.extend(self.dfg.iter().map(|score| one("DFG table", score.verdict.as_str())));
+        let fixed = self.fixed.iter().flat_map(|fixed| fixed.parts());
+        parts.extend(fixed.map(|(name, verdict)| (format!("fixed, {name}"), verdict)));
         parts
     }
 
-    /// Summarises the faults in one line, the cause of the most levels first; `None` without faults.
+    /// Summarises the faults in one line, faults of several levels first; `None` without faults.
     pub fn wrong(&self) -> Option<String> {
         self.faults().map(|faults| format!("wrong: {faults}"))
     }
@@ -268,10 +261,11 @@ impl Judged {
             return Some(cause + &rest.unwrap_or_default());
         }
         let wrong = self.parts().into_iter().filter(|(_, verdict)| !verdict.starts_with(GOOD_WORDS));
-        let said: Vec<String> = wrong.map(|(name, verdict)| format!("{name}: {verdict}")).collect();
+        let mut said: Vec<String> = wrong.map(|(name, verdict)| format!("{name}: {verdict}")).collect();
+        said.sort_by_key(|said| !said.starts_with("levels"));
         let maps = self.levels.iter().chain(&self.irradiance);
         let left = maps.filter_map(LevelScore::left).max_by(f64::total_cmp);
-        let left = left.map(|left| format!("; fixed, at most {:.1} % rms are left", 100.0 * left.sqrt()));
+        let left = left.map(|left| format!("; {:.1} % rms if fixed", 100.0 * left.sqrt()));
         (!said.is_empty()).then(|| said.join("; ") + &left.unwrap_or_default())
     }
 
@@ -280,10 +274,9 @@ impl Judged {
         let coarse = self.levels.iter().filter_map(LevelScore::coarseness);
         self.wrong().unwrap_or_else(|| match coarse.max_by(f64::total_cmp) {
             None => "good: every part is within 3 % rms of its integral".to_owned(),
-            Some(relmse) => format!(
-                "good, but coarse: linear lookups between texels err by up to {:.1} % rms",
-                100.0 * relmse.sqrt()
-            ),
+            Some(relmse) => {
+                format!("good, but coarse: lookups between texels err by up to {:.1} % rms", 100.0 * relmse.sqrt())
+            }
         })
     }
 }

@@ -50,7 +50,10 @@ pub fn score(truth: &Truth, map: &Map, convention: &Convention) -> Result<Vec<Le
     // One level may be wrong by itself, so the middle mean counts.
     let mut means: Vec<DVec3> = sheets.iter().map(|(directions, found)| mean(directions, found)).collect();
     means.sort_by(|a, b| a.element_sum().total_cmp(&b.element_sum()));
-    let lights = LazyCell::new(|| slip::sources(truth.environment, means[means.len() / 2]));
+    let lights = LazyCell::new(|| {
+        let gain = slip::usual_gain(truth, &sheets[0].0, &sheets[0].1, alphas[0]);
+        slip::sources(truth.environment, means[means.len() / 2], gain)
+    });
     let sources = LazyCell::new(|| of_lights(truth, &lights, &alphas));
     let of = |(k, (directions, found)): (usize, &(Directions, Vec<DVec3>))| {
         let (faces, alpha) = (&map.levels[k], alphas[k]);
@@ -82,7 +85,8 @@ impl Level<'_> {
     fn score(&self, fit: impl FnOnce() -> Option<Fit>, level_of: impl Fn(f64) -> Option<f64>) -> LevelScore {
         let Self { truth, directions, found, alpha, .. } = *self;
         let exact = exact(truth, self.kernel, directions, alpha);
-        let (errors, worst) = errors_and_worst(truth, directions, found, &exact);
+        let errors = errors(directions, found, &exact, truth.epsilon(), 1.0);
+        let worst = worst(truth, directions, found, &exact);
         let is_wrong = errors.relmse > GOOD;
         let fit = is_wrong.then(fit).flatten();
         let few = is_wrong.then(|| few_texels(self, &exact, errors.relmse)).flatten();
@@ -125,7 +129,7 @@ fn few_texels(level: &Level, exact: &[DVec3], relmse: f64) -> Option<Slip> {
     squares.sort_by(|a, b| b.0.total_cmp(&a.0));
     let own: f64 = squares.iter().map(|(square, _)| square).sum();
     let left = |count: usize| squares[count..].iter().map(|(square, _)| square).sum::<f64>() / own;
-    let count = (1..=FEW.min(squares.len())).find(|count| left(*count) * relmse <= GOOD)?;
+    let count = (1..=FEW.min(squares.len() / FEW_OF)).find(|count| left(*count) * relmse <= GOOD)?;
     let [face, x, y] = directions.texel(squares[0].1);
     let words = match count {
         1 => format!("one texel is wrong: face {face}, column {x}, row {y}"),
@@ -146,20 +150,14 @@ pub fn between_texels(
     let level = FilteredMap { layout, levels: vec![faces.iter().map(|face| face.map(texel)).collect()] };
     let directions = Directions::new(layout, convention.axes, [2 * faces[0].width, 2 * faces[0].height]);
     let found = directions.world.par_iter().map(|world| level.value(convention.axes.to_file(*world), 0.0));
-    errors(
-        &directions,
-        &found.collect::<Vec<_>>(),
-        &exact(truth, truth.kernel, &directions, alpha),
-        truth.epsilon(),
-        1.0,
-    )
-    .relmse
+    let exact = exact(truth, truth.kernel, &directions, alpha);
+    errors(&directions, &found.collect::<Vec<_>>(), &exact, truth.epsilon(), 1.0).relmse
 }
 
 pub fn score_irradiance(truth: &Truth, map: &Map, convention: &Convention) -> LevelScore {
     let (directions, found) = level_texels(map, &map.levels[0], convention.axes, convention.irradiance_scale);
     let (kernel, alpha) = Truth::of_irradiance();
-    let lights = LazyCell::new(|| slip::sources(truth.environment, mean(&directions, &found)));
+    let lights = LazyCell::new(|| slip::sources(truth.environment, mean(&directions, &found), 1.0));
     let sources = LazyCell::new(|| of_lights(truth, &lights, &[]));
     let scale = ("--irradiance-scale", convention.irradiance_scale);
     let (sources, directions, found) = (&|| &sources[..], &directions, &found);
@@ -171,17 +169,10 @@ fn level_texels(map: &Map, faces: &[RgbImage], axes: Axes, scale: f64) -> (Direc
     (Directions::new(map.layout, axes, [faces[0].width, faces[0].height]), texels(faces, scale))
 }
 
-fn errors_and_worst(truth: &Truth, directions: &Directions, found: &[DVec3], exact: &[DVec3]) -> (Errors, Worst) {
-    let epsilon = truth.epsilon();
-    let square = |index: usize| relative_square(found[index], exact[index], epsilon);
-    let index = (0..found.len()).max_by(|a, b| square(*a).total_cmp(&square(*b))).expect("a level has texels");
-    let worst = Worst {
-        direction: directions.world[index],
-        texel: directions.texel(index),
-        found: found[index],
-        exact: exact[index],
-    };
-    (errors(directions, found, exact, epsilon, 1.0), worst)
+fn worst(truth: &Truth, directions: &Directions, found: &[DVec3], exact: &[DVec3]) -> Worst {
+    let square = |i: usize| relative_square(found[i], exact[i], truth.epsilon());
+    let i = (0..found.len()).max_by(|a, b| square(*a).total_cmp(&square(*b))).expect("a level has texels");
+    Worst { direction: directions.world[i], texel: directions.texel(i), found: found[i], exact: exact[i] }
 }
 
 /// Returns the fractional level of a width by the convention's mapping; `None` if widths are given one by one.
@@ -197,8 +188,9 @@ pub(super) const DOUBT: &str = "its axes or its light do not fit";
 /// Start of the verdict of a part within [`GOOD`].
 pub(super) const GOOD_WORDS: &str = "good";
 const UNEXPLAINED: &str = "no known slip explains it";
-/// Most texels that are wrong by themselves.
+/// Most texels that are wrong by themselves, and of how many one may be.
 const FEW: usize = 4;
+const FEW_OF: usize = 24;
 
 impl LevelScore {
     /// Returns relMSE between its good texels where it is not good: the level has few texels for its width.

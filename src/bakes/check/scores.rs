@@ -92,7 +92,7 @@ pub fn as_json(environment: &str, preset: &str, limits: &Limits, judged: &Judged
     let axes = judged.axes.iter().map(|(what, fits)| {
         let best =
             fits.iter().take(4).map(|fit| json!({ "axes": fit.axes.to_string(), "correlation": fit.correlation }));
-        json!({ "of": what, "best": best.collect::<Vec<_>>(), "warning": judged.doubt(what, fits).map(|doubt| doubt.words) })
+        json!({ "of": what, "best": best.collect::<Vec<_>>(), "warning": judged.doubt(what, fits).map(|doubt| doubt.words + &doubt.more) })
     });
     json!({
         "environment": environment,

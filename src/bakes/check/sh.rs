@@ -79,7 +79,7 @@ fn causes(found: &Coefficients, own: &Sh9, exact: &Sh9, axes: Axes) -> Vec<Cause
                 let mut add = |kind, is_so: bool, words: String| is_so.then(|| causes.push(Cause { kind, words }));
                 add("order", !form.is_empty(), (*form).to_owned());
                 add("axes", other != axes, format!("axes {other} fit: --axes={other}"));
-                add("channels", *channels != "R, G, B", format!("the channels are in the order {channels}"));
+                add("channels", *channels != "R, G, B", format!("channels in the order {channels}"));
                 let window = window(&turned, &right);
                 let with_window = factors(window).map(|factors| {
                     (off(&turned, &right, window), causes.iter().cloned().chain([factors]).collect::<Vec<_>>())
@@ -102,7 +102,7 @@ fn causes(found: &Coefficients, own: &Sh9, exact: &Sh9, axes: Axes) -> Vec<Cause
 fn factors(window: [f64; 3]) -> Option<Cause> {
     let [one, two] = [window[1] / window[0], window[2] / window[0]];
     let is = |a: f64, b: f64| (one / a - 1.0).abs() < 0.02 && (two / b - 1.0).abs() < 0.02;
-    let gain = fit::gain_in_words(window[0]);
+    let (gain, _) = fit::gain_in_words(window[0]);
     Some(match () {
         () if is(1.0, 1.0) => Cause { kind: "gain", words: gain },
         () if is(1.5, 4.0) => Cause { kind: "cosine", words: "radiance: not convolved with the cosine".to_owned() },

@@ -63,22 +63,20 @@ pub static ORDERS: &[(&str, Change)] = &[
 /// Curves of a file or of its source.
 static CURVES: &[(&str, Change)] = &[
     ("encoded with gamma 2.2: decode it", |x| x.powf(1.0 / 2.2)),
-    ("decoded with gamma 2.2 though it was linear", |x| x.powf(2.2)),
+    ("decoded with gamma 2.2 though linear", |x| x.powf(2.2)),
     ("encoded as sRGB: decode it", |x| x.map(srgb_curve)),
-    ("decoded as sRGB though it was linear", |x| x.map(|x| srgb_decode(x as f32).into())),
+    ("decoded as sRGB though linear", |x| x.map(|x| srgb_decode(x as f32).into())),
     ("tone-mapped by Reinhard's x/(1 + x)", |x| x / (1.0 + x)),
-    ("tone-mapped by the ACES curve of Narkowicz", |x| {
-        (x * (2.51 * x + 0.03) / (x * (2.43 * x + 0.59) + 0.14)).min(DVec3::ONE)
-    }),
+    ("tone-mapped by ACES (Narkowicz)", |x| (x * (2.51 * x + 0.03) / (x * (2.43 * x + 0.59) + 0.14)).min(DVec3::ONE)),
 ];
 /// Ranges of RGBM, and the exponents of their colours.
 static RGBM: &[(f64, f64)] =
     &[(5.0, 1.0), (6.0, 1.0), (7.0, 1.0), (8.0, 1.0), (16.0, 1.0), (64.0, 1.0), (8.0, 2.0), (5.0, 2.2), (8.0, 2.2)];
 static PACKINGS: &[(&str, Change)] = &[
-    ("RGBD read as linear radiance: divide by alpha", rgbd),
-    ("RGBD with gamma 2.2 read as linear radiance: decode it", |x| rgbd(x).powf(1.0 / 2.2)),
-    ("RGBE read as linear radiance: scale by 2 to the exponent in alpha", rgbe),
-    ("LogLuv read as linear radiance: decode it", log_luv),
+    ("RGBD read as linear: divide by alpha", rgbd),
+    ("RGBD with gamma 2.2 read as linear: decode it", |x| rgbd(x).powf(1.0 / 2.2)),
+    ("RGBE read as linear: times 2^exponent", rgbe),
+    ("LogLuv read as linear: decode it", log_luv),
 ];
 
 /// Colours of RGBM: over the range and over a multiplier of at most 1, in steps of 1/255.
@@ -112,8 +110,18 @@ fn rounded(x: f64) -> f64 {
     (x * digits).round() / digits
 }
 
-/// Lists changed maps whose mean is a bake's: convolutions keep the mean.
-pub fn sources(environment: &Environment, mean: DVec3) -> Vec<(Cause, Environment)> {
+/// Returns the median ratio of a level and its integral: a gain, if only lamps were cut.
+pub fn usual_gain(truth: &Truth, directions: &Directions, found: &[DVec3], alpha: f64) -> f64 {
+    let chosen = directions.grid(TEXELS);
+    let right = exact(truth, truth.kernel, &directions.only(&chosen), alpha);
+    let ratio = |(index, right): (&usize, &DVec3)| found[*index].element_sum() / right.element_sum().max(1e-12);
+    let mut ratios: Vec<f64> = chosen.iter().zip(&right).map(ratio).collect();
+    ratios.sort_by(f64::total_cmp);
+    ratios[ratios.len() / 2].max(1e-12)
+}
+
+/// Lists changed maps whose mean is a bake's, also over a gain: convolutions keep the mean.
+pub fn sources(environment: &Environment, mean: DVec3, gain: f64) -> Vec<(Cause, Environment)> {
     let image = &environment.image;
     let changed = |most: f64, curve: Option<Change>| {
         move |texel: [f32; 3]| {
@@ -132,25 +140,31 @@ pub fn sources(environment: &Environment, mean: DVec3) -> Vec<(Cause, Environmen
         }
         sum / whole
     };
-    let (mut low, mut high) = (1e-3, image.data.iter().flatten().fold(1e-3, |most: f32, x| most.max(*x)).into());
-    for _ in 0..24 {
-        let middle = f64::sqrt(low * high);
-        let is_more = mean_of(middle, None).element_sum() > mean.element_sum();
-        if is_more { high = middle } else { low = middle }
-    }
-    let ldr = if (high - 1.0).abs() < 0.05 { ": an LDR source" } else { "" };
-    let cut = (format!("cut at {}{ldr}", rounded(high)), high, None);
+    let largest = image.data.iter().flatten().fold(1e-3, |most: f32, x| most.max(*x)).into();
+    let is_same = |own: DVec3, mean: DVec3| (own - mean).abs().cmple(SAME_MEAN * mean).all();
+    let cut_by = |gain: f64| {
+        let (mut low, mut high) = (1e-3, largest);
+        for _ in 0..24 {
+            let middle = f64::sqrt(low * high);
+            let is_more = mean_of(middle, None).element_sum() > mean.element_sum() / gain;
+            if is_more { high = middle } else { low = middle }
+        }
+        let ldr = if (high - 1.0).abs() < 0.05 { ": LDR" } else { "" };
+        let is_cut = high < UNCUT * largest && is_same(mean_of(high, None), mean / gain);
+        is_cut.then(|| (format!("cut at {}{ldr}", rounded(high)), high, None))
+    };
     let curves = CURVES.iter().flat_map(|(words, curve)| {
         [((*words).to_owned(), f64::INFINITY, Some(*curve)), (format!("cut at 1 and {words}"), 1.0, Some(*curve))]
     });
-    let is_same = |own: DVec3| (own - mean).abs().cmple(SAME_MEAN * mean).all();
-    let alike = std::iter::once(cut).chain(curves).filter(|(_, most, curve)| is_same(mean_of(*most, *curve)));
+    let alike = curves.filter(|(_, most, curve)| is_same(mean_of(*most, *curve), mean));
+    let gains = [Some(1.0), ((gain - 1.0).abs() > SAME_MEAN).then_some(gain)];
+    let cuts = gains.into_iter().flatten().filter_map(cut_by);
     let source = |(words, most, curve): (String, f64, Option<Change>)| {
         let image = image.map(|texel| changed(most, curve)(texel).as_vec3().to_array());
-        let cause = Cause { kind: "source", words: format!("a bake of the map {words}") };
+        let cause = Cause { kind: "source", words: format!("source {words}") };
         (cause, Environment::from_image(environment.name.clone(), image))
     };
-    alike.map(source).collect()
+    cuts.chain(alike).map(source).collect()
 }
 
 /// A level as its file has it.
@@ -189,8 +203,8 @@ impl Slipped {
 impl Level<'_> {
     /// Describes a gain with the flag that fixes it.
     pub fn gain_in_words(&self, gain: f64) -> String {
-        let (flag, scale) = self.scale;
-        format!("{}: {flag} {:.4}", fit::gain_in_words(gain), scale / gain)
+        let ((flag, scale), (words, gain)) = (self.scale, fit::gain_in_words(gain));
+        format!("{words}: {flag} {}", rounded(scale / gain))
     }
 
     /// Returns the slips that leave least, if they explain the level clearly better than its fit, which leaves a share.
@@ -302,16 +316,14 @@ impl<'a, 'l> Sample<'a, 'l> {
             step *= 0.5;
         }
         let degrees = (best.0 + 180.0).rem_euclid(360.0) - 180.0;
-        let words =
-            format!("turned by {degrees:.0}° about y: an offset of {:.3} of a lat-long map's width", degrees / 360.0);
+        let words = format!("turned by {degrees:.0}° about y: lat-long offset {:.3}", degrees / 360.0);
         (degrees.abs() >= TURN_MIN).then(|| Slipped::one("turn", words, turned(best.0)))
     }
 
     /// The same with another order of channels, another encoding, or both; at most two slips.
     fn coded(&self, base: Slipped) -> Vec<Slipped> {
-        let order = |(words, change): &(&str, Change)| {
-            base.with("channels", format!("the channels are in the order {words}"), change)
-        };
+        let order =
+            |(words, change): &(&str, Change)| base.with("channels", format!("channels in the order {words}"), change);
         let orders: Vec<Slipped> = ORDERS.iter().map(order).collect();
         let mut all: Vec<Slipped> = Vec::new();
         for base in orders.into_iter().chain([base]).filter(|base| base.causes.len() < 2) {
@@ -319,7 +331,7 @@ impl<'a, 'l> Sample<'a, 'l> {
                 all.push(base.with("encoding", (*words).to_owned(), change));
             }
             for &(range, exponent) in RGBM {
-                let words = format!("RGBM read as linear radiance: (alpha times {range} times the colour)^{exponent}");
+                let words = format!("RGBM read as linear: decode ({range} alpha RGB)^{exponent}");
                 all.push(base.with("encoding", words, |x| rgbm(x.powf(1.0 / exponent), range)));
             }
             all.push(base);
@@ -378,7 +390,7 @@ impl<'a, 'l> Sample<'a, 'l> {
             if is_black { 0.0 } else { fit::gain(&self.directions, &found, &right, self.level.truth.epsilon()) }
         });
         let [red, green, blue] = gains;
-        let words = format!("red, green and blue are {red:.2}, {green:.2} and {blue:.2} times what they should be");
+        let words = format!("red, green and blue times {red:.2}, {green:.2} and {blue:.2}");
         let gains = DVec3::from_array(gains);
         let is_uneven = gains.max_element() > CHANNELS_APART * gains.min_element();
         is_uneven.then(|| from.with("gain", words, |x| gains * x))

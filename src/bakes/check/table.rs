@@ -68,10 +68,15 @@ pub fn score(table: &RgbImage, brdf: &'static dyn Brdf, convention: &Convention)
 fn explained(table: &RgbImage, brdf: &'static dyn Brdf, convention: &Convention, [rms, max_error]: [f64; 2]) -> Cause {
     let Convention { table_axes, table_channels, masking, .. } = convention;
     let found = search(table, brdf).swap_remove(0);
-    let is_own =
-        found.axes.name == table_axes.name && found.channels.name == table_channels.name && found.masking == *masking;
-    if !is_own && found.rms < 0.5 * rms {
-        return Cause { kind: "convention", words: format!("{found} fit better: rms {:.1e}", found.rms) };
+    let flags = [
+        ("--table-axes", found.axes.name, table_axes.name),
+        ("--table-channels", found.channels.name, table_channels.name),
+        ("--masking", found.masking.name(), masking.name()),
+    ];
+    let other = flags.iter().filter(|(_, found, own)| found != own);
+    let other: String = other.map(|(flag, found, _)| format!(" {flag} {found}")).collect();
+    if !other.is_empty() && found.rms < 0.5 * rms {
+        return Cause { kind: "convention", words: format!("fits{other}; rms {:.1e}", found.rms) };
     }
     let places = places(table, SEARCHED);
     let texel = DVec2::new(1.0 / f64::from(table.width), 1.0 / f64::from(table.height));
@@ -172,25 +177,25 @@ struct Place {
     texel: DVec2,
 }
 
+fn place(table: &RgbImage, [x, y]: [u32; 2]) -> Place {
+    let size = DVec2::new(table.width.into(), table.height.into());
+    let texel = DVec3::from_array(table.get(x, y).map(f64::from)).truncate();
+    Place { uv: (DVec2::new(x.into(), y.into()) + 0.5) / size, texel }
+}
+
 /// Picks the texels that differ most from the mean of their neighbours: a row or a texel that is wrong by itself.
 fn odd_places(table: &RgbImage) -> Vec<Place> {
-    let texel = |x: u32, y: u32| DVec3::from_array(table.get(x, y).map(f64::from));
+    let texel = |x: u32, y: u32| place(table, [x, y]).texel;
     let sides = |at: u32, last: u32| [at.saturating_sub(1), (at + 1).min(last)];
     let off = |i: u32| {
         let (x, y) = (i % table.width, i / table.width);
-        let beside = sides(x, table.width - 1).map(|x| texel(x, y));
-        let below = sides(y, table.height - 1).map(|y| texel(x, y));
-        let mean = (beside[0] + beside[1] + below[0] + below[1]) / 4.0;
-        (texel(x, y) - mean).truncate().abs().max_element()
+        let beside: DVec2 = sides(x, table.width - 1).map(|x| texel(x, y)).iter().sum();
+        let below: DVec2 = sides(y, table.height - 1).map(|y| texel(x, y)).iter().sum();
+        (texel(x, y) - (beside + below) / 4.0).abs().max_element()
     };
     let mut ranked: Vec<(f64, u32)> = (0..table.width * table.height).map(|i| (off(i), i)).collect();
     ranked.sort_by(|a, b| b.0.total_cmp(&a.0));
-    let size = DVec2::new(table.width.into(), table.height.into());
-    let place = |(_, i): &(f64, u32)| {
-        let at = DVec2::new((i % table.width).into(), (i / table.width).into());
-        Place { uv: (at + 0.5) / size, texel: texel(i % table.width, i / table.width).truncate() }
-    };
-    ranked.iter().take(ODD_COUNT).map(place).collect()
+    ranked.iter().take(ODD_COUNT).map(|(_, i)| place(table, [i % table.width, i / table.width])).collect()
 }
 
 /// Picks about `lines` x `lines` texels, evenly, edges included.
@@ -200,16 +205,7 @@ fn places(table: &RgbImage, lines: u32) -> Vec<Place> {
         (0..count).map(|k| if count == 1 { 0 } else { k * (side - 1) / (count - 1) }).collect()
     };
     let columns = pick(table.width);
-    let size = DVec2::new(table.width.into(), table.height.into());
-    let place = |x: u32, y: u32| {
-        let texel = DVec3::from_array(table.get(x, y).map(f64::from));
-        Place { uv: (DVec2::new(x.into(), y.into()) + 0.5) / size, texel: texel.truncate() }
-    };
-    pick(table.height)
-        .into_iter()
-        .flat_map(|y| columns.iter().map(move |x| (*x, y)))
-        .map(|(x, y)| place(x, y))
-        .collect()
+    pick(table.height).iter().flat_map(|y| columns.iter().map(|x| place(table, [*x, *y]))).collect()
 }
 
 /// Integrates A and B at n·v and perceptual roughness, no narrower than the device shades.

@@ -2,10 +2,9 @@
 //!
 //! A magic word, a header of 31 words, and in `DX10` files a second header of 5 words; all little-endian.
 
-use super::texel::{TEXELS, Texel};
+use super::texel::Texel;
 use super::{Claim, Encoding, FACE_COUNT, Texture, truncated};
 use crate::pixels::Fault;
-use crate::spelling::Listed;
 
 const MAGIC: u32 = u32::from_le_bytes(*b"DDS ");
 /// Pixel format code of files with the second header.
@@ -20,9 +19,8 @@ const FORMAT_BYTES: u32 = 32;
 // Header flags.
 const HAS_MIPS: u32 = 0x2_0000;
 const HAS_DEPTH: u32 = 0x80_0000;
-const HAS_PITCH: u32 = 0x8;
-/// Caps, height, width and pixel format.
-const HAS_REQUIRED: u32 = 0x1007;
+/// Caps, height, width, pitch and pixel format.
+const HAS_REQUIRED: u32 = 0x100f;
 // Pixel format flags.
 const HAS_FOURCC: u32 = 0x4;
 const IS_RGB: u32 = 0x40;
@@ -67,10 +65,9 @@ pub fn read(bytes: &[u8]) -> Result<Texture, Fault> {
     };
     let faces = claim.check()?;
     let format = if is_dx10 { Some(header[WORDS]) } else { OLD.iter().find(|old| old.0 == fourcc).map(|old| old.1) };
-    let texel = TEXELS.iter().find(|texel| texel.dxgi.is_some() && texel.dxgi == format).ok_or_else(|| {
-        let found = if is_dx10 { format!("DXGI format {}", header[WORDS]) } else { format!("code {fourcc:#010x}") };
-        Fault::new(format!("its pixel format is {found}"), format!("one of {}", Texel::names().join(", ")))
-    })?;
+    let found = if is_dx10 { format!("DXGI format {}", header[WORDS]) } else { format!("code {fourcc:#010x}") };
+    let is_found = |texel: &Texel| texel.dxgi.is_some() && texel.dxgi == format;
+    let texel = Texel::of(is_found, || format!("its pixel format is {found}"))?;
     let mut read = vec![Vec::new(); claim.levels as usize];
     for _ in 0..faces {
         for level in 0..claim.levels {
@@ -90,7 +87,7 @@ pub fn write(encoding: &Encoding) -> Vec<u8> {
     let (first, faces, count) = (&levels[0][0], levels[0].len(), levels.len() as u32);
     let (is_cube, has_mips) = (faces == FACE_COUNT, count > 1);
     let with = |bits: u32, is_set: bool| if is_set { bits } else { 0 };
-    let flags = HAS_REQUIRED | HAS_PITCH | with(HAS_MIPS, has_mips);
+    let flags = HAS_REQUIRED | with(HAS_MIPS, has_mips);
     let size = [first.height, first.width, first.width * texel.bytes as u32, 0, count];
     let caps = TEXTURE | with(COMPLEX, is_cube || has_mips) | with(MIPMAP, has_mips);
     let caps = [caps, with(CUBE | ALL_FACES, is_cube), 0, 0, 0];

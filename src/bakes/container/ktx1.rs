@@ -2,10 +2,9 @@
 //!
 //! A header of 64 bytes, keys and values, then the levels, largest first [KTX 1 file format, section 2].
 
-use super::texel::{TEXELS, Texel};
+use super::texel::Texel;
 use super::{Claim, Encoding, Texture, pairs, truncated, unjoined};
 use crate::pixels::Fault;
-use crate::spelling::Listed;
 
 const IDENTIFIER: [u8; 12] = *b"\xabKTX 11\xbb\r\n\x1a\n";
 /// The byte order of a little-endian file.
@@ -27,9 +26,7 @@ pub fn read(bytes: &[u8]) -> Result<Texture, Fault> {
     }
     let claim = Claim { width, height, depth, layers, faces, levels: levels.max(1) };
     let faces = claim.check()?;
-    let texel = TEXELS.iter().find(|texel| texel.gl == internal).ok_or_else(|| {
-        Fault::new(format!("its glInternalFormat is {internal:#06x}"), format!("one of {}", Texel::names().join(", ")))
-    })?;
+    let texel = Texel::of(|texel| texel.gl == internal, || format!("its glInternalFormat is {internal:#06x}"))?;
     let mut at = HEADER.saturating_add(keys as usize);
     let keys = unjoined(bytes.get(HEADER..at).unwrap_or_default());
     let mut read = Vec::new();

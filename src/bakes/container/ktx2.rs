@@ -1,6 +1,6 @@
 //! KTX 2: levels anywhere in the file, plain or compressed by zstd.
 
-use super::texel::{TEXELS, Texel};
+use super::texel::Texel;
 use super::{Claim, Encoding, Texture, pairs, truncated, unjoined};
 use crate::pixels::{Fault, Pixels, RgbImage, reserved};
 use crate::spelling::Listed;
@@ -26,10 +26,8 @@ pub fn read(bytes: &[u8]) -> Result<Texture, Fault> {
         levels: header.level_count.max(1),
     };
     let faces = claim.check()?;
-    let texel = TEXELS.iter().find(|texel| Some(texel.vulkan) == header.format).ok_or_else(|| {
-        let found = header.format.map_or("undefined".to_owned(), |format| format!("{format:?}"));
-        Fault::new(format!("its pixel format is {found}"), format!("one of {}", Texel::names().join(", ")))
-    })?;
+    let found = || header.format.map_or("undefined".to_owned(), |format| format!("{format:?}"));
+    let texel = Texel::of(|texel| Some(texel.vulkan) == header.format, || format!("its pixel format is {}", found()))?;
     let is_zstd = match header.supercompression_scheme {
         None => false,
         Some(SupercompressionScheme::Zstandard) => true,

@@ -10,7 +10,7 @@ mod texel;
 pub use ktx2::write_table;
 pub use texel::{TEXELS, Texel};
 
-use crate::environment::{FORMATS as IMAGES, Format as Image};
+use crate::environment::FORMATS as IMAGES;
 use crate::pixels::{Decoded, Fault, PixelsError, RgbImage, png, read_bounded};
 use std::path::Path;
 
@@ -64,8 +64,8 @@ pub static FORMATS: &[Format] = &[
 ];
 
 pub fn extensions() -> Vec<&'static str> {
-    let containers = FORMATS.iter().map(|format| format.extension);
-    containers.chain(IMAGES.iter().map(|format| format.extension)).chain([PNG]).collect()
+    let images = IMAGES.iter().map(|format| format.extension);
+    FORMATS.iter().map(|format| format.extension).chain(images).chain([PNG]).collect()
 }
 
 const PNG: &str = "png";
@@ -74,34 +74,29 @@ const PNG: &str = "png";
 pub fn read_texture(path: &Path) -> Result<Texture, PixelsError> {
     // Refuses unknown extensions before opening the file.
     if path.exists() {
-        reader(path)?;
+        extension(path)?;
     }
     from_bytes(path, &read_bounded(path)?)
 }
 
-enum Reader {
-    Container(&'static Format),
-    Image(&'static Image),
-    Png,
-}
-
-fn reader(path: &Path) -> Result<Reader, PixelsError> {
+fn extension(path: &Path) -> Result<String, PixelsError> {
     let extension = path.extension().map(|extension| extension.to_string_lossy().to_lowercase()).unwrap_or_default();
-    let container = FORMATS.iter().find(|format| format.extension == extension).map(Reader::Container);
-    let image = || IMAGES.iter().find(|format| format.extension == extension).map(Reader::Image);
-    container.or_else(image).or_else(|| (extension == PNG).then_some(Reader::Png)).ok_or_else(|| {
-        let known: Vec<String> = extensions().iter().map(|extension| format!(".{extension}")).collect();
-        Fault::new(format!("its extension is {extension:?}"), format!("one of {}", known.join(", "))).at(path)
-    })
+    if extensions().contains(&&*extension) {
+        return Ok(extension);
+    }
+    let known = extensions().join(", .");
+    Err(Fault::new(format!("its extension is {extension:?}"), format!("one of .{known}")).at(path))
 }
 
 /// Reads a texture from memory; the extension of `path` selects the format.
 pub fn from_bytes(path: &Path, bytes: &[u8]) -> Result<Texture, PixelsError> {
     let image = |decoded: Decoded, texel| Texture { levels: vec![vec![decoded.rgb]], texel, keys: Vec::new() };
-    let texture = match reader(path)? {
-        Reader::Container(format) => (format.read)(bytes).map_err(|fault| fault.at(path))?,
-        Reader::Image(format) => image(format.read(path, bytes)?, format.name),
-        Reader::Png => image(png::read_linear(path, bytes)?, PNG),
+    let extension = extension(path)?;
+    let container = FORMATS.iter().find(|format| format.extension == extension);
+    let texture = match (container, IMAGES.iter().find(|format| format.extension == extension)) {
+        (Some(format), _) => (format.read)(bytes).map_err(|fault| fault.at(path))?,
+        (None, Some(format)) => image(format.read(path, bytes)?, format.name),
+        (None, None) => image(png::read_linear(path, bytes)?, PNG),
     };
     // Containers check their claims; other images may be as large as an environment.
     let texels: usize = texture.levels.iter().flatten().map(|face| face.data.len()).sum();
@@ -115,19 +110,15 @@ pub fn from_bytes(path: &Path, bytes: &[u8]) -> Result<Texture, PixelsError> {
 
 /// Finds the first texel that is not finite.
 fn first_oddity(texture: &Texture) -> Option<Fault> {
-    for (level, faces) in texture.levels.iter().enumerate() {
-        for (face, image) in faces.iter().enumerate() {
-            let Some(at) = image.data.iter().position(|texel| texel.iter().any(|value| !value.is_finite())) else {
-                continue;
-            };
-            let (x, y) = (at % image.width as usize, at / image.width as usize);
-            return Some(Fault::new(
-                format!("level {level}, face {face}, column {x}, row {y} is {:?}", image.data[at]),
-                "finite values (a sun above 65504 overflows a half: clip the environment before the bake)",
-            ));
-        }
-    }
-    None
+    let levels = texture.levels.iter().enumerate();
+    let mut images = levels.flat_map(|(level, faces)| (0..).zip(faces).map(move |(face, image)| (level, face, image)));
+    images.find_map(|(level, face, image): (usize, u32, &RgbImage)| {
+        let at = image.data.iter().position(|texel| texel.iter().any(|value| !value.is_finite()))?;
+        let (x, y) = (at % image.width as usize, at / image.width as usize);
+        let what = format!("level {level}, face {face}, column {x}, row {y} is {:?}", image.data[at]);
+        let expected = "finite values (a sun above 65504 overflows a half: clip the environment before the bake)";
+        Some(Fault::new(what, expected))
+    })
 }
 
 /// A texture's size as its header claims it.

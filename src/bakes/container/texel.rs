@@ -1,7 +1,7 @@
 //! Pixel formats by their codes in each container.
 
 use crate::pixels::{Fault, HALF_MAX, Pixels, RgbImage, reserved};
-use crate::spelling::listed;
+use crate::spelling::{Listed, listed};
 use half::f16;
 use ktx2::Format;
 
@@ -70,6 +70,12 @@ const fn float(name: &'static str, channels: usize, vulkan: Format, gl: u32, dxg
 }
 
 impl Texel {
+    /// Finds a format by its code in a container.
+    pub(super) fn of(is: impl Fn(&Self) -> bool, found: impl FnOnce() -> String) -> Result<&'static Self, Fault> {
+        let unknown = || Fault::new(found(), format!("one of {}", Self::names().join(", ")));
+        TEXELS.iter().find(|texel| is(texel)).ok_or_else(unknown)
+    }
+
     /// Decodes `width` x `height` texels from the front of `bytes`.
     pub(super) fn image(&self, width: u32, height: u32, bytes: &[u8]) -> Result<RgbImage, Fault> {
         let count = width as usize * height as usize;

@@ -131,7 +131,7 @@ fn a_fit_finds_the_width_and_the_gain_that_were_baked() {
     }
     let lost = exact_map(&truth, 0, Axes::SAME, |alpha| (alpha, 1.0 / std::f64::consts::PI));
     let score = &level::score(&truth, &lost, &convention).unwrap()[0];
-    assert!(score.verdict.contains("1/pi times what it should be"), "{}", score.verdict);
+    assert!(score.verdict.contains("times 1/pi"), "{}", score.verdict);
     assert!((score.errors.bias_rel - (1.0 / std::f64::consts::PI - 1.0)).abs() < 1e-6, "{score:?}");
 }
 
@@ -259,7 +259,7 @@ fn coefficients_of_the_light_itself_have_no_error_and_windows_are_named() {
         ("order m = l to -l", &|k| radiance[order[k]]),
         ("odd m have the other sign", &|k| if k % 2 == 1 { -radiance[k] } else { radiance[k] }),
         ("not convolved with the cosine", &|k| radiance[k] * unconvolved[DEGREE[k]]),
-        ("in the order B, G, R; 2 times", &|k| 2.0 * DVec3::new(radiance[k].z, radiance[k].y, radiance[k].x)),
+        ("in the order B, G, R; times 2", &|k| 2.0 * DVec3::new(radiance[k].z, radiance[k].y, radiance[k].x)),
     ];
     for (words, form) in forms {
         let verdict = of(std::array::from_fn(form)).verdict;
