@@ -39,29 +39,6 @@ fn texels(side: u32, patch: Patch, pair: &(impl Fn(DVec2) -> DVec2 + Sync)) -> V
     if all.len() <= COUNT * COUNT {
         return all.into_par_iter().map(|at| (at, exact(at))).collect();
     }
-    // The sides of the patch: √n·v and roughness.
-    let [u, v] = [0, 1].map(|i| {
-        let ends = [patch.low[i], patch.high[i] - 1].map(place);
-        points(if i == 0 { ends.map(f64::sqrt) } else { ends })
-    });
-    let values: Vec<DVec2> =
-        (0..COUNT * COUNT).into_par_iter().map(|i| pair(DVec2::new(u[i % COUNT].powi(2), v[i / COUNT]))).collect();
-    let rows: Vec<_> = (patch.low[1]..patch.high[1]).map(|y| weights(&v, place(y))).collect();
-    // Polynomials in v, one for each column of texels.
-    let of_row =
-        |x: u32, row: &[DVec2]| weights(&u, place(x).sqrt()).iter().zip(row).map(|(w, value)| *w * *value).sum();
-    let columns: Vec<Vec<DVec2>> =
-        (patch.low[0]..patch.high[0]).map(|x| values.chunks_exact(COUNT).map(|row| of_row(x, row)).collect()).collect();
-    let value = |[x, y]: [u32; 2]| -> DVec2 {
-        let (column, row) = (&columns[(x - patch.low[0]) as usize], &rows[(y - patch.low[1]) as usize]);
-        row.iter().zip(column).map(|(w, value)| *w * *value).sum()
-    };
-    let compared =
-        [1, 4, 8, 11].map(|y| [1, 4, 8, 11].map(|x| [patch.low[0] + width * x / 12, patch.low[1] + height * y / 12]));
-    let is_close = |at: &[u32; 2]| (value(*at) - exact(*at)).abs().max_element() <= WITHIN;
-    if compared.as_flattened().par_iter().all(is_close) {
-        return all.into_iter().map(|at| (at, value(at))).collect();
-    }
     let middle = [patch.low[0] + width / 2, patch.low[1] + height / 2];
     let quarter = |i: usize| {
         let of = |axis: usize| match i >> axis & 1 {
@@ -71,7 +48,31 @@ fn texels(side: u32, patch: Patch, pair: &(impl Fn(DVec2) -> DVec2 + Sync)) -> V
         let ([x0, x1], [y0, y1]) = (of(0), of(1));
         texels(side, Patch { low: [x0, y0], high: [x1, y1] }, pair)
     };
-    (0..4).into_par_iter().flat_map(quarter).collect()
+    let divided = || (0..4).into_par_iter().flat_map(quarter).collect();
+    // No polynomial is close at the corner.
+    if patch.low == [0; 2] {
+        return divided();
+    }
+    // The sides of the patch: √n·v and roughness.
+    let [u, v] = [0, 1].map(|i| {
+        let ends = [patch.low[i], patch.high[i] - 1].map(place);
+        points(if i == 0 { ends.map(f64::sqrt) } else { ends })
+    });
+    let values: Vec<DVec2> =
+        (0..COUNT * COUNT).into_par_iter().map(|i| pair(DVec2::new(u[i % COUNT].powi(2), v[i / COUNT]))).collect();
+    let columns: Vec<_> = (patch.low[0]..patch.high[0]).map(|x| weights(&u, place(x).sqrt())).collect();
+    let rows: Vec<_> = (patch.low[1]..patch.high[1]).map(|y| weights(&v, place(y))).collect();
+    let value = |[x, y]: [u32; 2]| -> DVec2 {
+        let (column, row) = (&columns[(x - patch.low[0]) as usize], &rows[(y - patch.low[1]) as usize]);
+        (0..COUNT * COUNT).map(|i| column[i % COUNT] * row[i / COUNT] * values[i]).sum()
+    };
+    let compared =
+        [1, 4, 8, 11].map(|y| [1, 4, 8, 11].map(|x| [patch.low[0] + width * x / 12, patch.low[1] + height * y / 12]));
+    let is_close = |at: &[u32; 2]| (value(*at) - exact(*at)).abs().max_element() <= WITHIN;
+    if compared.as_flattened().par_iter().all(is_close) {
+        return all.into_iter().map(|at| (at, value(at))).collect();
+    }
+    divided()
 }
 
 /// Chebyshev points from one end to the other.
