@@ -7,7 +7,7 @@ use pyo3::prelude::*;
 use splitsum::bakes::check::{Directions, exact, has_width};
 use splitsum::bakes::container::TEXELS_MAX;
 use splitsum::bakes::convention::{Axes, Preset};
-use splitsum::bakes::make;
+use splitsum::bakes::{make, paste};
 use splitsum::brdf::{Brdf, MaskingShadowing};
 use splitsum::environment::layout::MapLayout;
 use splitsum::pixels::{Pixels, RgbImage};
@@ -134,7 +134,7 @@ fn pairs(first: &PyReadonlyArray1<f64>, second: &PyReadonlyArray1<f64>) -> Vec<[
     first.as_array().iter().zip(second.as_array()).map(|(first, second)| [*first, *second]).collect()
 }
 
-/// Fits a table of taps.
+/// Makes a table of taps, as `splitsum bake` writes it.
 #[pyfunction]
 pub fn taps<'py>(
     py: Python<'py>,
@@ -145,8 +145,7 @@ pub fn taps<'py>(
 ) -> PyResult<Array<'py, f32>> {
     let (count, (mapping, levels)) = (tap_count(count)?, chain(&mapping, levels)?);
     let (kernel, masking) = (kernel(&names)?, *parse::<MaskingShadowing>(&names[2])?);
-    let fit = || TapTable::fit(&Chain::new(kernel, mapping, levels), kernel.brdf, masking, count).texels;
-    let texels = py.detach(fit);
+    let texels = py.detach(|| paste::taps(kernel, masking, mapping, levels, count));
     let shape = vec![texels.height as usize, texels.width as usize, 4];
     shaped(py, texels.data.into_flattened(), shape)
 }

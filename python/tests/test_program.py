@@ -126,7 +126,8 @@ def test_read_run(program, tmp_path_factory, monkeypatch, has_pandas):
 
 def test_the_gil_is_free():
     ticks = []
-    worker = threading.Thread(target=splitsum.taps, args=(4,))
+    # A table that is not in the program.
+    worker = threading.Thread(target=splitsum.taps, args=(4,), kwargs={"levels": 7})
     worker.start()
     while worker.is_alive():
         ticks.append(time.monotonic())
