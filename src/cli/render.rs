@@ -123,8 +123,10 @@ fn check_used(arguments: &Arguments, point: &Point, is_linear: bool) -> Result<(
                 Some("frames") if is_absent(collapsed.get("frames")) => "without --frames of at least 2".to_owned(),
                 Some("frames") => "with the other options of frames (docs/frames.md)".to_owned(),
                 Some(layer) if is_absent(collapsed.get(layer)) => format!("without --{}", layer.replace('_', "-")),
-                _ if !is_absent(collapsed.get("frames")) => {
-                    "with --frames, whose --frame-points are their points".to_owned()
+                _ if ["pixel_points", "sequence"].contains(&AXES[*axis].name)
+                    && !is_absent(collapsed.get("frames")) =>
+                {
+                    "with --frames and these --frame-points".to_owned()
                 }
                 _ => without,
             };

@@ -1,6 +1,8 @@
 //! The validated experiment: every cell with its id, work shared between cells, and exclusions.
 
-use super::axis::{AXES, BLUR, DFG_TABLE, ENVIRONMENT, METHOD, PREFILTERED, Point, SCENE, SIZE, View, is_blurred};
+use super::axis::{
+    AXES, BLUR, DFG_TABLE, ENVIRONMENT, FRAMES, METHOD, PREFILTERED, Point, SCENE, SIZE, View, is_blurred,
+};
 use super::checks;
 use super::config::Config;
 use super::fault::{ConfigError, Faults, Place};
@@ -241,7 +243,8 @@ impl Plan {
         for (place, text) in idle.chain(checks::black_metals(&self.config, &self.inputs, points())) {
             warnings.add(&place, text);
         }
-        let mut sequences = points().filter(|point| point.settings().shading.frames.count > 1).peekable();
+        let mut sequences =
+            points().filter(|point| ![Value::Unset, Value::Count(1)].contains(&point[FRAMES])).peekable();
         if sequences.peek().is_some() && sequences.all(|point| is_blurred(point) || !point.method().uses_lod_bias) {
             warnings.add(&Place::File(0), BLUR);
         }

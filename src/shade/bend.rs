@@ -116,8 +116,8 @@ bends! {
     "unity" Mean Root Unity Own "GetGGXAnisotropicModifiedNormalAndRoughness of HDRP";
     "materialx" Geometric Plain Mirror Own "mx_environment_prefilter of MaterialX: no bend";
     "filament-square" Mean Linear Normal Square "filament, with A and B at the root mean square width";
-    "gltf-square" Narrow QuarticUnit Bent Square "gltf, the same";
-    "unity-square" Mean Root Unity Square "unity, the same";
+    "gltf-square" Narrow QuarticUnit Bent Square "gltf, with A and B at the root mean square width";
+    "unity-square" Mean Root Unity Square "unity, with A and B at the root mean square width";
 }
 
 listed!(Bend, "bend", BENDS);

@@ -57,6 +57,8 @@ fn wrong_flags_of_render_and_compare_are_refused() {
             "render --method sampled --frames 8 --ema-factor 1.5 --out x.exr",
             "render --method sampled --history clamp --out x.exr",
             "render --method sampled --frames 8 --motion light --scene design --out x.exr",
+            "render --method sampled --frames 8 --motion orbit --antialias --out x.exr",
+            "render --method sampled --frames 8 --pixel-points owen --ema-factor 0.2 --prefilter-size 64x64 --out x.exr",
             "render --method splitsum --out x.png",
             "render --environment builtin:ski --out x.png",
             "render --scene sphear --out x.png",

@@ -85,9 +85,10 @@ fn sentence(frame: &Frame, axes: &[usize], all: &[Pair]) -> Option<String> {
         format!(" It needs {}{}.", counts(&slowest.1)?, at(&slowest.0))
     };
     let [most, end] = [lead[0].tried.last()?.to_string(), range(lead.iter().map(|own| own.last[0]))];
-    let beats = match counts(lead)?.strip_prefix("more than ") {
+    let count = counts(lead)?;
+    let beats = match count.strip_prefix("more than ") {
         Some(most) => format!("does not beat `{}` in `{}` within **{most} frames**", first.fixed, first.metric),
-        None => format!("beats `{}` in `{}` from **{} frames** on", first.fixed, first.metric, counts(lead)?),
+        None => format!("beats `{}` in `{}` from **{count} frames** on", first.fixed, first.metric),
     };
     let end = format!("After {most} frames it has {end} times the error.");
     Some(format!("`{}` {beats}{}. {end}{slow}", first.sampled, at(name)))
