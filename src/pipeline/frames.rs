@@ -16,13 +16,12 @@ use super::{Pipeline, PipelineError, RenderRequest};
 use crate::environment::Environment;
 use crate::gbuffer::Gbuffer;
 use crate::math::sequence::{FramePoints, PixelPoints, SEQUENCES, frame_shift};
-use crate::metrics::{Comparison, HEADLINE, Metric, tone_mapped_curve};
+use crate::metrics::tone_mapped_curve;
 use crate::pixels::{GrayImage, Pixels, RgbImage};
 use crate::scene::{Camera, Orbit};
 use crate::shade::frames::{Frames, History, Motion};
 use crate::shade::{Diffuse, Method, NONE};
 use crate::spelling::Listed;
-use crate::tonemap::ToneCurve;
 use glam::{DMat3, DVec2, DVec3, Vec3};
 use rayon::prelude::*;
 use std::sync::Arc;
@@ -244,7 +243,7 @@ impl Pipeline {
         let shown = |texel: [f32; 3]| DVec3::from_array(curve.apply(texel.map(f64::from)));
         let (mut filter, mut without_noise) = (Filter::default(), Filter::default());
         let (mut seen, mut timings, mut last) = (None, FrameTimings::default(), None);
-        // After the tone curve: the results of the last frames less the results without noise.
+        // After the tone curve: the results of the last frames less, under motion, the results without noise.
         let mut differences: Vec<Vec<DVec3>> = Vec::new();
         for index in 0..frames.count {
             let pose = request.of_frame(index);
@@ -254,23 +253,25 @@ impl Pipeline {
             }
             let (view, parts) = seen.as_ref().expect("it was made");
             let radiance = filter.add(&frames, view, parts, &frame.radiance);
-            let exact = if is_moving { Some(self.render(&pose.converged())?.radiance) } else { None };
-            let lagging = exact.as_ref().map(|exact| without_noise.add(&frames, view, parts, exact));
+            // A still view without noise is the same in every frame.
+            let is_last = index + 1 == frames.count;
+            let exact = if is_moving || is_last { Some(self.render(&pose.converged())?.radiance) } else { None };
+            let steady = exact.map(|exact| match is_moving {
+                true => without_noise.add(&frames, view, parts, &exact),
+                false => exact,
+            });
             timings = timings.and(frame.timings.clone());
             if index + FLICKER_FRAMES >= frames.count {
-                let steady = |pixel| lagging.as_ref().map_or(DVec3::ZERO, |image| shown(image.data[pixel]));
+                let moving = steady.as_ref().filter(|_| is_moving);
+                let own = |pixel| moving.map_or(DVec3::ZERO, |image| shown(image.data[pixel]));
                 let texels = radiance.data.iter().enumerate();
-                differences.push(texels.map(|(pixel, texel)| shown(*texel) - steady(pixel)).collect());
+                differences.push(texels.map(|(pixel, texel)| shown(*texel) - own(pixel)).collect());
             }
-            last = Some((Frame { radiance, ..frame }, lagging.zip(exact)));
+            last = Some((Frame { radiance, ..frame }, steady));
         }
-        let (frame, lagging) = last.expect("a sequence has at least two frames");
-        // An empty mask has no score.
-        let lag_bias = lagging.map_or(0.0, |(lagging, exact)| {
-            let comparison = Comparison::new(&lagging, &exact, &frame.mask, ToneCurve::default(), request.epsilon());
-            comparison.map_or(0.0, |comparison| comparison.evaluate(&[Metric::listed(HEADLINE)])[0].1)
-        });
-        let steadiness = Some(Steadiness { lag_bias, flicker: flicker(&differences, &frame.mask) });
+        let (frame, steady) = last.expect("a sequence has at least two frames");
+        let flicker = flicker(&differences, &frame.mask);
+        let steadiness = steady.map(|without_noise| Steadiness { without_noise, flicker });
         Ok(Frame { steadiness, timings, ..frame })
     }
 

@@ -127,12 +127,12 @@ impl RenderRequest {
     }
 }
 
-/// How steady a sequence is, over the pixels of the mask.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// How steady a sequence is.
+#[derive(Clone, Debug)]
 pub struct Steadiness {
-    /// `relmse` of the accumulated sequence without noise against its last frame.
-    pub lag_bias: f64,
-    /// Variance over the last frames, after the tone curve, of the result less the result without noise.
+    /// The accumulated frames without noise: what is left of the error is bias.
+    pub without_noise: RgbImage,
+    /// Variance over the last frames, after the tone curve, of the result less the result without noise; mean over the mask.
     pub flicker: f64,
 }
 

@@ -30,7 +30,7 @@ pub const ERRORS: &[Column] = &[
     ),
     column(
         "lag_bias",
-        "Of sequences only: `relmse` that accumulation leaves under motion in frames without noise, against the last; 0 if still.",
+        "Of sequences only: `relmse` of the accumulated frames without noise: the method's own bias and, under motion, the lag.",
     ),
     column(
         "flicker",

@@ -243,15 +243,17 @@ impl Rendered<'_> {
             let flip = FLIP_ERROR.image(&comparison.flip_map(), mask);
             files.extend([keep(store, images::flip_name(cell), |path| png::write_rgb8(path, &flip))?]);
         }
-        let steadiness = self.frame.steadiness.into_iter().flat_map(|own| {
-            STEADINESS.iter().zip([own.lag_bias, own.flicker]).map(|(column, x)| (column.name.to_owned(), Exact(x)))
+        let steadiness = self.frame.steadiness.as_ref().map(|own| -> Result<_, CellFault> {
+            let lagging = reference.comparison(&own.without_noise, curve)?;
+            let numbers = [lagging.evaluate(&[Metric::listed(HEADLINE)])[0].1, own.flicker];
+            Ok(STEADINESS.iter().map(|column| column.name.to_owned()).zip(numbers.map(Exact)).collect())
         });
         Ok(CellRecord {
             cell: cell.id.clone(),
             axes: plan.columns_of(cell).iter().map(|(n, v)| (n.to_string(), v.to_string())).collect(),
             verdict: verdict_name(&scores, &noise_floors),
             noise_floors,
-            steadiness: steadiness.collect(),
+            steadiness: steadiness.transpose()?.unwrap_or_default(),
             reference: reference.stop.clone(),
             scores,
             bins,
