@@ -1,7 +1,7 @@
 //! The axes of sequences of frames. Methods without points have sequences of one frame.
 
 use super::layers::LAYER;
-use super::plain::first;
+use super::plain::{first, one_of};
 use super::{Axis, MOTION, Part, Point, SCENE, Sheet, Symbol};
 use crate::experiment::value::{Kind, Range, Value};
 use crate::math::sequence::FramePoints;
@@ -32,10 +32,8 @@ pub(super) const FRAME_AXES: &[Axis] = &[
     Axis {
         name: "accumulation",
         about: "how frames add up: mean, or exponential moving average (ema)",
-        kind: Kind::one_of::<Accumulation>(),
-        default: first::<Accumulation>,
         apply: |s, v| s.shading.frames.accumulation = *Accumulation::listed(v.text()),
-        ..FRAME
+        ..one_of::<Accumulation>(FRAME)
     },
     Axis {
         name: "ema_factor",
@@ -51,10 +49,8 @@ pub(super) const FRAME_AXES: &[Axis] = &[
     Axis {
         name: "motion",
         about: "what turns from frame to frame; the last frame has the pose of an image alone",
-        kind: Kind::one_of::<Motion>(),
-        default: first::<Motion>,
         apply: |s, v| s.shading.frames.motion = *Motion::listed(v.text()),
-        ..FRAME
+        ..one_of::<Motion>(FRAME)
     },
     Axis {
         name: "motion_deg",
@@ -73,20 +69,16 @@ pub(super) const FRAME_AXES: &[Axis] = &[
         about: "points of each pixel and frame: scrambled (owen), continued (r2, least error in a still view), or shifted by blue noise (blue)",
         plural: "kinds of frame points",
         symbol: Symbol::After("frame points", "frame points"),
-        kind: Kind::one_of::<FramePoints>(),
-        default: first::<FramePoints>,
         apply: |s, v| s.shading.frames.points = *FramePoints::listed(v.text()),
-        ..FRAME
+        ..one_of::<FramePoints>(FRAME)
     },
     Axis {
         name: "history",
         about: "what a pixel does with its history; docs/frames.md",
         plural: "histories",
         symbol: Symbol::After("history", "history"),
-        kind: Kind::one_of::<History>(),
-        default: first::<History>,
         apply: |s, v| s.shading.frames.history = *History::listed(v.text()),
-        ..FRAME
+        ..one_of::<History>(FRAME)
     },
 ];
 

@@ -1,6 +1,6 @@
 //! The axes of anisotropy and of layers over the base. Cells without them keep their ids.
 
-use super::plain::{ALPHA_KIND, PLAIN, ROUGHNESS, first};
+use super::plain::{ALPHA_KIND, PLAIN, ROUGHNESS, first, one_of};
 use super::{Axis, Part, Spelling, Symbol};
 use crate::brdf::{SHEEN_ALPHA_MIN, SheenVisibility, WidthLaw};
 use crate::experiment::value::{Kind, Range};
@@ -37,10 +37,8 @@ pub(super) const LAYER_AXES: &[Axis] = &[
         about: "law that turns alpha and the strength into two widths; docs/estimators.md",
         plural: "laws of widths",
         used: |u| u.has_anisotropy,
-        kind: Kind::one_of::<WidthLaw>(),
-        default: first::<WidthLaw>,
         apply: |s, v| s.shading.widths = *WidthLaw::listed(v.text()),
-        ..LAYER
+        ..one_of::<WidthLaw>(LAYER)
     },
     Axis {
         name: "bend",
@@ -49,11 +47,9 @@ pub(super) const LAYER_AXES: &[Axis] = &[
         is_compared: true,
         about: "engine whose anisotropic lookup split-sum-bent uses; `splitsum list bends`",
         used: |u| u.method.uses_bend,
-        kind: Kind::one_of::<Bend>(),
-        default: first::<Bend>,
         reference: |_, _| first::<Bend>(),
         apply: |s, v| s.shading.bend = Bend::listed(v.text()),
-        ..LAYER
+        ..one_of::<Bend>(LAYER)
     },
     Axis {
         name: "coat",
@@ -85,21 +81,17 @@ pub(super) const LAYER_AXES: &[Axis] = &[
         name: "coat_layering",
         about: "how base and coat add up, for the image and its reference; docs/coat.md",
         used: |u| u.has_coat,
-        kind: Kind::one_of::<CoatLayering>(),
-        default: first::<CoatLayering>,
         apply: |s, v| s.shading.coat_layering = *CoatLayering::listed(v.text()),
-        ..LAYER
+        ..one_of::<CoatLayering>(LAYER)
     },
     Axis {
         name: "coat_renderer",
         part: Part::Parameter,
         about: "whose way to shade a coat; `splitsum list coat-renderers`",
         used: |u| u.has_coat,
-        kind: Kind::one_of::<CoatRenderer>(),
-        default: first::<CoatRenderer>,
         reference: |_, _| first::<CoatRenderer>(),
         apply: |s, v| s.shading.coat_renderer = CoatRenderer::listed(v.text()),
-        ..LAYER
+        ..one_of::<CoatRenderer>(LAYER)
     },
     Axis {
         name: "sheen_color",
@@ -132,20 +124,16 @@ pub(super) const LAYER_AXES: &[Axis] = &[
         about: "visibility of the sheen lobe, for the image and its reference; docs/sheen.md",
         plural: "sheen visibilities",
         used: |u| u.has_sheen,
-        kind: Kind::one_of::<SheenVisibility>(),
-        default: first::<SheenVisibility>,
         apply: |s, v| s.shading.sheen_visibility = *SheenVisibility::listed(v.text()),
-        ..LAYER
+        ..one_of::<SheenVisibility>(LAYER)
     },
     Axis {
         name: "sheen_lookup",
         part: Part::Parameter,
         about: "whose way to look up sheen; `splitsum list sheen-lookups`",
         used: |u| u.has_sheen && u.method.has_pass(),
-        kind: Kind::one_of::<SheenLookup>(),
-        default: first::<SheenLookup>,
         reference: |_, _| first::<SheenLookup>(),
         apply: |s, v| s.shading.sheen_lookup = SheenLookup::listed(v.text()),
-        ..LAYER
+        ..one_of::<SheenLookup>(LAYER)
     },
 ];

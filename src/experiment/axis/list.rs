@@ -3,7 +3,7 @@
 
 use super::frames::FRAME_AXES;
 use super::layers::LAYER_AXES;
-use super::plain::{ALPHA_KIND, LEVELS, PLAIN, ROUGHNESS, first};
+use super::plain::{ALPHA_KIND, LEVELS, PLAIN, ROUGHNESS, one_of};
 use super::tables::{DFG, IRRADIANCE, MIPS, PREFILTER, SH9, TABLE_AXES};
 use super::{Axis, Part, Sheet, Symbol};
 use crate::brdf::{self, Compensation, MaskingShadowing};
@@ -129,11 +129,9 @@ const IMAGE_AXES: &[Axis] = &[
         name: "sequence",
         part: Part::Parameter,
         about: "point sequence of sampled methods; `splitsum list sequences`",
-        kind: Kind::one_of::<Sequence>(),
-        default: first::<Sequence>,
         used: |u| u.method.uses_point_set && u.frames.is_none_or(|frames| frames.points != FramePoints::R2),
         apply: |s, v| s.shading.sequence = Sequence::listed(v.text()),
-        ..PLAIN
+        ..one_of::<Sequence>(PLAIN)
     },
     Axis {
         name: "point_set",
@@ -154,11 +152,9 @@ const IMAGE_AXES: &[Axis] = &[
         symbol: Symbol::After("points", "points"),
         frames_cost: true,
         is_compared: true,
-        kind: Kind::one_of::<PixelPoints>(),
-        default: first::<PixelPoints>,
         used: |u| u.method.uses_point_set && u.frames.is_none(),
         apply: |s, v| s.shading.pixel_points = *PixelPoints::listed(v.text()),
-        ..PLAIN
+        ..one_of::<PixelPoints>(PLAIN)
     },
     Axis {
         name: "alpha",
@@ -269,10 +265,8 @@ const IMAGE_AXES: &[Axis] = &[
         about: "multiple-scattering compensation, for the image and its reference; fdez-aguera and kulla-conty add it to the diffuse term",
         frames_cost: true,
         used: |u| !u.method.is_none(),
-        kind: Kind::one_of::<Compensation>(),
-        default: first::<Compensation>,
         apply: |s, v| s.shading.compensation = *Compensation::listed(v.text()),
-        ..PLAIN
+        ..one_of::<Compensation>(PLAIN)
     },
     Axis {
         name: "lod_bias",

@@ -38,6 +38,11 @@ pub(super) fn first<T: Listed + ?Sized>() -> Value {
     Value::from(T::names()[0])
 }
 
+/// An axis whose values are the names of a list; the first is the default.
+pub(super) const fn one_of<T: Listed + ?Sized>(base: Axis) -> Axis {
+    Axis { kind: Kind::one_of::<T>(), default: first::<T>, ..base }
+}
+
 pub(super) const ROUGHNESS: Spelling = Spelling {
     name: "perceptual_roughness",
     label: "Roughness",

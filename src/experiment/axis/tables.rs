@@ -1,6 +1,6 @@
 //! The axes of precomputed tables, the last ones of [`super::AXES`].
 
-use super::plain::{LEVELS, PLAIN, first};
+use super::plain::{LEVELS, PLAIN, one_of};
 use super::{Axis, Part, Symbol, Used};
 use crate::bakes::given::{CENTRES, OWN};
 use crate::environment::layout::MapLayout;
@@ -36,10 +36,8 @@ pub(super) const TABLE_AXES: &[Axis] = &[
         needs_memory: true,
         feeds: &[MIPS, PREFILTER, IRRADIANCE],
         used: |u| u.method.uses_lod_bias || u.method.uses_prefiltered() || u.uses_irradiance_map(),
-        kind: Kind::one_of::<MapLayout>(),
-        default: first::<MapLayout>,
         apply: |s, v| s.shading.precompute.layout = MapLayout::listed(v.text()),
-        ..TABLE
+        ..one_of::<MapLayout>(TABLE)
     },
     Axis {
         name: "prefiltered",
@@ -100,10 +98,8 @@ pub(super) const TABLE_AXES: &[Axis] = &[
         symbol: Symbol::After("prefilter", "prefilter"),
         feeds: &[PREFILTER, IRRADIANCE],
         used: |u| u.method.prefilter.is_none() && (u.makes_prefiltered() || u.uses_irradiance_map()),
-        kind: Kind::one_of::<PrefilterBy>(),
-        default: first::<PrefilterBy>,
         apply: |s, v| s.shading.precompute.prefilter = *PrefilterBy::listed(v.text()),
-        ..TABLE
+        ..one_of::<PrefilterBy>(TABLE)
     },
     Axis {
         name: "prefilter_sample_count",
@@ -123,12 +119,10 @@ pub(super) const TABLE_AXES: &[Axis] = &[
         symbol: Symbol::After("mapping", "mapping"),
         feeds: &[PREFILTER],
         used: |u| u.makes_prefiltered() || u.method.uses_levels,
-        kind: Kind::one_of::<LevelMapping>(),
-        default: first::<LevelMapping>,
         apply: |s, v| {
             s.shading.precompute.level_mapping = LevelMapping::listed(v.text());
         },
-        ..TABLE
+        ..one_of::<LevelMapping>(TABLE)
     },
     Axis {
         name: "prefilter_weight",
@@ -138,12 +132,10 @@ pub(super) const TABLE_AXES: &[Axis] = &[
         symbol: Symbol::Before("weight"),
         feeds: &[PREFILTER],
         used: |u| u.makes_prefiltered() || u.method.uses_weight,
-        kind: Kind::one_of::<Weight>(),
-        default: first::<Weight>,
         apply: |s, v| {
             s.shading.precompute.prefilter_weight = Weight::listed(v.text());
         },
-        ..TABLE
+        ..one_of::<Weight>(TABLE)
     },
     Axis {
         name: "prefilter_lod_bias",
@@ -224,9 +216,7 @@ pub(super) const TABLE_AXES: &[Axis] = &[
         used: |u| {
             u.method.storage.is_none() && (u.method.uses_prefiltered() || u.needs_dfg() || u.uses_irradiance_map())
         },
-        kind: Kind::one_of::<StorageFormat>(),
-        default: first::<StorageFormat>,
         apply: |s, v| s.shading.precompute.storage = *StorageFormat::listed(v.text()),
-        ..TABLE
+        ..one_of::<StorageFormat>(TABLE)
     },
 ];
