@@ -27,7 +27,7 @@ pub use disk_cache::{DiskCache, DiskCacheError, program_hash};
 pub use fit::{BUFFER_BYTES_EVERYWHERE, BUFFER_BYTES_MAX, image_buffer_bytes};
 pub use light_tables::LightTables;
 pub use request::{Frame, FrameTimings, RenderRequest, TimingSamples};
-pub use shared_work::{SharedWork, Tally};
+pub use shared_work::SharedWork;
 
 use crate::gbuffer;
 use crate::glsl::constants::POINTS_PER_DISPATCH;

@@ -7,15 +7,8 @@ use super::inputs::SharedKey;
 use crate::gpu::{Buffer, Gpu, GpuError, Image, Report};
 use std::collections::BTreeMap;
 
-/// How often a kind of table was made, and how often it was read from disk.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Tally {
-    pub made: usize,
-    pub read: usize,
-}
-
-/// A tally for each kind: `mips`, `sh9`, `irradiance`, `prefilter`, `dfg`, `taps`, `reference`.
-pub type SharedWork = BTreeMap<String, Tally>;
+/// How often each kind of table (`mips`, `sh9`, `irradiance`, `prefilter`, `dfg`, `taps`, `reference`) was made, and read from disk.
+pub type SharedWork = BTreeMap<String, [usize; 2]>;
 
 /// The disk cache, if there is one, and the tally so far.
 #[derive(Debug, Default)]
@@ -28,7 +21,7 @@ impl Kept {
     /// Reads the entry of a key.
     pub(super) fn load(&mut self, key: &SharedKey) -> Option<Vec<u8>> {
         let payload = self.disk.as_mut()?.load(&key.shaders, &key.text())?;
-        self.work.entry(key.kind.to_owned()).or_default().read += 1;
+        self.work.entry(key.kind.to_owned()).or_default()[1] += 1;
         Some(payload)
     }
 
@@ -38,7 +31,7 @@ impl Kept {
         key: &SharedKey,
         payload: impl FnOnce() -> Result<Vec<u8>, GpuError>,
     ) -> Result<(), GpuError> {
-        self.work.entry(key.kind.to_owned()).or_default().made += 1;
+        self.work.entry(key.kind.to_owned()).or_default()[0] += 1;
         if let Some(disk) = &mut self.disk {
             disk.store(&key.shaders, &key.text(), &payload()?);
         }
