@@ -135,6 +135,8 @@ constants! {
     STRIP_LENGTH: f32 = 0.5;
     STRIP_BREADTH: f32 = 0.9;
     STRIP_REACH: f32 = 0.95;
+    /// Width of each lookup of `split-sum-major-*` over its share of the major axis.
+    MAJOR_SPACING: f32 = 2.3;
     /// Bit of `ShadeParams::flags`: the image has no specular term, so the diffuse one loses nothing to it.
     SHADE_FLAG_NO_SPECULAR: u32 = 1;
 }

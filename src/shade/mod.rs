@@ -14,6 +14,30 @@ mod shading;
 pub mod sheen;
 pub mod twin;
 
+/// What both kinds of method answer about their term.
+macro_rules! of_a_term {
+    ($kind:ty) => {
+        impl $kind {
+            /// Whether the passes of the reference estimate it: without bias, with a standard error.
+            pub fn is_integrated(&self) -> bool {
+                self.lobe.is_some()
+            }
+
+            /// Whether it omits the term.
+            pub fn is_none(&self) -> bool {
+                self.name == NONE
+            }
+
+            /// Whether it has its own shader; the reference has other passes.
+            pub fn has_pass(&self) -> bool {
+                !self.is_none() && !self.is_integrated()
+            }
+        }
+    };
+}
+of_a_term!(Method);
+of_a_term!(Diffuse);
+
 /// Name of the unbiased method, specular and diffuse.
 pub const REFERENCE: &str = "reference";
 /// Name of the method that omits its term, specular and diffuse.

@@ -50,21 +50,6 @@ impl Diffuse {
     const fn plain(name: &'static str, about: &'static str, twin: DiffuseTwin) -> Self {
         Self { name, about, twin, uses_irradiance_map: false, uses_sh9: false, lobe: None }
     }
-
-    /// Whether the passes of the reference estimate it: without bias, with a standard error.
-    pub fn is_integrated(&self) -> bool {
-        self.lobe.is_some()
-    }
-
-    /// Whether it omits the term.
-    pub fn is_none(&self) -> bool {
-        self.name == NONE
-    }
-
-    /// Whether it has its own shader; the reference has other passes.
-    pub fn has_pass(&self) -> bool {
-        !self.is_none() && !self.is_integrated()
-    }
 }
 
 listed!(Diffuse, "diffuse method", DIFFUSE);

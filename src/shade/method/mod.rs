@@ -10,6 +10,7 @@ pub mod split_sum;
 mod split_sum_bent;
 mod split_sum_cap;
 mod split_sum_engines;
+mod split_sum_major;
 mod split_sum_strips;
 mod split_sum_taps;
 
@@ -81,6 +82,8 @@ pub static METHODS: &[Method] = &[
     split_sum_taps::TWO,
     split_sum_taps::FOUR,
     split_sum_bent::METHOD,
+    split_sum_major::TWO,
+    split_sum_major::FOUR,
     split_sum_strips::TWO,
     split_sum_strips::FOUR,
     Method::plain(NONE, "No specular term", "no specular term", Twin::Estimator(|_, _, _| DVec3::ZERO)),
@@ -176,21 +179,6 @@ impl Method {
         }
         let count = if self.uses_samples { samples? } else { self.lookups };
         (count > 0).then_some(count)
-    }
-
-    /// Whether the passes of the reference estimate it: without bias, with a standard error.
-    pub fn is_integrated(&self) -> bool {
-        self.lobe.is_some()
-    }
-
-    /// Whether it omits the term.
-    pub fn is_none(&self) -> bool {
-        self.name == NONE
-    }
-
-    /// Whether it has its own shader; the reference has other passes.
-    pub fn has_pass(&self) -> bool {
-        !self.is_none() && !self.is_integrated()
     }
 
     /// Whether a frame reads the DFG table: for the specular term itself, or to weigh the other terms.

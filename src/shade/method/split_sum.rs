@@ -12,7 +12,12 @@ pub(super) const fn shifted(
     about: &'static str,
     twin: SpecularTwin,
 ) -> Method {
-    Method { lookups: 1, uses_dfg: true, ..Method::plain(name, title, about, twin) }
+    several(1, [name, title, about], twin)
+}
+
+/// A split sum of several lookups, without a table of taps.
+pub(super) const fn several(lookups: u32, [name, title, about]: [&'static str; 3], twin: SpecularTwin) -> Method {
+    Method { lookups, uses_dfg: true, ..Method::plain(name, title, about, twin) }
 }
 
 pub const METHOD: Method = Method {

@@ -6,38 +6,24 @@
 //! by n·l. The three constants were found by trial over four alphas, three strengths and three maps.
 
 use super::Method;
-use super::split_sum::shifted;
+use super::split_sum::several;
 use crate::brdf::{Widths, reflect};
 use crate::glsl::constants::{ALPHA_MIN, COSINE_MIN, STRIP_BREADTH, STRIP_LENGTH, STRIP_REACH, TILT_MIN};
 use crate::math::frame::Frame;
 use crate::shade::reference::Surface;
-use crate::shade::twin::{Light, SpecularTwin, Twin};
+use crate::shade::twin::{Light, Twin};
 use glam::{DVec2, DVec3};
 use std::f64::consts::FRAC_2_PI;
 
-const fn strips(
-    name: &'static str,
-    title: &'static str,
-    about: &'static str,
-    count: u32,
-    twin: SpecularTwin,
-) -> Method {
-    Method { lookups: count, ..shifted(name, title, about, twin) }
-}
-
-pub const TWO: Method = strips(
-    "split-sum-strips-two",
-    "Split sum (two strips)",
-    "an anisotropic lobe by two lookups along its tangent",
+pub const TWO: Method = several(
     2,
+    ["split-sum-strips-two", "Split sum (two strips)", "an anisotropic lobe by two lookups along its tangent"],
     Twin::Estimator(|surface, light, _| split_sum(surface, light, 2)),
 );
 
-pub const FOUR: Method = strips(
-    "split-sum-strips-four",
-    "Split sum (four strips)",
-    "an anisotropic lobe by four lookups along its tangent",
+pub const FOUR: Method = several(
     4,
+    ["split-sum-strips-four", "Split sum (four strips)", "an anisotropic lobe by four lookups along its tangent"],
     Twin::Estimator(|surface, light, _| split_sum(surface, light, 4)),
 );
 
