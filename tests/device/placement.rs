@@ -60,11 +60,12 @@ fn a_linear_map_lights_by_its_turned_gradient() {
                 reference_samples: 16384,
                 ..request(&environment, scene, CameraKind::Perspective, [12, 12]).shaded(|s| s.placement = placement)
             };
-            // A lobe of 0.002 radians is a mirror; narrow_lobes_are_mirrors bounds the lookup's error.
+            // A lobe of 0.002 radians is a mirror; narrow_lobes_are_mirrors bounds the lookup's error, but for lookups 1.6 times as wide.
             for method in METHODS.iter().filter(|method| method.name != "none") {
                 let request = of(lobe_sphere(0.001)).shaded(|s| s.method = method);
                 let frame = pipeline.render(&request).unwrap();
-                let mut worst = Worst::new(format!("{} as a mirror, {placement:?}", method.name), relative(5e-3));
+                let tolerance = if method.name.starts_with("split-sum-major") { 1e-2 } else { 5e-3 };
+                let mut worst = Worst::new(format!("{} as a mirror, {placement:?}", method.name), relative(tolerance));
                 for sight in world_sights(&request, 5) {
                     let expected = linear(placement, 1.0, reflect(sight.surface.v, sight.surface.n));
                     worst.add_rgb(radiance(&frame, sight.pixel), expected, || format!("{:?}", sight.pixel));
