@@ -44,12 +44,19 @@ struct Node {
 }
 
 /// A direction about which a kernel is narrow: regions near it are split down to `radius` before errors are estimated.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Focus {
+#[derive(Clone, Copy)]
+pub struct Focus<'a> {
     pub direction: DVec3,
-    /// Angular width of the feature, radians.
+    /// Angular width of the feature where it is narrowest, radians.
     pub radius: f64,
+    /// Of a feature that is not round: the place of a direction in a plane, in widths from the feature's centre, and its height above
+    /// the horizon. Regions that the feature may reach are split down to its width there.
+    pub place: Option<&'a dyn Fn(DVec3) -> DVec3>,
 }
+
+/// Widths from the centre to the end of a feature: a Gaussian is 5e-6 there. And from the centre of a region to its corners.
+const FEATURE_END: f64 = 3.5;
+const FEATURE_REACH: f64 = 2.0;
 
 /// An equirectangular map prepared for integrals against many kernels.
 #[derive(Clone, Debug)]
@@ -92,14 +99,14 @@ impl EquirectQuadrature {
     pub fn integrate<const K: usize>(
         &self,
         kernel: impl Fn(DVec3) -> [f64; K],
-        focus: &[Focus],
+        focus: Option<Focus>,
         tolerance: Tolerance,
     ) -> Estimate<K> {
         let mut roots = Vec::new();
         let mut pending = vec![self.root];
         while let Some(region) = pending.pop() {
             // A focus narrower than rounding would be split forever; the error bound covers the rest.
-            if roots.len() + pending.len() < tolerance.max_part_count && self.must_split(&region, focus) {
+            if roots.len() + pending.len() < tolerance.max_part_count && self.must_split(&region, focus.as_ref()) {
                 pending.extend(self.split_towards_square(&region));
             } else {
                 roots.push(region);
@@ -108,16 +115,26 @@ impl EquirectQuadrature {
         integrate_adaptively(roots, |region| self.estimate(region, &kernel), |region| self.split(region), tolerance)
     }
 
-    fn must_split(&self, region: &Region, focus: &[Focus]) -> bool {
+    fn must_split(&self, region: &Region, focus: Option<&Focus>) -> bool {
         let size = self.uv(region.high) - self.uv(region.low);
         if size.x > ROOT_WIDTH {
             return true;
         }
         let diagonal = self.extent(region).length();
         let center = direction_from_uv(self.uv(0.5 * (region.low + region.high)));
-        focus.iter().any(|focus| {
+        focus.is_some_and(|focus| {
             diagonal > focus.radius && center.angle_between(focus.direction) < focus.radius + 0.5 * diagonal
+                || focus.place.is_some_and(|place| self.is_too_wide(region, place))
         })
+    }
+
+    /// Whether all nodes of a region could miss a feature in it.
+    fn is_too_wide(&self, region: &Region, place: &dyn Fn(DVec3) -> DVec3) -> bool {
+        let at = |x, y| place(direction_from_uv(self.uv(region.low + DVec2::new(x, y) * (region.high - region.low))));
+        let (center, corners) = (at(0.5, 0.5), [at(0.0, 0.0), at(1.0, 0.0), at(0.0, 1.0), at(1.0, 1.0)]);
+        let reach = corners.map(|corner| corner.truncate().distance(center.truncate())).into_iter().fold(0.0, f64::max);
+        let is_above = center.z > 0.0 || corners.iter().any(|corner| corner.z > 0.0);
+        is_above && reach > FEATURE_REACH && center.truncate().length() < 1.5 * reach + FEATURE_END
     }
 
     /// Angular width and height of a region, radians.

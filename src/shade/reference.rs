@@ -61,6 +61,21 @@ impl Surface {
         self.stretch.map_or(self.alpha.into(), |stretch| stretch.widths)
     }
 
+    /// Calls a function with the focus on the lobe, which at grazing views is a long arc.
+    pub(crate) fn focused<T>(&self, integrate: impl FnOnce(Focus) -> T) -> T {
+        let (frame, Widths(widths)) = (self.frame(), self.widths());
+        let v = frame.to_local(self.v);
+        // Slopes of the half vector over the widths.
+        let place = |l: DVec3| {
+            let l = frame.to_local(l);
+            let h = v + l.with_z(l.z.max(0.0));
+            (h.truncate() / (h.z * widths)).extend(l.z)
+        };
+        // Across the plane of incidence the lobe about the mirror direction is narrowest: 2 alpha (v·h).
+        let alpha = widths.min_element();
+        integrate(Focus { direction: reflect(self.v, self.n), radius: alpha * v.z.max(alpha), place: Some(&place) })
+    }
+
     /// Returns the frame of the lobe.
     pub fn frame(&self) -> Frame {
         self.stretch.map_or_else(|| Frame::from_normal(self.n), |stretch| Frame::from_tangent(self.n, stretch.tangent))
@@ -98,7 +113,7 @@ pub fn integrate(environment: &EquirectQuadrature, surface: &Surface, tolerance:
 
 /// Integrates `∫ f L n·l dl` with F = 1 and with `F = Fc = (1 - v·h)⁵`.
 pub fn specular(environment: &EquirectQuadrature, surface: &Surface, tolerance: Tolerance) -> Estimate<2> {
-    let Surface { model, masking, n, v, .. } = *surface;
+    let Surface { model, masking, v, .. } = *surface;
     let (frame, widths) = (surface.frame(), surface.widths());
     let v_local = frame.to_local(v);
     let kernel = |l: DVec3| {
@@ -109,10 +124,7 @@ pub fn specular(environment: &EquirectQuadrature, surface: &Surface, tolerance: 
         let f = widths.lobe(model, v_local, l_local, masking);
         [f, f * schlick_weight(v_local.dot((v_local + l_local).normalize()))]
     };
-    // Across the plane of incidence the lobe about the mirror direction is narrowest: 2 alpha (v·h).
-    let alpha = widths.0.min_element();
-    let focus = Focus { direction: reflect(v, n), radius: alpha * v_local.z.max(alpha) };
-    environment.integrate(kernel, &[focus], tolerance)
+    surface.focused(|focus| environment.integrate(kernel, Some(focus), tolerance))
 }
 
 /// Integrates `∫ n·l L dl / π` and `∫ Fc n·l L dl / π`, `Fc = (1 - v·h)⁵`.
@@ -125,5 +137,5 @@ pub fn diffuse(environment: &EquirectQuadrature, n: DVec3, v: DVec3, tolerance: 
         let f = n_dot_l / PI;
         [f, f * schlick_weight(v.dot((v + l).normalize()))]
     };
-    environment.integrate(kernel, &[], tolerance)
+    environment.integrate(kernel, None, tolerance)
 }

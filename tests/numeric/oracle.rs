@@ -59,8 +59,17 @@ fn constant_environment_gives_the_directional_albedo() {
     let radiance = DVec3::from_array(radiance.map(f64::from));
     let cases = MODELS.iter().flat_map(|model| {
         MaskingShadowing::all().flat_map(move |masking| {
-            [(0.01, 0.5), (0.05, 0.05), (0.3, 0.2), (1.0, 0.9)]
-                .map(|(alpha, n_dot_v)| (*model, *masking, alpha, n_dot_v))
+            [
+                (0.01, 0.5),
+                (0.05, 0.05),
+                (0.3, 0.2),
+                (1.0, 0.9),
+                (0.002, 0.0175),
+                (0.048, 0.097),
+                (0.02, 0.03),
+                (0.2, 0.01),
+            ]
+            .map(|(alpha, n_dot_v)| (*model, *masking, alpha, n_dot_v))
         })
     });
     cases.collect::<Vec<_>>().par_iter().for_each(|&(model, masking, alpha, n_dot_v)| {
@@ -276,9 +285,9 @@ fn narrow_lobes_are_mirrors_in_bounded_work() {
         assert!(found.error.cmple(2e-4 * mirror).all(), "{n}: {found:?}");
     }
     // The domain is covered once for any focus.
-    let focus = [Focus { direction: DVec3::Z, radius: 0.0 }];
+    let focus = Some(Focus { direction: DVec3::Z, radius: 0.0, place: None });
     let tolerance = Tolerance { max_part_count: 2000, ..TOLERANCE };
-    let whole = environment.integrate(|_| [1.0], &focus, tolerance).combine([DVec3::ONE]);
+    let whole = environment.integrate(|_| [1.0], focus, tolerance).combine([DVec3::ONE]);
     assert_close("whole", DVec3::splat(whole.value.x), DVec3::splat(4.0 * PI), 1e-9);
 }
 

@@ -24,6 +24,6 @@ pub fn prefilter(
         }
     };
     environment
-        .integrate(density, &[Focus { direction: r, radius: alpha }], tolerance)
+        .integrate(density, Some(Focus { direction: r, radius: alpha, place: None }), tolerance)
         .combine([DVec3::splat(1.0 / norm)])
 }

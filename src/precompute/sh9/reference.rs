@@ -15,5 +15,5 @@ pub fn project_bilinear(environment: &EquirectQuadrature) -> Sh9 {
 
 /// [`project_bilinear`] with its error bounds.
 pub fn project_bilinear_bounded(environment: &EquirectQuadrature) -> Estimate<COUNT> {
-    environment.integrate(basis, &[], Tolerance { relative: 1e-9, max_part_count: 100_000 })
+    environment.integrate(basis, None, Tolerance { relative: 1e-9, max_part_count: 100_000 })
 }

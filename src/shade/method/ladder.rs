@@ -19,7 +19,7 @@
 
 use super::Method;
 use crate::brdf::{g2, reflect, schlick_weight};
-use crate::math::equirect_quadrature::{EquirectQuadrature, Focus};
+use crate::math::equirect_quadrature::EquirectQuadrature;
 use crate::math::frame::Frame;
 use crate::math::quadrature::{Bounded, Tolerance};
 use crate::precompute::dfg::reference::{Dfg, EXACT, dfg, weight_means};
@@ -55,7 +55,7 @@ pub const FRESNEL: Method = rung(
             [if l_local.z > 0.0 { lobe() } else { 0.0 }]
         };
         let factor = reflectance(surface, &exact) / exact.albedo();
-        environment.integrate(kernel, &[mirror_focus(surface)], tolerance).combine([factor])
+        surface.focused(|focus| environment.integrate(kernel, Some(focus), tolerance)).combine([factor])
     }),
 );
 
@@ -104,7 +104,8 @@ fn unmasked(
     };
     let [below, grazing] = weight_means(kernel, v_local.z, alpha, EXACT);
     let factor = reflectance(surface, &exact_albedo(surface)) / (inside * below + grazing);
-    environment.integrate(value, &[mirror_focus(surface)], tolerance).combine([inside * factor, factor])
+    let means = surface.focused(|focus| environment.integrate(value, Some(focus), tolerance));
+    means.combine([inside * factor, factor])
 }
 
 pub const VIEW: Method = weighted(rung(
@@ -166,12 +167,6 @@ fn reflectance(surface: &Surface, exact: &Dfg) -> DVec3 {
 
 fn scaled(number: Bounded, factor: DVec3) -> Bounded {
     Bounded { value: number.value * factor, error: number.error * factor.abs() }
-}
-
-/// The narrow region of the lobe.
-fn mirror_focus(surface: &Surface) -> Focus {
-    let n_dot_v = surface.n.dot(surface.v);
-    Focus { direction: reflect(surface.v, surface.n), radius: surface.alpha * n_dot_v.max(surface.alpha) }
 }
 
 /// A rung with its own map.
