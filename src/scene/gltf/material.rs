@@ -220,6 +220,17 @@ impl<'a> Materials<'a> {
                 map(info.texture(), Meaning::Normal { scale: info.scale() }, unread)
             };
             let normal_map = normal.map(scaled).transpose()?;
+            let rgb = factors.base_color_factor();
+            let unit = [factors.metallic_factor(), factors.roughness_factor(), anisotropy.anisotropy_strength];
+            let layers = [coat.clearcoat_factor, coat.clearcoat_roughness_factor, sheen.sheen_roughness_factor];
+            let mut all = unit.iter().chain(&layers).chain(&rgb).chain(&sheen.sheen_color_factor);
+            let is_left_out = [
+                ("factors outside [0, 1] (clamped)", all.any(|factor| !(0.0..=1.0).contains(factor))),
+                ("emission", material.emissive_factor() != [0.0; 3]),
+                ("occlusion", material.occlusion_texture().is_some()),
+                ("transparency", material.alpha_mode() != AlphaMode::Opaque),
+            ];
+            unread.extend(is_left_out.iter().filter(|(_, is_there)| *is_there).map(|(name, _)| (*name).to_owned()));
             let mut map_of = |extension: &str, texture: &Option<Map>, meaning: fn(f32) -> Meaning| {
                 let Some(Map { index, scale, .. }) = texture else { return Ok(None) };
                 let texture = document.textures().nth(*index);
@@ -247,13 +258,7 @@ impl<'a> Materials<'a> {
                 alpha: brdf::alpha_from_perceptual_roughness(sheen_roughness).max(brdf::SHEEN_ALPHA_MIN) as f32,
                 roughness_map: map_of(SHEEN, &sheen.sheen_roughness_texture, |_| Meaning::Alpha)?,
             };
-            let is_left_out = [
-                ("emission", material.emissive_factor() != [0.0; 3]),
-                ("occlusion", material.occlusion_texture().is_some()),
-                ("transparency", material.alpha_mode() != AlphaMode::Opaque),
-            ];
-            unread.extend(is_left_out.iter().filter(|(_, is_there)| *is_there).map(|(name, _)| (*name).to_owned()));
-            let [red, green, blue, _] = factors.base_color_factor().map(|x| x.clamp(0.0, 1.0));
+            let [red, green, blue, _] = rgb.map(|x| x.clamp(0.0, 1.0));
             let alpha = brdf::alpha_from_perceptual_roughness(f64::from(factors.roughness_factor().clamp(0.0, 1.0)));
             let default = Material::default();
             materials.push(Material {

@@ -474,6 +474,8 @@ fn ignored_features_cause_a_warning() {
     model["materials"] = json!([{ "emissiveFactor": [1, 0, 0], "alphaMode": "MASK" }]);
     model["extensionsUsed"] = json!(["KHR_lights_punctual"]);
     assert_eq!(loaded(&model).warnings, ["not read: KHR_lights_punctual, emission, transparency"]);
+    model["materials"][0] = json!({ "extensions": { "KHR_materials_clearcoat": { "clearcoatFactor": 2 } } });
+    assert_eq!(loaded(&model).warnings, ["not read: KHR_lights_punctual, factors outside [0, 1] (clamped)"]);
 }
 
 /// A truncated `.glb`, or one with wrong lengths, is reported as such.
