@@ -9,11 +9,12 @@ use super::paste::{self, TAPS};
 use super::product::LAST_SIDE;
 use super::sh;
 use super::source::{FACES, MANIFEST, Reading, read};
-use crate::brdf::{Brdf, Ggx, MaskingShadowing};
+use crate::brdf::{Brdf, Ggx, MaskingShadowing, alpha_from_perceptual_roughness, g1};
 use crate::environment::Environment;
 use crate::environment::layout::LAYOUTS;
+use crate::glsl::constants::ALPHA_MIN;
 use crate::pixels::{Fault, GrayImage, Pixels, PixelsError, Rgb8Image, RgbImage, exr, png, write_atomically};
-use crate::precompute::dfg::patches;
+use crate::precompute::dfg::chebyshev;
 use crate::precompute::exact_quadrature;
 use crate::precompute::prefilter::{Kernel, Weight};
 use crate::precompute::sh9::reference::project_bilinear;
@@ -43,7 +44,7 @@ pub struct Making<'a> {
 pub const IRRADIANCE_SIDE: u32 = 32;
 pub const TABLE_SIDE: u32 = 64;
 /// Bound on the relative error of a table's integrals. True errors are at most 7.5e-5 (GGX and Beckmann, 289 texels of
-/// 128x128); [`patches`] add at most 1e-4.
+/// 128x128); [`chebyshev`] adds at most 1e-4.
 const TABLE_WITHIN: f64 = 1e-2;
 
 /// A level as its file has it.
@@ -252,12 +253,18 @@ fn write_map(
 
 /// Computes A and B at texel centres.
 pub fn dfg(brdf: &'static dyn Brdf, masking: MaskingShadowing, axes: &TableAxes, side: u32) -> RgbImage {
-    let table = patches::table(side, |at| table::exact(brdf, masking, at, TABLE_WITHIN));
+    // Walter's fit of G1 has a kink where no polynomial is close; without its error A and B are smooth.
+    let smooth = if masking == MaskingShadowing::Schlick { masking } else { MaskingShadowing::SmithExact };
+    let kink = |at: DVec2| {
+        let alpha = alpha_from_perceptual_roughness(at.y).max(ALPHA_MIN.into());
+        g1(brdf, at.x, alpha, masking) / g1(brdf, at.x, alpha, smooth)
+    };
+    let table = chebyshev::table(side, |at| table::exact(brdf, masking, at, TABLE_WITHIN) / kink(at));
     let size = f64::from(side);
     RgbImage::from_fn(side, side, |x, y| {
-        let at = size * axes.parameters((DVec2::new(x.into(), y.into()) + 0.5) / size);
-        let [a, b] = table.get(at.x as u32, at.y as u32).as_vec2().to_array();
-        [a, b, 0.0]
+        let at = axes.parameters((DVec2::new(x.into(), y.into()) + 0.5) / size);
+        let [x, y] = (size * at).to_array().map(|x| x as u32);
+        (kink(at) * table.get(x, y)).extend(0.0).as_vec3().to_array()
     })
 }
 

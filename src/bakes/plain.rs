@@ -82,8 +82,7 @@ impl Baking<'_> {
         let mut files = Files { out, paths: Vec::new() };
         files.json("sh9.json", &sh9(environment))?;
         let size = settings.irradiance_size;
-        let factors = harmonic::cosine_factors(degree);
-        let irradiance = harmonic::texels(&harmonics, &factors, layout, size);
+        let irradiance = harmonic::texels(&harmonics, &harmonic::cosine_factors(degree), layout, size);
         files.image("irradiance_over_pi.exr", &faces(layout, size, irradiance), &["R", "G", "B"])?;
         for brdf in brdfs {
             let (name, kernel) = (brdf.name(), Kernel::new(*brdf, settings.prefilter_weight, masking));

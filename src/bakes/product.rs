@@ -89,10 +89,8 @@ impl Product {
         }
         Texel::parse(self.texel).map_err(|fault| format!("texel: {fault}"))?;
         if code(self.language, "split-sum-two").is_none() {
-            return Err(format!(
-                "language: {}",
-                not_one_of("shading language", self.language, &["GLSL", "HLSL", "WGSL"], "")
-            ));
+            let fault = not_one_of("shading language", self.language, &["GLSL", "HLSL", "WGSL"], "");
+            return Err(format!("language: {fault}"));
         }
         match (self.last_side, self.level_count) {
             (1..=1024, None | Some(2..=16)) => Ok(()),

@@ -10,9 +10,9 @@
 //! along x and alpha along y; [`DfgAxes`] defines the positions of its texels.
 
 mod albedos;
+pub mod chebyshev;
 #[cfg(feature = "gpu")]
 pub mod pass;
-pub mod patches;
 pub mod reference;
 
 pub use albedos::Albedos;

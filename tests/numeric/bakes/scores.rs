@@ -14,7 +14,7 @@ use splitsum::math::equirect_quadrature::EquirectQuadrature;
 use splitsum::math::quadrature::Tolerance;
 use splitsum::math::spherical_harmonics::{DEGREE, irradiance};
 use splitsum::pixels::RgbImage;
-use splitsum::precompute::dfg::patches;
+use splitsum::precompute::dfg::chebyshev;
 use splitsum::precompute::dfg::reference::dfg_within;
 use splitsum::precompute::prefilter::reference::prefilter;
 use splitsum::precompute::prefilter::{Kernel, harmonic};
@@ -313,7 +313,7 @@ fn conventions_of_a_table_are_found() {
     let encoded = table::score(&encoded, &Ggx, &convention);
     assert!(encoded.verdict.contains("encoded with gamma 2.2") && encoded.causes[0].kind == "encoding", "{encoded:?}");
     // A black row between the compared ones stands out.
-    let exact = patches::table(64, |at| table::exact(&Ggx, correlated, at, 1e-4));
+    let exact = chebyshev::table(64, |at| table::exact(&Ggx, correlated, at, 1e-4));
     let mut whole = exact.map(|pair| [pair.x as f32, pair.y as f32, 0.0]);
     assert!(table::score(&whole, &Ggx, &convention).verdict.starts_with("good"));
     whole.data[30 * 64..31 * 64].fill([0.0; 3]);
