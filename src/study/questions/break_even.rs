@@ -48,10 +48,15 @@ pub const QUESTION: Question = Question {
 };
 
 fn lacks(shape: &Shape) -> Option<&'static str> {
+    lacks_counts(shape, SAMPLES, "axes.samples has fewer than two counts")
+}
+
+/// What a comparison over the counts of an axis lacks.
+pub(super) fn lacks_counts(shape: &Shape, counts: usize, too_few: &'static str) -> Option<&'static str> {
     match () {
-        () if !shape.methods().any(|method| method.uses_samples) => Some("axes.method has no sampling method"),
+        () if !shape.methods().any(|method| method.uses_point_set) => Some("axes.method has no sampling method"),
         () if shape.methods().all(|method| method.uses_samples) => Some("axes.method has no method without samples"),
-        () if !shape.is_swept(SAMPLES) => Some("axes.samples has fewer than two counts"),
+        () if !shape.is_swept(counts) => Some(too_few),
         () => None,
     }
 }

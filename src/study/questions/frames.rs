@@ -3,7 +3,7 @@
 //! [`super::break_even`] with frames in place of samples: a curve has one sample count, motion and history. Images of one frame belong to
 //! every motion. The last frame is compared, so under motion the error has the lag of the frames before.
 
-use super::break_even::{HI, LO, METRIC, N, Pair, conditions, counted, digest, ends, pairs, table};
+use super::break_even::{HI, LO, METRIC, N, Pair, conditions, counted, digest, ends, lacks_counts, pairs, table};
 use super::by_lookups::ratios;
 use super::numbers::middle_marks;
 use super::prelude::*;
@@ -34,12 +34,7 @@ pub const QUESTION: Question = Question {
 };
 
 fn lacks(shape: &Shape) -> Option<&'static str> {
-    match () {
-        () if !shape.methods().any(|method| method.uses_point_set) => Some("axes.method has no sampling method"),
-        () if shape.methods().all(|method| method.uses_samples) => Some("axes.method has no method without samples"),
-        () if !shape.is_swept(FRAMES) => Some("axes.frames has fewer than two counts"),
-        () => None,
-    }
+    lacks_counts(shape, FRAMES, "axes.frames has fewer than two counts")
 }
 
 fn answer(frame: &Frame) -> Option<Finding> {
