@@ -25,4 +25,4 @@ pub mod timing_ratios;
 
 pub use execute::{MakeRenderer, Merged, Outcome, Progress, RunError, RunOptions, merge, run};
 pub use images::{STANDARD_ERROR_LAYER, file_words, write_radiance};
-pub use renderer::{RenderFault, Renderer};
+pub use renderer::{RenderFault, Renderer, Served};

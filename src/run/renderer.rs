@@ -16,38 +16,25 @@ pub struct RenderFault {
     pub is_input: bool,
 }
 
+/// What a renderer gives, or why it cannot.
+pub type Served<T> = Result<T, RenderFault>;
+
 pub trait Renderer {
     fn device(&self) -> DeviceInfo;
     /// Checks before any work whether a request can be served.
-    fn check(&self, request: &RenderRequest) -> Result<(), RenderFault>;
+    fn check(&self, request: &RenderRequest) -> Served<()>;
     /// Whether the image of a request is cached.
     fn has_kept(&self, _: &RenderRequest) -> bool {
         false
     }
-    fn render(&mut self, request: &RenderRequest) -> Result<Frame, RenderFault>;
-    fn tonemap(&mut self, radiance: &RgbImage, curve: ToneCurve) -> Result<Rgb8Image, RenderFault>;
+    fn render(&mut self, request: &RenderRequest) -> Served<Frame>;
+    fn tonemap(&mut self, radiance: &RgbImage, curve: ToneCurve) -> Served<Rgb8Image>;
     /// The tables that light a surface, without levels of the environment wider than `width_max` texels.
-    fn light_tables(
-        &mut self,
-        request: &RenderRequest,
-        width_max: u32,
-        counts: &[TapCount],
-    ) -> Result<LightTables, RenderFault>;
+    fn light_tables(&mut self, request: &RenderRequest, width_max: u32, counts: &[TapCount]) -> Served<LightTables>;
     /// The error on the scene `design` by steps, over all pixels and over bands of n·v, with `samples` per pixel.
-    fn attributions(
-        &mut self,
-        request: &RenderRequest,
-        samples: u32,
-        bands: &[[f64; 2]],
-    ) -> Result<Vec<Attribution>, RenderFault>;
-    /// Times the passes of a frame, or of its tables, after `warmup` executions that do not count.
-    fn time(
-        &mut self,
-        request: &RenderRequest,
-        of_tables: bool,
-        warmup: u32,
-        rounds: u32,
-    ) -> Result<TimingSamples, RenderFault>;
+    fn attributions(&mut self, request: &RenderRequest, samples: u32, bands: &[[f64; 2]]) -> Served<Vec<Attribution>>;
+    /// Times the passes of a frame, or of its tables: executions that do not count, then rounds.
+    fn time(&mut self, request: &RenderRequest, of_tables: bool, counts: [u32; 2]) -> Served<TimingSamples>;
     /// Warnings since the last call.
     fn take_warnings(&mut self) -> Vec<String>;
 }
@@ -63,7 +50,7 @@ impl Renderer for Pipeline {
         Pipeline::device(self).clone()
     }
 
-    fn check(&self, request: &RenderRequest) -> Result<(), RenderFault> {
+    fn check(&self, request: &RenderRequest) -> Served<()> {
         Ok(Pipeline::check(self, request)?)
     }
 
@@ -71,39 +58,23 @@ impl Renderer for Pipeline {
         Pipeline::has_kept(self, request)
     }
 
-    fn render(&mut self, request: &RenderRequest) -> Result<Frame, RenderFault> {
+    fn render(&mut self, request: &RenderRequest) -> Served<Frame> {
         Ok(Pipeline::render(self, request)?)
     }
 
-    fn tonemap(&mut self, radiance: &RgbImage, curve: ToneCurve) -> Result<Rgb8Image, RenderFault> {
+    fn tonemap(&mut self, radiance: &RgbImage, curve: ToneCurve) -> Served<Rgb8Image> {
         Ok(Pipeline::tonemap(self, radiance, curve)?.0)
     }
 
-    fn light_tables(
-        &mut self,
-        request: &RenderRequest,
-        width_max: u32,
-        counts: &[TapCount],
-    ) -> Result<LightTables, RenderFault> {
+    fn light_tables(&mut self, request: &RenderRequest, width_max: u32, counts: &[TapCount]) -> Served<LightTables> {
         Ok(Pipeline::light_tables(self, request, width_max, counts)?)
     }
 
-    fn attributions(
-        &mut self,
-        request: &RenderRequest,
-        samples: u32,
-        bands: &[[f64; 2]],
-    ) -> Result<Vec<Attribution>, RenderFault> {
+    fn attributions(&mut self, request: &RenderRequest, samples: u32, bands: &[[f64; 2]]) -> Served<Vec<Attribution>> {
         Ok(Pipeline::attributions(self, request, samples, bands)?)
     }
 
-    fn time(
-        &mut self,
-        request: &RenderRequest,
-        of_tables: bool,
-        warmup: u32,
-        rounds: u32,
-    ) -> Result<TimingSamples, RenderFault> {
+    fn time(&mut self, request: &RenderRequest, of_tables: bool, [warmup, rounds]: [u32; 2]) -> Served<TimingSamples> {
         Ok(match of_tables {
             true => Pipeline::time_precompute(self, request, warmup, rounds)?,
             false => Pipeline::time(self, request, warmup, rounds)?,

@@ -6,7 +6,7 @@
 use super::{Progress, Run, RunError, of_cell};
 use crate::experiment::config::Timing;
 use crate::pipeline::{DeviceInfo, RenderRequest, TimingSamples};
-use crate::run::renderer::{RenderFault, Renderer};
+use crate::run::renderer::{RenderFault, Renderer, Served};
 use crate::run::scoring::CellFault;
 use crate::run::store::TIMINGS_FOLDER;
 use crate::run::timing::{self, PassSamples, Place, TimingJob, TimingRecord};
@@ -109,8 +109,8 @@ impl<'p> Run<'p> {
 }
 
 impl Timed<'_> {
-    fn sample(&self, warmup: u32, rounds: u32, renderer: &mut dyn Renderer) -> Result<TimingSamples, RenderFault> {
-        renderer.time(&self.request, self.job.phase == timing::PRECOMPUTE, warmup, rounds)
+    fn sample(&self, warmup: u32, rounds: u32, renderer: &mut dyn Renderer) -> Served<TimingSamples> {
+        renderer.time(&self.request, self.job.phase == timing::PRECOMPUTE, [warmup, rounds])
     }
 
     /// Phase and axes, for people.

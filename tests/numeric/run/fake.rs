@@ -6,7 +6,7 @@ use splitsum::pixels::{GrayImage, Pixels, Rgb8Image, RgbImage};
 use splitsum::precompute::dfg::DfgAxes;
 use splitsum::precompute::taps::TapCount;
 use splitsum::run::estimate::Ahead;
-use splitsum::run::{Progress, RenderFault, Renderer};
+use splitsum::run::{Progress, RenderFault, Renderer, Served};
 use splitsum::shade::reference_pass::Convergence;
 use splitsum::tonemap::ToneCurve;
 use std::cell::RefCell;
@@ -80,11 +80,11 @@ impl Renderer for Fake {
         }
     }
 
-    fn check(&self, _: &RenderRequest) -> Result<(), RenderFault> {
+    fn check(&self, _: &RenderRequest) -> Served<()> {
         Ok(())
     }
 
-    fn render(&mut self, request: &RenderRequest) -> Result<Frame, RenderFault> {
+    fn render(&mut self, request: &RenderRequest) -> Served<Frame> {
         let mut log = self.0.borrow_mut();
         let fault =
             |message: &str, device_lost| Err(RenderFault { message: message.to_owned(), device_lost, is_input: false });
@@ -134,7 +134,7 @@ impl Renderer for Fake {
     }
 
     /// Step k adds 0.01 (k + 1).
-    fn attributions(&mut self, _: &RenderRequest, _: u32, bands: &[[f64; 2]]) -> Result<Vec<Attribution>, RenderFault> {
+    fn attributions(&mut self, _: &RenderRequest, _: u32, bands: &[[f64; 2]]) -> Served<Vec<Attribution>> {
         let all: f64 = (0..STEPS.len()).map(|i| 0.01 * (i + 1) as f64).sum();
         let step = |i: usize| {
             let own = 0.01 * (i + 1) as f64;
@@ -160,18 +160,13 @@ impl Renderer for Fake {
         Ok([[0.0, 1.0]].into_iter().chain(bands.iter().copied()).map(of_band).collect())
     }
 
-    fn tonemap(&mut self, radiance: &RgbImage, curve: ToneCurve) -> Result<Rgb8Image, RenderFault> {
+    fn tonemap(&mut self, radiance: &RgbImage, curve: ToneCurve) -> Served<Rgb8Image> {
         self.0.borrow_mut().tonemaps += 1;
         Ok(curve.apply_image(radiance))
     }
 
     /// Constant light of radiance 1 in a few texels; the lobe reflects f0 whole.
-    fn light_tables(
-        &mut self,
-        request: &RenderRequest,
-        _: u32,
-        counts: &[TapCount],
-    ) -> Result<LightTables, RenderFault> {
+    fn light_tables(&mut self, request: &RenderRequest, _: u32, counts: &[TapCount]) -> Served<LightTables> {
         let chain = |levels: u32| (0..levels).map(|k| RgbImage::filled(8 >> k, (4 >> k).max(1), [1.0; 3])).collect();
         let mut sh9 = vec![[0.0; 3]; 9];
         sh9[0] = [(4.0 * std::f32::consts::PI).sqrt(); 3];
@@ -193,13 +188,7 @@ impl Renderer for Fake {
     }
 
     /// The first frame of a configuration takes 4 ms more than its sample count, the next ones 0, 1, 2, 3, 4, 0 ... more.
-    fn time(
-        &mut self,
-        request: &RenderRequest,
-        of_tables: bool,
-        _: u32,
-        rounds: u32,
-    ) -> Result<TimingSamples, RenderFault> {
+    fn time(&mut self, request: &RenderRequest, of_tables: bool, [_, rounds]: [u32; 2]) -> Served<TimingSamples> {
         let mut log = self.0.borrow_mut();
         log.timings += 1;
         if of_tables {
