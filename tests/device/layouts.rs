@@ -80,7 +80,7 @@ fn every_level_keeps_the_moments_of_the_environment() {
     with_gpu(|gpu| {
         let environment = golden_environment();
         let exact = exact_quadrature(&environment.image);
-        let moments = exact.integrate(|l| [1.0, l.x, l.y, l.z], &[], EXACT);
+        let moments = exact.integrate(|l| [1.0, l.x, l.y, l.z], None, EXACT);
         let unit = |k: usize| std::array::from_fn(|i| DVec3::splat(f64::from(u8::from(i == k))));
         let whole = moments.combine(unit(0)).value;
         let image = environment_image(gpu, &environment.image);

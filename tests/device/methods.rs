@@ -190,7 +190,7 @@ fn the_lobe_of_several_scatterings_is_integrated() {
                     let cosine = n.dot(l).max(0.0);
                     [(1.0 - pair(cosine).element_sum()) * cosine / (PI * (1.0 - mean))]
                 };
-                let light = exact.integrate(lobe, &[], EXACT).value[0];
+                let light = exact.integrate(lobe, None, EXACT).value[0];
                 let expected = multiple(Compensation::KullaConty, albedo, pair(n.dot(v)), mean) * light;
                 let [x, y] = sight.pixel;
                 let sigma = DVec3::from_array(both.standard_error.as_ref().unwrap().get(x, y).map(f64::from));
