@@ -13,7 +13,7 @@ set -eu
 cd "$(dirname "$0")/.."
 . scripts/setup.sh
 
-set_names="quick front break-even source-document-0 level-bias diffuse tables ladder split-sums pictures coat anisotropy anisotropy-albedo sheen lobes temporal ghosts exposure-and-contrast better-method timing"
+set_names="quick front break-even source-document-0 level-bias diffuse tables ladder split-sums pictures coat anisotropy anisotropy-albedo anisotropy-laws sheen lobes temporal ghosts exposure-and-contrast better-method timing"
 runs=runs/standard
 results=results
 while [ $# -gt 0 ]; do
