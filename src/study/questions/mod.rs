@@ -141,7 +141,8 @@ pub fn answers(run: &Finished, metric: Option<&str>) -> Vec<Answer> {
     answers
 }
 
-/// Reports asked names that are not questions, questions that the axes cannot answer, and each `by` that makes no rows.
+/// Reports asked names that are not questions, questions that the axes cannot answer, and each `by` that can make no rows. An axis with
+/// one value may be `by`, so that `--set` can narrow an experiment.
 pub fn check(config: &Config, faults: &mut Faults) {
     let shape = Shape::of_config(config);
     let names: Vec<&str> = QUESTIONS.iter().map(|question| question.name).collect();
@@ -159,17 +160,15 @@ pub fn check(config: &Config, faults: &mut Faults) {
             faults.add(place, format!("asks: {name:?} cannot be answered: {lack}"));
         }
         let Some((axis, place)) = by else { continue };
-        let fits = |axis: usize| shape.is_swept(axis) && is_row_axis(axis);
         if !question.has_rows {
             faults.add(place, format!("asks.by: the rows of {name} are not values of an axis; leave it out"));
-        } else if !fits(*axis) {
+        } else if !is_row_axis(*axis) {
             let name = config.named(*axis).name();
-            let known: Vec<&str> =
-                (0..AXES.len()).filter(|&axis| fits(axis)).map(|axis| config.named(axis).name()).collect();
+            let fit = (0..AXES.len()).filter(|&axis| shape.is_swept(axis) && is_row_axis(axis));
+            let known: Vec<&str> = fit.map(|axis| config.named(axis).name()).collect();
             let expected =
                 if known.is_empty() { "leave it out".to_owned() } else { format!("expected {}", known.join(", ")) };
-            let fault = if is_row_axis(*axis) { "has fewer than two values" } else { "does not distinguish cases" };
-            faults.add(place, format!("asks.by: {name} {fault}; {expected}"));
+            faults.add(place, format!("asks.by: {name} does not distinguish cases; {expected}"));
         }
     }
 }
