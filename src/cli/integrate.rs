@@ -50,8 +50,9 @@ Kinds, their columns (any order; [optional]) and what is added (_r _g _b, then _
               [anisotropy,anisotropy_rotation_deg,anisotropy_widths]: two widths along a tangent,
               at 0 degrees east (y x n), turned counter-clockwise about n
               [coat,coat_alpha,coat_layering] -> coat: radiance of the coat; base_share: factor of
-              the results above
-              [sheen_color,sheen_alpha,sheen_visibility] -> sheen, sheen_base_share: as for a coat
+              all below it, so of the results above and of the sheen
+              [sheen_color,sheen_alpha,sheen_visibility] -> sheen, sheen_base_share: the same, under
+              a coat
   ladder      as shading without layers, and [levels] -> reference, ladder_fresnel,
               ladder_masking, ladder_view, ladder_levels: from the integral to the split sum
   dfg         brdf,alpha,n_dot_v [masking,id] -> f0_scale,f90_scale,albedo,error

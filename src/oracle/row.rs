@@ -46,7 +46,9 @@ impl Row<'_> {
     pub(super) fn number(&mut self, column: &str, text: &str) -> Option<f64> {
         let number = text.parse::<f64>().ok().filter(|x| x.is_finite());
         if number.is_none() {
-            self.fault(column, format!("{text:?} is not a finite number"));
+            let is_there = self.optional_cell(column).is_some();
+            let lack = "the header lacks this column".to_owned();
+            self.fault(column, if is_there { format!("{text:?} is not a finite number") } else { lack });
         }
         number
     }
