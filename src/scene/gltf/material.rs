@@ -39,7 +39,7 @@ const SHEEN: &str = "KHR_materials_sheen";
 
 /// An extension's members; the crate has none of its own.
 #[derive(Default, Deserialize)]
-#[serde(default, rename_all = "camelCase")]
+#[serde(default, rename_all = "camelCase", expecting = "an object")]
 struct Stretched {
     anisotropy_strength: f32,
     anisotropy_rotation: f32,
@@ -47,7 +47,7 @@ struct Stretched {
 }
 
 #[derive(Default, Deserialize)]
-#[serde(default, rename_all = "camelCase")]
+#[serde(default, rename_all = "camelCase", expecting = "an object")]
 struct Clearcoat {
     clearcoat_factor: f32,
     clearcoat_texture: Option<Map>,
@@ -57,7 +57,7 @@ struct Clearcoat {
 }
 
 #[derive(Default, Deserialize)]
-#[serde(default, rename_all = "camelCase")]
+#[serde(default, rename_all = "camelCase", expecting = "an object")]
 struct Cloth {
     sheen_color_factor: [f32; 3],
     sheen_color_texture: Option<Map>,
@@ -88,7 +88,7 @@ fn extension<T: Default + serde::de::DeserializeOwned>(material: &::gltf::Materi
 }
 
 #[derive(Deserialize)]
-#[serde(rename_all = "camelCase")]
+#[serde(rename_all = "camelCase", expecting = "an object")]
 struct Map {
     index: usize,
     #[serde(default)]
