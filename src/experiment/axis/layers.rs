@@ -88,7 +88,7 @@ pub(super) const LAYER_AXES: &[Axis] = &[
         name: "coat_renderer",
         part: Part::Parameter,
         about: "whose way to shade a coat; `splitsum list coat-renderers`",
-        used: |u| u.has_coat,
+        used: |u| u.has_coat && !u.method.is_integrated(),
         reference: |_, _| first::<CoatRenderer>(),
         apply: |s, v| s.shading.coat_renderer = CoatRenderer::listed(v.text()),
         ..one_of::<CoatRenderer>(LAYER)
