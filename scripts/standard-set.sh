@@ -58,7 +58,7 @@ done <experiments/environments.csv
 # Lights of an experiment: its formulas, then the measured maps. Empty for an experiment about formulas or pictures.
 lights_of() {
     case $1 in
-    front | pictures | split-sums | coat | anisotropy | sheen | lobes | temporal) echo "${maps#,}" ;;
+    front | pictures | split-sums | coat | anisotropy | anisotropy-laws | sheen | lobes | temporal) echo "${maps#,}" ;;
     break-even | better-method | level-bias | tables | ladder) echo "builtin:studio,builtin:sky$maps" ;;
     diffuse) echo "builtin:sky,builtin:sky:elevation_deg=88,builtin:studio,builtin:checker,builtin:cap$maps" ;;
     esac
