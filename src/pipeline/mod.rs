@@ -26,7 +26,7 @@ pub use cache::{CACHE_BYTES, Recent};
 pub use disk_cache::{DiskCache, DiskCacheError, program_hash};
 pub use fit::{BUFFER_BYTES_EVERYWHERE, BUFFER_BYTES_MAX, image_buffer_bytes};
 pub use light_tables::LightTables;
-pub use request::{Frame, FrameTimings, RenderRequest, TimingSamples};
+pub use request::{Frame, FrameTimings, RenderRequest, Steadiness, TimingSamples};
 pub use shared_work::SharedWork;
 
 use crate::gbuffer;

@@ -59,17 +59,10 @@ fn constant_environment_gives_the_directional_albedo() {
     let radiance = DVec3::from_array(radiance.map(f64::from));
     let cases = MODELS.iter().flat_map(|model| {
         MaskingShadowing::all().flat_map(move |masking| {
-            [
-                (0.01, 0.5),
-                (0.05, 0.05),
-                (0.3, 0.2),
-                (1.0, 0.9),
-                (0.002, 0.0175),
-                (0.048, 0.097),
-                (0.02, 0.03),
-                (0.2, 0.01),
-            ]
-            .map(|(alpha, n_dot_v)| (*model, *masking, alpha, n_dot_v))
+            [0.01, 0.05, 0.3, 1.0, 0.002, 0.048, 0.02, 0.2]
+                .into_iter()
+                .zip([0.5, 0.05, 0.2, 0.9, 0.0175, 0.097, 0.03, 0.01])
+                .map(|(alpha, n_dot_v)| (*model, *masking, alpha, n_dot_v))
         })
     });
     cases.collect::<Vec<_>>().par_iter().for_each(|&(model, masking, alpha, n_dot_v)| {

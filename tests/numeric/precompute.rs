@@ -236,9 +236,7 @@ fn mips_weigh_rows_by_solid_angle() {
 /// The polynomial changes no texel by more than a step of a half, at any view and roughness, for every model and masking.
 #[test]
 fn a_table_by_a_polynomial_equals_its_integrals() {
-    for (model, masking) in
-        MODELS.iter().flat_map(|model| MaskingShadowing::all().map(move |masking| (model, *masking)))
-    {
+    for (model, masking) in MODELS.iter().flat_map(|m| MaskingShadowing::all().map(move |k| (m, *k))) {
         let table = make::dfg(*model, masking, &TABLE_AXES[0], 80);
         for i in 0..100 {
             let [x, y] = [i * 37 % 80, (i * i + 13 * i) % 80];

@@ -1,7 +1,9 @@
 //! A synthetic renderer: an analytic sphere whose error is known for every method.
 
 use splitsum::ladder::{Attribution, STEPS, StepNumbers};
-use splitsum::pipeline::{DeviceInfo, Frame, FrameTimings, LightTables, PassTime, RenderRequest, TimingSamples};
+use splitsum::pipeline::{
+    DeviceInfo, Frame, FrameTimings, LightTables, PassTime, RenderRequest, Steadiness, TimingSamples,
+};
 use splitsum::pixels::{GrayImage, Pixels, Rgb8Image, RgbImage};
 use splitsum::precompute::dfg::DfgAxes;
 use splitsum::precompute::taps::TapCount;
@@ -118,6 +120,7 @@ impl Renderer for Fake {
         });
         let standard_error =
             (request.shading.method.name == "reference").then(|| radiance.map(|texel| texel.map(|c| c * NOISE)));
+        let without_noise = radiance.map(|texel| texel.map(|c| 0.5 * c));
         Ok(Frame {
             radiance,
             convergences: (request.shading.method.name == "reference")
@@ -127,7 +130,7 @@ impl Renderer for Fake {
             standard_error,
             mask: Arc::new(mask),
             n_dot_v: Arc::new(n_dot_v),
-            steadiness: None,
+            steadiness: (request.shading.frames.count > 1).then_some(Steadiness { without_noise, flicker: 0.25 }),
             // A cached frame has no passes; this one was rendered.
             timings: FrameTimings { frame: vec![PassTime { pass: "gbuffer", ms: 1.0 }], ..FrameTimings::default() },
         })

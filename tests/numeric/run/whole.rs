@@ -82,6 +82,22 @@ fn a_run_renders_each_radiance_once_and_leaves_everything() {
 }
 
 /// A cell's scores do not depend on the cells before it: every tone curve has its own displays.
+/// The fake's frames without noise have half its radiance.
+#[test]
+fn the_lag_of_a_sequence_is_scored_against_the_reference() {
+    let (dir, plan) =
+        (tempfile::tempdir().unwrap(), plan(&EXPERIMENT.replace("exposure = [1, 10]", "frames = [1, 4]")));
+    invoke(&plan, dir.path(), &log(), usize::MAX).unwrap();
+    let table = Table::read(&dir.path().join("errors.csv")).unwrap();
+    let [frames, lag, bias, relmse] =
+        ["frames", "lag_bias", "bias_rel", "relmse"].map(|name| crate::table::numbers(&table, name));
+    for i in 0..table.rows.len() {
+        let is_sequence = f64::from(u8::from(frames[i] == Some(4.0)));
+        let expected = is_sequence * (0.5 - 0.5 / bias[i].unwrap()).powi(2) * relmse[i].unwrap();
+        assert!((lag[i].unwrap_or(0.0) - expected).abs() <= 1e-4 * expected, "{:?}", table.rows[i]);
+    }
+}
+
 #[test]
 fn a_cells_record_does_not_depend_on_other_cells() {
     let records = |exposures: &str, contrasts: &str| -> BTreeMap<String, serde_json::Value> {
