@@ -77,7 +77,7 @@ pub fn gain(directions: &Directions, found: &[DVec3], exact: &[DVec3], epsilon: 
 }
 
 /// Factors that are forgotten, and their names.
-const KNOWN: [f64; 7] = [PI, 1.0 / PI, 4.0 * PI, 0.25 / PI, 2.0 * PI, 2.0, 0.5];
+pub const KNOWN: [f64; 7] = [PI, 1.0 / PI, 4.0 * PI, 0.25 / PI, 2.0 * PI, 2.0, 0.5];
 const NAMES: [&str; 7] = ["pi", "1/pi", "4 pi", "1/4pi", "2 pi", "2", "1/2"];
 
 /// Describes a gain, as a forgotten factor if it is near one, and returns what was described.

@@ -52,7 +52,8 @@ pub fn score(truth: &Truth, map: &Map, convention: &Convention) -> Result<Vec<Le
     means.sort_by(|a, b| a.element_sum().total_cmp(&b.element_sum()));
     let lights = LazyCell::new(|| {
         let gain = slip::usual_gain(truth, &sheets[0].0, &sheets[0].1, alphas[0]);
-        slip::sources(truth.environment, means[means.len() / 2], gain)
+        let gains = if (gain - 1.0).abs() > slip::SAME_MEAN { &[1.0, gain][..] } else { &[1.0] };
+        slip::sources(truth.environment, means[means.len() / 2], gains)
     });
     let sources = LazyCell::new(|| of_lights(truth, &lights, &alphas));
     let of = |(k, (directions, found)): (usize, &(Directions, Vec<DVec3>))| {
@@ -157,7 +158,9 @@ pub fn between_texels(
 pub fn score_irradiance(truth: &Truth, map: &Map, convention: &Convention) -> LevelScore {
     let (directions, found) = level_texels(map, &map.levels[0], convention.axes, convention.irradiance_scale);
     let (kernel, alpha) = Truth::of_irradiance();
-    let lights = LazyCell::new(|| slip::sources(truth.environment, mean(&directions, &found), 1.0));
+    // Irradiance alone does not tell a gain from a cut, so only usual gains are tried.
+    let gains = [&[1.0], &fit::KNOWN[..]].concat();
+    let lights = LazyCell::new(|| slip::sources(truth.environment, mean(&directions, &found), &gains));
     let sources = LazyCell::new(|| of_lights(truth, &lights, &[]));
     let scale = ("--irradiance-scale", convention.irradiance_scale);
     let (sources, directions, found) = (&|| &sources[..], &directions, &found);

@@ -47,7 +47,7 @@ const CHANNELS_APART: f64 = 1.02;
 /// Smallest turn that is a slip, degrees.
 const TURN_MIN: f64 = 0.5;
 /// Largest relative difference of a bake's mean and its source's.
-const SAME_MEAN: f64 = 0.02;
+pub const SAME_MEAN: f64 = 0.02;
 /// Texels below this share of a cut are not cut.
 const UNCUT: f64 = 0.98;
 
@@ -120,8 +120,8 @@ pub fn usual_gain(truth: &Truth, directions: &Directions, found: &[DVec3], alpha
     ratios[ratios.len() / 2].max(1e-12)
 }
 
-/// Lists changed maps whose mean is a bake's, also over a gain: convolutions keep the mean.
-pub fn sources(environment: &Environment, mean: DVec3, gain: f64) -> Vec<(Cause, Environment)> {
+/// Lists changed maps whose mean is a bake's over a gain: convolutions keep the mean.
+pub fn sources(environment: &Environment, mean: DVec3, gains: &[f64]) -> Vec<(Cause, Environment)> {
     let image = &environment.image;
     let changed = |most: f64, curve: Option<Change>| {
         move |texel: [f32; 3]| {
@@ -157,8 +157,7 @@ pub fn sources(environment: &Environment, mean: DVec3, gain: f64) -> Vec<(Cause,
         [((*words).to_owned(), f64::INFINITY, Some(*curve)), (format!("cut at 1 and {words}"), 1.0, Some(*curve))]
     });
     let alike = curves.filter(|(_, most, curve)| is_same(mean_of(*most, *curve), mean));
-    let gains = [Some(1.0), ((gain - 1.0).abs() > SAME_MEAN).then_some(gain)];
-    let cuts = gains.into_iter().flatten().filter_map(cut_by);
+    let cuts = gains.iter().filter_map(|gain| cut_by(*gain));
     let source = |(words, most, curve): (String, f64, Option<Change>)| {
         let image = image.map(|texel| changed(most, curve)(texel).as_vec3().to_array());
         let cause = Cause { kind: "source", words: format!("source {words}") };

@@ -153,11 +153,8 @@ fn slips_of_the_light_and_of_the_kernel_are_named() {
         let of_source = Truth::new(&source, Kernel::cosine(&Ggx), &ALPHAS);
         let judged = judged(&light, cube(&of_source, &ALPHAS, |direction| direction), Some(&ALPHAS));
         assert!(judged.verdict().contains(&format!("source {words}")), "{words}: {}", judged.verdict());
-        assert!(
-            judged.causes().iter().all(|cause| cause.kind == "source" || words.contains(&cause.words[..5])),
-            "{:?}",
-            judged.causes()
-        );
+        let causes = judged.causes();
+        assert!(causes.iter().all(|cause| cause.kind == "source" || words.contains(&cause.words[..5])), "{causes:?}");
     }
     for brdf in [&Beckmann as &'static dyn Brdf, &Phong] {
         let of_model = Truth::new(&light, Kernel::cosine(brdf), &ALPHAS);
@@ -165,13 +162,20 @@ fn slips_of_the_light_and_of_the_kernel_are_named() {
         assert!(verdict.contains(&format!("of another model: --brdf {}", brdf.name())), "{verdict}");
     }
     let (kernel, alpha) = Truth::of_irradiance();
-    let exact = Truth::new(&light, kernel, &[alpha]).prefiltered(alpha);
-    let irradiance = faces(&LAYOUTS[0], [SIDE; 2], |d| exact.value(d));
-    let mut map = Map { layout: &LAYOUTS[0], levels: vec![irradiance] };
-    each_texel(&mut map, |[r, g, b]| [g, b, r]);
-    let bake = Bake { irradiance: Some(map), ..Bake::default() };
-    let verdict = Judging::stated(&Stated::default()).unwrap().judge(&light, &bake, |_| ()).unwrap().verdict();
-    assert!(verdict.contains("irradiance: channels in the order G, B, R"), "{verdict}");
+    let cut = Environment::from_image("cut", light.image.map(|texel| texel.map(|x| x.min(10.0))));
+    let slips: [(&str, _, fn([f32; 3]) -> [f32; 3]); 2] = [
+        ("channels in the order G, B, R", &light, |[r, g, b]| [g, b, r]),
+        ("source cut at 10; times pi", &cut, |texel| texel.map(|x| x * PI as f32)),
+    ];
+    for (words, source, change) in slips {
+        let exact = Truth::new(source, kernel, &[alpha]).prefiltered(alpha);
+        let irradiance = faces(&LAYOUTS[0], [SIDE; 2], |d| exact.value(d));
+        let mut map = Map { layout: &LAYOUTS[0], levels: vec![irradiance] };
+        each_texel(&mut map, change);
+        let bake = Bake { irradiance: Some(map), ..Bake::default() };
+        let verdict = Judging::stated(&Stated::default()).unwrap().judge(&light, &bake, |_| ()).unwrap().verdict();
+        assert!(verdict.contains(&format!("irradiance: {words}")), "{words}: {verdict}");
+    }
     let other = WEIGHTS.iter().find(|weight| weight.name == "none").unwrap();
     let kernel = Kernel::new(&Ggx, other, Default::default());
     let of_other = Truth::new(&light, kernel, &ALPHAS);
