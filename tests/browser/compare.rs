@@ -5,6 +5,7 @@ use crate::fake::{ERROR_AT_ONE, SPLIT_SUM_ERROR};
 use crate::fixture::{SIDE, assert_clean, cell, report, stored};
 use half::f16;
 use serde_json::json;
+use splitsum::color::srgb_encode;
 use splitsum::report::page::images::Choice;
 use splitsum::table::colormap::{OFF_MASK_COLOR, RELATIVE_ERROR, SIGNED_ERROR};
 use splitsum::tonemap::ToneCurve;
@@ -61,6 +62,12 @@ fn pixels_and_errors_are_the_renderers() {
         let bytes = drawn(&mut page, x, y);
         assert!(near(&bytes, wanted), "{bytes:?} {wanted:?}");
     }
+    page.key("t");
+    page.eval("(() => { const e = document.getElementById('exposure'); e.value = -5; e.dispatchEvent(new Event('input')); })()");
+    let dark = truth.map(|value| (255.0 * srgb_encode(value / 32.0)).round() as u8);
+    let bytes = drawn(&mut page, x, y);
+    assert!(near(&bytes, dark), "{bytes:?} for {dark:?} in sRGB");
+    page.key("t");
     let values = probed(&mut page, &id);
     assert_eq!(&values[..3], truth.map(f64::from).as_slice());
     let reference = probed(&mut page, "reference");

@@ -272,7 +272,7 @@ fn pixels_and_errors_equal_the_renderers() {
         Setting { model: 2, surface: Surface::at(0.0, 0.6), pitch: 20.0, yaw: 15.0, ..first },
         Setting { surface: brushed, ..first },
         Setting { model: 1, surface: Surface { coat: Some(0.8), coat_roughness: Some(0.3), ..first.surface }, ..first },
-        Setting { surface: cloth, ..first },
+        Setting { surface: cloth, n: 1024, ..first },
     ];
     let methods = page.eval("live.tables.methods.map((method) => method.name)");
     let methods: Vec<&str> = methods.as_array().unwrap().iter().map(|name| name.as_str().unwrap()).collect();

@@ -165,6 +165,7 @@ fn wrong_tables_are_refused() {
         "env_analytic.exr,ggx,0.2,0.04,0,1,0,0,1,0",
         "env_analytic.exr,ggx,0.2,0.04,0,0,0,0,1,0",
         "env_analytic.exr,ggx,0.2,0.04,0,1,0,0,1,1",
+        "env_analytic.exr,ggx,0.2,0.04,0,1,0,0,0.5,0",
         "env_analytic.exr,ggx,0.2,0.04,0,1,0,0.6,-0.8,0",
         "env_analytic.exr,ggx,0.2,0.04,0,1,0,1,0,0",
         "",

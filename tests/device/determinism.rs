@@ -11,7 +11,7 @@ use splitsum::environment::distribution::EnvironmentDistribution;
 use splitsum::gbuffer::pass::{self, GbufferImages, SceneData};
 use splitsum::glsl::constants::GROUP_SIDE;
 use splitsum::gpu::{Format, Gpu, Groups, Part, image_groups};
-use splitsum::math::sequence::PixelPoints;
+use splitsum::math::sequence::{FramePoints, PixelPoints};
 use splitsum::metrics::Epsilon;
 use splitsum::pipeline::{Pipeline, RenderRequest};
 use splitsum::precompute::points::Points;
@@ -85,8 +85,9 @@ fn short_submissions_make_the_same_image() {
             s.diffuse = DIFFUSE.iter().find(|diffuse| diffuse.uses_irradiance_map).unwrap();
         })
     };
-    let second = METHODS.iter().find(|method| method.uses_prefiltered()).unwrap();
-    let requests = [base.shaded(|s| s.method = second), base];
+    let sampled = base.shaded(|s| s.method = METHODS.iter().find(|method| method.name == "sampled").unwrap());
+    let blue = sampled.shaded(|s| (s.frame, s.frames.points) = (Some(0), FramePoints::Blue));
+    let requests = [base, sampled, blue];
     let [usual, short] = [false, true].map(|is_interactive| {
         let mut hashes = Vec::new();
         with_submissions(is_interactive, |pipeline| {

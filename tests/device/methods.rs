@@ -263,14 +263,17 @@ fn the_diffuse_term_gets_the_rest_of_the_light() {
             // The map of radiance 1 is 1 within the roundings of 4096 additions.
             let mut worst = Worst::new("diffuse beside specular", relative(1e-5));
             let albedo = DVec3::new(0.9f32.into(), 0.5f32.into(), 0.1f32.into());
-            for name in ["none", "split-sum"] {
-                let with = |diffuse| base.shaded(|s| (s.method, s.diffuse) = (method(name), Diffuse::listed(diffuse)));
+            for (name, of) in [("none", "none"), ("split-sum", "none"), ("split-sum", "turquin")] {
+                let base = base.shaded(|s| (s.method, s.compensation) = (method(name), *Compensation::listed(of)));
+                let with = |diffuse| base.shaded(|s| s.diffuse = Diffuse::listed(diffuse));
                 let both = pipeline.render(&with("irradiance-map")).unwrap();
                 let specular = pipeline.render(&with("none")).unwrap();
                 for Sight { pixel, surface, .. } in sights(&base, 4) {
                     let n_dot_v = surface.n.dot(surface.v);
                     let pair = base.shading.precompute.dfg_axes.lookup(&table, n_dot_v, surface.alpha);
-                    let left = if name == "none" { DVec3::ONE } else { 1.0 - (surface.f0 * pair.x + pair.y) };
+                    let more = if of == "none" { 0.0 } else { 1.0 / pair.element_sum() - 1.0 };
+                    let specular_share = (surface.f0 * pair.x + pair.y) * (1.0 + surface.f0 * more);
+                    let left = if name == "none" { DVec3::ONE } else { 1.0 - specular_share };
                     let diffuse = radiance(&both, pixel) - radiance(&specular, pixel);
                     worst.add_rgb(diffuse, 0.75 * albedo * left, || format!("{name} {pixel:?}"));
                 }

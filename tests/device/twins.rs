@@ -124,7 +124,14 @@ const PLAIN: Case = Case {
 /// Lobes of two widths.
 const STRETCHED: [Case; 4] = [
     Case { anisotropy: 0.7, alpha: 0.2, ..PLAIN },
-    Case { anisotropy: 0.6, widths: WidthLaw::Kulla, masking: MaskingShadowing::Correlated, layout: 1, ..PLAIN },
+    Case {
+        anisotropy: 0.6,
+        alpha: 0.8,
+        widths: WidthLaw::Kulla,
+        masking: MaskingShadowing::Correlated,
+        layout: 1,
+        ..PLAIN
+    },
     Case { anisotropy: 0.9, widths: WidthLaw::Disney, masking: MaskingShadowing::SmithExact, ..PLAIN },
     Case { anisotropy: 0.5, widths: WidthLaw::OpenPbr, kind: CameraKind::Perspective, ..PLAIN },
 ];
@@ -357,7 +364,8 @@ fn every_method_matches_its_f64_twin() {
             let lamps = (0..LAYOUTS.len()).map(|index| (&lamp, &CASES[index], in_turn(index)));
             let mut seen = Vec::new();
             let stretched = STRETCHED.iter().enumerate().map(|(index, case)| (&studio, case, MODELS[index % 2]));
-            let bent: Vec<Case> = (0..BENDS.len()).map(|bend| Case { bend, ..STRETCHED[0] }).collect();
+            let bent = |bend| [0.7, 0.1].map(|anisotropy| Case { bend, anisotropy, ..STRETCHED[0] });
+            let bent: Vec<Case> = (0..BENDS.len()).flat_map(bent).collect();
             let bent = bent.iter().map(|case| (&studio, case, MODELS[0]));
             for (environment, case, model) in plain.chain(others).chain(lamps).chain(stretched).chain(bent) {
                 let base = case.request(environment, model);

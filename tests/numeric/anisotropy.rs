@@ -211,6 +211,7 @@ fn laws_of_widths_keep_their_mean() {
         assert!(((0.5 * openpbr.length_squared()).sqrt() - alpha).abs() < 1e-15);
         for law in WidthLaw::all() {
             let Widths(pair) = law.widths(alpha, 0.0);
+            assert!((Widths(DVec2::new(alpha, 0.0)).mean() - alpha * 0.5f64.sqrt()).abs() < 1e-15);
             assert!((pair - DVec2::splat(alpha)).abs().max_element() < 1e-15, "{law:?}: {pair}");
             assert!(law.widths(alpha, s).0.x > law.widths(alpha, s).0.y);
         }

@@ -207,6 +207,15 @@ fn the_mask_is_blue_in_space_and_in_time() {
     });
     let [space, time] = [mean(space.collect()), mean(time.collect())];
     assert!(space < 0.02 && time < 0.1, "space {space}, time {time}");
+    let shift = |point_set| frame_shift(FramePoints::Blue, [5, 9], 2, 4, point_set);
+    assert_ne!(shift(0), shift(1), "sets differ");
+    // The mask repeats: its last frame is followed by the first.
+    let together = |frame: usize| {
+        let is_in = |i: usize, frame: usize| values[frame % DEPTH * SIDE * SIDE + i] < 0.3;
+        (0..SIDE * SIDE).filter(|i| is_in(*i, frame) && is_in(*i, frame + 1)).count()
+    };
+    let most = (0..DEPTH - 1).map(together).max().unwrap();
+    assert!(together(DEPTH - 1) <= most, "{} against {most}", together(DEPTH - 1));
     values.sort_by(f64::total_cmp);
     let count = values.len() as f64;
     assert!(values.iter().enumerate().all(|(rank, own)| *own == (rank as f64 + 0.5) / count), "each rank once");

@@ -10,7 +10,7 @@ use splitsum::math::equirect_quadrature::Focus;
 use splitsum::math::frame::Frame;
 use splitsum::math::quadrature::Tolerance;
 use splitsum::math::sampling::direction_from_polar;
-use splitsum::oracle::{Kind, Queries};
+use splitsum::oracle::{Answers, Kind, Queries};
 use splitsum::pixels::{RgbImage, exr};
 use splitsum::precompute::dfg::reference::dfg;
 use splitsum::precompute::exact_quadrature;
@@ -77,13 +77,18 @@ fn constant_environment_gives_the_directional_albedo() {
     });
 }
 
-/// The answers to a table in which ENV is the golden map, by row and column.
-fn answered(text: &str) -> impl Fn(usize, &str) -> f64 {
+/// The answers to a table in which ENV is the golden map.
+fn answers(text: &str, tolerance: Tolerance) -> Answers {
     let dir = tempfile::tempdir().unwrap();
     let map = std::env::current_dir().unwrap().join("tests/golden/env_analytic.exr");
     std::fs::write(dir.path().join("q.csv"), text.replace("ENV", &map.display().to_string())).unwrap();
     let queries = Queries::read(&dir.path().join("q.csv"), Kind::Shading, &LoadOptions::default()).unwrap();
-    let answers = queries.answer(TOLERANCE, || ());
+    queries.answer(tolerance, || ())
+}
+
+/// Its numbers by row and column.
+fn answered(text: &str) -> impl Fn(usize, &str) -> f64 {
+    let answers = answers(text, TOLERANCE);
     move |row: usize, name: &str| {
         let at = answers.columns.iter().position(|column| column == name).unwrap();
         match answers.rows[row][at] {
@@ -103,6 +108,12 @@ fn the_coat_of_a_table_is_its_integral() {
         "environment,brdf,alpha,f0,nx,ny,nz,vx,vy,vz,coat,coat_alpha,coat_layering\n\
          ENV,ggx,0.5,0.3,0,1,0,0.6,0.8,0,0.6,0.4,khr\nENV,ggx,0.5,0.3,0,1,0,0.6,0.8,0,0.6,0.4,albedo\n",
     );
+    let unmet = |coat_alpha: f64| {
+        let row = format!("ENV,ggx,1,0.3,0,1,0,0.6,0.8,0,1,{coat_alpha},khr");
+        let head = "environment,brdf,alpha,f0,nx,ny,nz,vx,vy,vz,coat,coat_alpha,coat_layering";
+        answers(&format!("{head}\n{row}\n"), Tolerance { relative: 1e-3, max_part_count: 200 }).unmet
+    };
+    assert_eq!([unmet(1.0), unmet(0.02)], [0, 1], "a narrow coat needs more parts than its base");
     let (v, cosine) = (DVec3::new(0.6, 0.8, 0.0), 0.8f64);
     let smith = |x: f64| 2.0 * x / (x + (alpha * alpha + (1.0 - alpha * alpha) * x * x).sqrt());
     let mut sums = [[DVec3::ZERO; 2]; 2];

@@ -16,7 +16,7 @@ use splitsum::precompute::dfg::reference::dfg;
 use splitsum::precompute::dfg::{DfgAxes, chebyshev};
 use splitsum::precompute::prefilter::reference::prefilter;
 use splitsum::precompute::prefilter::{Kernel, LEVEL_MAPPINGS, Weight};
-use splitsum::precompute::{exact_quadrature, mips, sh9};
+use splitsum::precompute::{PrecomputeSettings, PrefilterBy, exact_quadrature, mips, sh9};
 use splitsum::shade::reference::{Surface, integrate};
 use splitsum::spelling::Listed;
 use std::f64::consts::PI;
@@ -118,6 +118,9 @@ fn prefiltering_keeps_a_constant_and_sharpens_to_the_map() {
 
 #[test]
 fn prefilter_levels_and_alpha_agree() {
+    // Maps by harmonics take no samples.
+    let settings = PrecomputeSettings { prefilter: PrefilterBy::Harmonic, ..PrecomputeSettings::default() };
+    assert_eq!(["prefilter", "irradiance"].map(|table| settings.samples_of(table)), [None; 2]);
     for (mapping, roughness_of_middle) in
         LEVEL_MAPPINGS.iter().zip([0.5, 1.0 - 0.5f64.sqrt(), (1.7 - 1.49f64.sqrt()) / 1.4])
     {

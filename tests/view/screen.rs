@@ -136,14 +136,6 @@ pub struct Win<'a> {
     sent: Cell<u64>,
 }
 
-/// CPU seconds of a process or thread of `/proc`.
-pub fn cpu_s(id: &str) -> f64 {
-    let text = std::fs::read_to_string(format!("/proc/{id}/stat")).unwrap();
-    // After the name, which may hold spaces: user time is the twelfth word, system time the next.
-    let words = text.rsplit(')').next().unwrap().split_whitespace();
-    words.skip(11).take(2).map(|ticks| ticks.parse::<f64>().unwrap()).sum::<f64>() / 100.0
-}
-
 impl Win<'_> {
     pub fn dir(&self) -> &Path {
         self.dir.path()
@@ -167,11 +159,6 @@ impl Win<'_> {
         let text = std::fs::read_to_string(path).unwrap_or_default();
         let line = text.lines().find_map(|line| line.strip_prefix("VmRSS:"));
         line.and_then(|line| line.split_whitespace().next()?.parse().ok()).unwrap_or_default()
-    }
-
-    /// Processor time so far, by ticks of a hundredth of a second.
-    pub fn cpu_s(&self) -> f64 {
-        cpu_s(&self.child().id().to_string())
     }
 
     /// The last report of the window.

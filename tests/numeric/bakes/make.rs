@@ -336,6 +336,7 @@ fn the_last_level_has_enough_texels_for_lookups() {
         let (side, (relmse, why)) = last(engine, None);
         assert!(side == sides && relmse < GOOD && why.is_none(), "{engine}: {side}, {relmse}");
     }
+    assert_eq!(Preset::listed("khronos").product().levels(8), 2);
     let (side, (relmse, why)) = last("khronos", Some(5));
     assert!(side == 4 && relmse > GOOD && why.is_some(), "{side}, {relmse}");
     let (_, (_, why)) = last("unity", None);

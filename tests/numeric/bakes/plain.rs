@@ -29,6 +29,13 @@ fn files_hold_the_tables_in_f64() {
         ..PrecomputeSettings::default()
     };
     let baking = Baking { environment: &environment, settings, brdfs: &[&Phong as &dyn Brdf], masking };
+    // Levels of every model that is baked, even if no file can be written.
+    let full = tempfile::tempdir().unwrap();
+    let levels = ["prefiltered_ggx_7.exr", "prefiltered_phong_7.exr"].map(|name| full.path().join(name));
+    levels.iter().for_each(|level| std::fs::write(level, "stale").unwrap());
+    std::fs::create_dir(full.path().join("sh9.json")).unwrap();
+    assert!(Baking { brdfs: &[&Ggx, &Phong], ..baking }.bake(full.path()).is_err());
+    assert!(levels.iter().all(|level| !level.exists()));
     let files = baking.bake(dir.path()).unwrap();
     assert!(files.iter().all(|file| file.exists()) && !file("prefiltered_phong_7.exr").exists());
     let kernel = Kernel::cosine(&Phong);

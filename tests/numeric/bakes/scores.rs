@@ -2,9 +2,9 @@
 
 use super::files::faces;
 use glam::{DVec2, DVec3};
-use splitsum::bakes::check::{Truth, guess, level, sh as sh_score, table};
+use splitsum::bakes::check::{Judging, Truth, guess, level, sh as sh_score, table};
 use splitsum::bakes::convention::{Axes, PRESETS, Preset, TABLE_AXES, TABLE_CHANNELS};
-use splitsum::bakes::{Map, sh};
+use splitsum::bakes::{Map, Stated, sh};
 use splitsum::brdf::{Ggx, MaskingShadowing};
 use splitsum::environment::Environment;
 use splitsum::environment::layout::LAYOUTS;
@@ -148,16 +148,23 @@ fn a_light_is_known_by_a_mirror_and_by_levels_of_other_widths() {
         convention.alphas = Some(alphas.to_vec());
         let fits = guess::axes(&truth, map, &convention).unwrap();
         assert!(fits[0].axes == Axes::SAME && fits[0].correlation > guess::SAME_LIGHT, "{}", guess::in_words(&fits));
+        let dark = |face: &RgbImage| face.map(|texel| texel.map(|x| x / 1024.0));
+        let dark = map.levels.iter().map(|faces| faces.iter().map(dark).collect()).collect();
+        let of_dark = guess::axes(&truth, &Map { layout: map.layout, levels: dark }, &convention).unwrap();
+        assert!((of_dark[0].correlation - fits[0].correlation).abs() < 1e-6, "a gain changes nothing");
     };
     let mirror = faces(&LAYOUTS[0], [64; 2], |d| light.radiance(d));
     known(&[0.0], &Map { layout: &LAYOUTS[0], levels: vec![mirror] });
     known(&[0.3, 0.5, 1.0], &exact_map(&truth, 0, Axes::SAME, |alpha| (alpha, 1.0)));
 }
 
-/// Unity reads seven levels of any cube.
+/// Unity reads seven levels of any cube. What files say about another preset does not count.
 #[test]
 fn levels_of_unity_are_sixths() {
     let unity = Preset::listed("unity").convention();
+    let stated = Stated { preset: Some("bevy".to_owned()), alphas: Some(vec![0.5]), ..Stated::default() };
+    let by = |name: &str| Judging::by(Preset::listed(name), &stated).unwrap().convention.alphas;
+    assert_eq!((by("unity"), by("bevy")), (unity.alphas.clone(), stated.alphas.clone()));
     let by = |count: usize| unity.alphas(count).unwrap();
     assert_eq!((by(7)[..7].to_vec(), by(8)[6..].to_vec()), (by(9)[..7].to_vec(), vec![1.0, 1.0]));
     for (k, alpha) in by(3).into_iter().enumerate() {
@@ -307,6 +314,9 @@ fn conventions_of_a_table_are_found() {
     convention.masking = correlated;
     let exact = table::score(&table(0, 0, correlated, 0.0), &Ggx, &convention);
     assert!(exact.max_error < 1e-5 && exact.verdict.starts_with("good"), "{exact:?}");
+    let off = table(0, 0, correlated, 0.0).map(|pair| pair.map(|x| x + 0.01));
+    let off = table::score(&off, &Ggx, &convention);
+    assert!((off.rms - 0.01).abs() < 1e-5 && (off.max_error - 0.01).abs() < 2e-5, "{off:?}");
     let shifted = table::score(&table(0, 0, correlated, 1.0), &Ggx, &convention);
     assert!(shifted.verdict.contains("1 texel too high"), "{shifted:?}");
     let encoded = table(0, 0, correlated, 0.0).map(|pair| pair.map(|x| x.powf(1.0 / 2.2)));

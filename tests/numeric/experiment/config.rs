@@ -159,13 +159,8 @@ fn every_fault_is_reported_with_its_place() {
             "name = \"x\"\nroughness = 0.5\n[axes]\nroughness = [0.5]\n[[exclude]]\nroughness = 1\nwhy = \"?\"\n".to_owned(),
             &["roughness=0.5"],
         ),
-        ("open {", "name = \"x\"\nreference = { samples = 64\n[axes]\nalpha = [0.5]\n".to_owned(), &[]),
         ("open [", axes("alpha = [0.5,\nmethod = [\"split-sum\"]"), &[]),
-        ("open [ around lists", axes("size = [[1, 2], [3, 4]\nalpha = [1]"), &[]),
-        ("open [ in {", axes("samples = { pow2 = [0, 3 }\nalpha = [1]"), &[]),
-        ("open head", "name = \"x\"\n[axes\nalpha = [0.5]\n".to_owned(), &[]),
         ("the first of two open", axes("alpha = [0.5\nsize = { a = 3"), &[]),
-        ("brackets in text and comments", "name = \"x [\" # {\ncolour = 1\n[axes]\nalpha = [0.5\n".to_owned(), &[]),
         ("a missing file is not a formula", axes("environment = [\"sky.hdr\", \"maps/sky\", \"studio.exr\", \"studi\"]"), &[]),
         ("an approximation as judge", "name = \"x\"\nreference = { method = \"split-sum\" }\n[axes]\nalpha = [0.5]\n".to_owned(), &[]),
     ];

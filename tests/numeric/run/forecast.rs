@@ -81,6 +81,13 @@ fn shared_work_counts_once_and_kept_references_not_at_all() {
     let kept = || plan.cells.iter().map(|cell| cell.reference.clone()).collect();
     assert!(seconds(kept()) < seconds(Vec::new()));
     assert!(seconds(Vec::new()) < cells.iter().map(apart).sum());
+    // Frames of a still view share the frame without noise.
+    let frames = |motion: &str| {
+        let axes = format!("method = [\"sampled\"]\nsamples = [1]\nframes = [4]\nmotion = [\"{motion}\"]\n");
+        let plan = self::plan(&format!("name = \"frames\"\nreference = {{ samples = 32 }}\n[axes]\n{axes}"));
+        Steps::new(&plan, &[], [plan.cells[0].reference.clone()]).cell(&plan.cells[0])
+    };
+    assert!(frames("still") < 0.5 * frames("light"), "{} {}", frames("still"), frames("light"));
 }
 
 #[test]

@@ -250,6 +250,14 @@ fn every_cell_is_in_one_part_and_parts_have_no_image_in_common() {
 }
 
 #[test]
+fn as_many_parts_as_references_hold_one_each() {
+    let plan = plan(
+        "name = \"even\"\nreference = { samples = 32 }\n[axes]\nmethod = [\"sampled\"]\nf0 = [0.1, 0.2, 0.3, 0.4]\n",
+    );
+    assert_eq!(split(&plan, 4).iter().map(|share| share.cells.len()).collect::<Vec<_>>(), [1; 4]);
+}
+
+#[test]
 fn a_second_process_for_the_same_cells_is_refused() {
     let bench = Bench::new(EXPERIMENT);
     let open = |shard: &str| Store::open_shard(&bench.dir(), &bench.plan, shard.parse().unwrap());

@@ -84,6 +84,14 @@ fn maps_continue_by_their_samplers() {
         let expected: Vec<[u32; 2]> = rows.into_iter().flat_map(|row| columns.map(|column| [column, row])).collect();
         assert_eq!(texels(&scene, [6, 6], 3), expected, "{wrap}");
     }
+    // An image with two samplers is two maps.
+    let sheen = json!({ "sheenColorFactor": [1, 1, 1], "sheenColorTexture": { "index": 1 } });
+    let base = json!({ "baseColorTexture": { "index": 0 } });
+    let material = json!({ "pbrMetallicRoughness": base, "extensions": { "KHR_materials_sheen": sheen } });
+    let mut model = textured(quad(), material, &[png(3, 3, places)]);
+    model["samplers"] = json!([{}, { "wrapS": 33071 }]);
+    model["textures"] = json!([{ "source": 0, "sampler": 0 }, { "source": 0, "sampler": 1 }]);
+    assert_eq!(loaded(&model).textures.len(), 2);
 }
 
 #[test]

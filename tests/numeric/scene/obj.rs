@@ -166,21 +166,6 @@ fn a_statement_of_a_million_lines_is_read_at_once() {
     assert!(taken.as_secs() < 10, "{taken:?}");
 }
 
-/// Seven digits bend the outline of a fine circle inwards at every other corner.
-#[test]
-fn a_circle_of_rounded_corners_is_filled() {
-    let count = 20_000;
-    let mut text = String::new();
-    for i in 0..count {
-        let (y, x) = (std::f64::consts::TAU * f64::from(i) / f64::from(count)).sin_cos();
-        writeln!(text, "v {x:.7} {y:.7} 0").expect("a string takes all");
-    }
-    let corners: Vec<String> = (1..=count).map(|i| i.to_string()).collect();
-    let scene = loaded(&format!("{text}f {}\n", corners.join(" ")));
-    let area: DVec3 = scene.meshes.iter().flat_map(areas).sum();
-    assert!((area - DVec3::Z * std::f64::consts::PI).length() < 1e-5, "{area}");
-}
-
 /// Twice the texels of the largest accepted map, in 100 bytes: refused by its header.
 #[test]
 fn a_map_too_large_for_memory_is_left_out_by_its_header() {

@@ -37,9 +37,9 @@ fn a_slope_is_fitted_above_the_noise_only() {
 
 #[test]
 fn an_error_stops_falling_at_its_bias() {
-    // Variance 1/n over a squared bias of 0.1: a doubling removes (1/n - 1/2n)/(1/n + 0.1), less than a tenth from about 40 on.
+    // Variance 1/n over a squared bias b: a doubling removes (1/n - 1/2n)/(1/n + b). From 32 samples on that is 14.5 %, from 64 on 8.5 %.
     let run = finished("method = [\"sampled\"]\nsamples = { pow2 = [0, 9] }\nalpha = [0.1, 0.5]\n", |point| {
-        let (n, bias) = (samples(point).unwrap(), if point.get("alpha").number() == 0.1 { 0.1 } else { 0.0 });
+        let (n, bias) = (samples(point).unwrap(), if point.get("alpha").number() == 0.1 { 0.076 } else { 0.0 });
         Some(Made::error(1.0 / n + bias))
     });
     let found = finding(&run, "convergence");

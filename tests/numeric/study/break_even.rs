@@ -6,7 +6,7 @@ use crate::run::runs;
 use splitsum::figure::{Mark, Panel, Shape};
 use splitsum::study::finished::{Finished, MetricValues};
 use splitsum::study::frame::Frame;
-use splitsum::study::questions::question;
+use splitsum::study::questions::{Finding, question};
 use splitsum::study::table::Table;
 
 /// The rows of the metric of radiance; pictures also have rows of FLIP.
@@ -230,4 +230,26 @@ fn points_of_pixels_have_their_own_answers() {
         column(&row, "samples per pixel").concat()
     });
     assert_eq!(counts, ["4", "16"]);
+}
+
+/// One sample a frame errs by 0.8/frames; under a turning light lag remains. The image of one frame belongs to both motions.
+#[test]
+fn frames_win_from_a_count_on_and_name_their_lag_and_flicker() {
+    let mut paper = Paper::new(&["alpha", "method", "samples", "frames", "motion"]);
+    paper.add(&["0.5", "split-sum", "", "1", ""], 0.1);
+    paper.add(&["0.5", "sampled", "1", "1", ""], 0.8);
+    for (frames, motion, error) in
+        [("4", "still", 0.2), ("16", "still", 0.05), ("4", "light", 0.3), ("16", "light", 0.25)]
+    {
+        let lag = if motion == "light" { 0.2 } else { 0.0 };
+        paper.add(&["0.5", "sampled", "1", frames, motion], error).steadiness = Some([lag, 0.5 * error]);
+    }
+    let Finding { table, figure, .. } = paper.finding("frames");
+    let row = |motion| only(&table, &[("motion", motion)]);
+    let last = |motion| ["break_even", "ratio", "lag_bias", "flicker"].map(|name| numbers(&row(motion), name)[0]);
+    let (still, light, near) = (last("still"), last("light"), |a: f64, b: f64| (a - b).abs() < 1e-12);
+    assert!(still.iter().zip([16.0, 0.5, 0.0, 0.025]).all(|(found, right)| near(*found, right)), "{still:?}");
+    assert!(light[0].is_nan() && light[1..].iter().zip([2.5, 0.2, 0.125]).all(|(a, b)| near(*a, b)), "{light:?}");
+    let of = |panel: &Panel| panel.marks.iter().filter(|mark| matches!(mark.shape, Shape::HorizontalRule(_))).count();
+    assert!(figure.unwrap().panels.iter().all(|panel| of(panel) == 1));
 }

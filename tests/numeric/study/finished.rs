@@ -4,8 +4,9 @@ use crate::run::runs::{finished, invoke, log, plan, read};
 use crate::run::whole::EXPERIMENT;
 use splitsum::experiment::axis::FRAMES;
 use splitsum::experiment::value::Value;
+use splitsum::run::columns::STEPS;
 use splitsum::run::store::Store;
-use splitsum::study::finished::Finished;
+use splitsum::study::finished::{Finished, StepRow};
 use std::path::{Path, PathBuf};
 
 /// A run of one case: the split sum and three counts.
@@ -53,7 +54,12 @@ fn damaged_tables_are_refused_by_name() {
         std::fs::write(path("errors.csv"), &errors).unwrap();
         std::fs::write(path("errors_by_n_dot_v.csv"), &bins).unwrap();
     }
-    assert_eq!(Finished::read(&run).unwrap().cells.len(), 4);
+    let head = ["cell"].into_iter().chain(STEPS.iter().map(|column| column.name)).collect::<Vec<_>>().join(",");
+    std::fs::write(path("steps.csv"), format!("{head}\n{},0.1,0.2,view,3,4,5,6,7,8,9,10\n", cells[0])).unwrap();
+    let of = Finished::read(&run).unwrap().cells;
+    let StepRow { share, share_error, rung_error, first_in, last_out, shapley, step_error, noise, .. } = of[0].steps[0];
+    let read = [share, share_error, rung_error, first_in, last_out, shapley, step_error, noise];
+    assert_eq!((of.len(), read), (4, [3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0]));
 }
 
 #[test]

@@ -6,6 +6,8 @@ use crate::snapshot::assert_snapshot;
 use splitsum::report::blocks::{fill, fill_pages};
 use splitsum::run::columns::{CELL, TABLES};
 use splitsum::study::columns;
+use splitsum::study::finished::Finished;
+use splitsum::study::questions::{Finding, answers};
 use splitsum::table::csv::Table;
 use std::path::{Path, PathBuf};
 
@@ -33,6 +35,22 @@ fn published_pages_match_their_runs() {
     for page in filled {
         let name = page.strip_prefix(dir.path()).unwrap().display().to_string();
         assert!(std::fs::read_to_string(&page).unwrap() == text(&name), "{name} does not show what results/ says");
+    }
+}
+
+/// Runs whose answers need only the tables that are published with them.
+#[test]
+fn published_answers_follow_from_their_tables() {
+    for name in ["exposure-and-contrast", "ghosts", "lobes", "source-document-0", "timing"] {
+        let run = Finished::read(&file("results").join(name)).unwrap();
+        for answer in answers(&run, None) {
+            let (question, Finding { table, digest, .. }) = (answer.question.name, answer.finding);
+            for (part, own) in [("", Some(table)), ("_digest", digest)] {
+                let Some(own) = own else { continue };
+                let published = format!("results/{name}/answers/{question}{part}.csv");
+                assert!(own.csv() == text(&published), "{published} is not the answer");
+            }
+        }
     }
 }
 

@@ -64,6 +64,9 @@ fn a_way_without_samples_takes_as_long_as_the_count_at_which_the_ratio_passes_1(
         let fixed = record("frame", &axes("split-sum", ""), &[("shade", ms)]);
         let counts = [("1", 0.75), ("4", 1.5), ("8", 2.5), ("16", 4.5)];
         let sampled = counts.map(|(n, ms)| record("frame", &axes("sampled", n), &[("gbuffer", 9.0), ("shade", ms)]));
+        let two = record("frame", &axes("split-sum-two", ""), &[("shade", 1.5 * ms)]);
+        let digest = beside(vec![fixed.clone(), two]).finding("times").digest.unwrap();
+        assert_eq!(column(&only(&digest, &[("method", "split-sum-two")]), "times `split-sum`"), ["1.5"]);
         let finding = beside([vec![fixed], sampled.to_vec()].concat()).finding("times");
         let says = |words: &str| finding.sentence.contains(words);
         assert!(wanted.map_or(!says("samples"), |words| says(&format!("`split-sum` {words}"))), "{}", finding.sentence);

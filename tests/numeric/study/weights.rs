@@ -66,6 +66,8 @@ fn the_picture_weight_integrates_an_error_over_2_n_dot_v() {
         // Exact but for the 16,384 points.
         let found = score(&run, &Weight::Picture, name).unwrap();
         assert!((found - truth).abs() < 5e-4 * truth, "{name}: {found} instead of {truth}");
+        let band = run.weighted(&Weight::Picture).seen_at([0.0, 2.0]).unwrap();
+        assert_eq!(score(&band, &Weight::Uniform, name), Some(found), "all bands together");
     }
     // Constant weights within bins of h miss h²/6 of the change of the error: 0.0017 of 0.35.
     let bins = &run.cells[0].bins;

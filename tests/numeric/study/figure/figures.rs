@@ -19,37 +19,10 @@ fn series(names: &[&str]) -> Vec<Series> {
         .collect()
 }
 
-/// A pseudo-random number in [0, 1).
-fn noise(seed: usize) -> f64 {
-    ((seed as f64 * 12.9898).sin() * 43_758.545).fract().abs()
-}
-
-const SCENES: [&str; 6] = [
-    "meadow",
-    "studio small 09",
-    "kloofendal overcast pure sky",
-    "sky",
-    "one-hot",
-    "royal_esplanade_4k_without_a_place_to_break",
-];
-
-/// Long names, many rows, bars, intervals; and the figures of answers.
+/// Long names, shared numbers, and the figures of answers.
 pub fn hard() -> Vec<Figure> {
-    let made = [rows(), long(), shared()];
+    let made = [long(), shared()];
     made.into_iter().chain(questions::figures()).collect()
-}
-
-/// A dot chart with 30 rows and three series.
-fn rows() -> Figure {
-    let names = SCENES.iter().flat_map(|scene| (0..5).map(move |i| format!("{scene}, alpha 0.{i}04, 256x128 · 5 lv")));
-    let mut marks = vec![Mark::neutral(Shape::VerticalRule(1024.0))];
-    for i in 0..90 {
-        let x = f64::from(1u32 << ((noise(i) * 11.0) as u32));
-        marks.push(Mark::new(Shape::Dot([x, (i / 3) as f64]), i % 3).tip(format!("row {i}")).cell(format!("{i:08x}")));
-    }
-    let x = Scale::log("samples a pixel", [1.0, 2048.0]).unwrap();
-    let panel = Panel { title: "sampled over split-sum".to_owned(), x, y: Scale::steps("", names.collect()), marks };
-    Figure { panels: vec![panel], series: series(&["ggx", "beckmann", "ashikhmin-shirley"]), ..dots_of_nothing("Rows") }
 }
 
 fn dots_of_nothing(title: &str) -> Figure {
