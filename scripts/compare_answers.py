@@ -6,7 +6,7 @@ Both are folders `answers/`. Tables have the same columns and rows; each number 
 - `error` and `rms_percent` beside `noise_floor`: the rms against two references differ by at most the rms of the difference of the
   references, sqrt(2 noise_floor)
 - unresolved ratios (`is_resolved` 0) are noise and are not compared; nor are times
-- other numbers: within 5 %, the rounding of the two digits that pages print
+- other numbers: within 5 %, the rounding of the two digits that pages print; below 1e-12 they are the rounding of 0
 """
 
 import csv
@@ -17,6 +17,7 @@ from pathlib import Path
 NUMBER = r"-?\d+(?:\.\d+)?(?:e-?\d+)?"
 INTERVAL = re.compile(rf"({NUMBER}|more than {NUMBER})(?: \({NUMBER} % rms\))? \(95 % ({NUMBER}) to (more than )?({NUMBER})\)")
 ROUNDING = 0.05
+ZERO = 1e-12
 
 
 def rows(path):
@@ -32,7 +33,8 @@ def number(text):
 
 
 def is_near(old, new):
-    return abs(new - old) <= ROUNDING * max(abs(old), abs(new))
+    most = max(abs(old), abs(new))
+    return most < ZERO or abs(new - old) <= ROUNDING * most
 
 
 def agrees_in_words(old, new):
