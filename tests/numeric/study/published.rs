@@ -5,6 +5,7 @@ use crate::run::whole::EXPERIMENT;
 use crate::snapshot::assert_snapshot;
 use splitsum::report::blocks::{fill, fill_pages};
 use splitsum::run::columns::{CELL, TABLES};
+use splitsum::run::provenance::experiment_hash;
 use splitsum::study::columns;
 use splitsum::study::finished::Finished;
 use splitsum::study::questions::{Finding, answers};
@@ -51,6 +52,13 @@ fn published_answers_follow_from_their_tables() {
                 assert!(own.csv() == text(&published), "{published} is not the answer");
             }
         }
+    }
+    // Each run can run again: its experiment is the one of its record.
+    for dir in std::fs::read_dir(file("results")).unwrap().map(|entry| entry.unwrap().path()) {
+        let Ok(record) = std::fs::read(dir.join("provenance.json")) else { continue };
+        let record: serde_json::Value = serde_json::from_slice(&record).unwrap();
+        let experiment = std::fs::read_to_string(dir.join("experiment.toml")).unwrap();
+        assert_eq!(record["experiment_hash"], experiment_hash(&experiment), "{}", dir.display());
     }
 }
 
