@@ -147,6 +147,8 @@ fn hostile_files_are_refused_with_the_fact() {
     refused("x.dds", &with(&good, 16, 5), "its faces are 5x4");
     refused("x.dds", &with(&good, 28, 9), "9 levels of 4x4");
     refused("x.dds", &with(&good, 140, 3), "3 layers");
+    let one = files::dds(texel, 4, &marker(texel, 1).0);
+    assert_eq!(from_bytes(Path::new("x.dds"), &with(&one, 12, 2)).unwrap().levels.len(), 3, "4x2, 2x1 and 1x1");
 
     let mut infinite = levels.clone();
     infinite[1][4][..2].copy_from_slice(&f16::INFINITY.to_le_bytes());
@@ -177,6 +179,7 @@ fn folders_and_images_are_found_by_their_form() {
     let lat_long = |side: u32| RgbImage::from_fn(2 * side, side, |x, y| [x as f32, y as f32, 1.0]);
     write("a.exr", &lat_long(8));
     write("b.exr", &lat_long(4));
+    assert_eq!(read(&[path("a.exr"), path("a.exr")], reading).unwrap().specular.unwrap().levels.len(), 2);
     write("table.exr", &RgbImage::filled(4, 4, [0.5, 0.25, 0.0]));
     write("strip.exr", &RgbImage::from_fn(2, 12, |x, y| [x as f32, y as f32, 2.0]));
     let bake =

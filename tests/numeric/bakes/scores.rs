@@ -2,9 +2,9 @@
 
 use super::files::faces;
 use glam::{DVec2, DVec3};
-use splitsum::bakes::check::{Judging, Truth, guess, level, sh as sh_score, table};
+use splitsum::bakes::check::{Judging, Limits, Truth, guess, level, sh as sh_score, table};
 use splitsum::bakes::convention::{Axes, PRESETS, Preset, TABLE_AXES, TABLE_CHANNELS};
-use splitsum::bakes::{Map, Stated, sh};
+use splitsum::bakes::{Bake, Map, Stated, sh};
 use splitsum::brdf::{Ggx, MaskingShadowing};
 use splitsum::environment::Environment;
 use splitsum::environment::layout::LAYOUTS;
@@ -239,6 +239,7 @@ fn coefficients_of_cmgen_are_irradiance_by_its_polynomials() {
         ("sh.txt", "", "it has 0 coefficients"),
         ("sh.txt", "(1, 2); // irradiance, pre-scaled", "line 1 is not a coefficient"),
         ("sh.txt", "( 1, 2, 3); // L00, radiance", "line 1 is not a coefficient"),
+        ("sh.txt", "( 1, 2, 3); // L00, irradiance", "line 1 is not a coefficient"),
         ("sh.json", "{\"radiance\": [[1, 2, 3]]}", "\"radiance\" has 1 triples"),
         ("sh.json", "{", "cannot be read"),
     ] {
@@ -257,6 +258,10 @@ fn coefficients_of_the_light_itself_have_no_error_and_windows_are_named() {
     let of = |radiance| sh_score::score(&truth, &sh::Coefficients { radiance, factors: [1.0; 9] }, Axes::SAME);
     let exact = of(radiance);
     assert!(exact.errors.relmse < 1e-12 && exact.max_error < 1e-3 && exact.verdict.starts_with("good"), "{exact:?}");
+    let sh = Some(sh::Coefficients { radiance: radiance.map(|x| 2.0 * x), factors: [1.0; 9] });
+    let judging = Judging::stated(&Stated::default()).unwrap();
+    let judged = judging.judge(&light, &Bake { sh, ..Bake::default() }, |_| ()).unwrap();
+    assert_eq!(Limits { fail_above: Some(1e-3), ..Limits::default() }.failures(&judged).len(), 1);
     let window = [1.0, 0.9, 0.9, 0.9, 0.6, 0.6, 0.6, 0.6, 0.6];
     let windowed = of(std::array::from_fn(|k| radiance[k] * window[k]));
     assert!(windowed.verdict.contains("degree 1 times 0.90, degree 2 times 0.60"), "{windowed:?}");

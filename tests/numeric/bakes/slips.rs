@@ -163,10 +163,10 @@ fn slips_of_the_light_and_of_the_kernel_are_named() {
     }
     let (kernel, alpha) = Truth::of_irradiance();
     let cut = Environment::from_image("cut", light.image.map(|texel| texel.map(|x| x.min(10.0))));
-    let slips: [(&str, _, fn([f32; 3]) -> [f32; 3]); 2] = [
-        ("channels in the order G, B, R", &light, |[r, g, b]| [g, b, r]),
-        ("source cut at 10; times pi", &cut, |texel| texel.map(|x| x * PI as f32)),
-    ];
+    type Recolor = fn([f32; 3]) -> [f32; 3];
+    let order: Recolor = |[r, g, b]| [g, b, r];
+    let gain: Recolor = |texel| texel.map(|x| x * PI as f32);
+    let slips = [("channels in the order G, B, R", &light, order), ("source cut at 10; times pi", &cut, gain)];
     for (words, source, change) in slips {
         let exact = Truth::new(source, kernel, &[alpha]).prefiltered(alpha);
         let irradiance = faces(&LAYOUTS[0], [SIDE; 2], |d| exact.value(d));
@@ -207,6 +207,7 @@ fn chains_of_other_levels_are_named() {
     assert!(first.contains("the first 2 of 6 levels missing"), "{first}");
     // Levels of unknown width, narrower than any that is tried.
     assert!(!of(vec![0.0; 5]).contains("missing"));
+    assert!(!of(vec![linear(1, 4), linear(2, 4)]).contains("missing"), "one width names no chain");
     // A level of noise does not mean that levels are missing.
     let alphas: Vec<f64> = (0..4).map(|k| linear(k, 6)).collect();
     let truth = Truth::new(&light, Kernel::cosine(&Ggx), &alphas);

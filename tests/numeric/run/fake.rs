@@ -23,6 +23,8 @@ pub struct Log {
     pub renders: Vec<(String, u32)>,
     pub tonemaps: usize,
     pub timings: usize,
+    /// Frames that were not counted.
+    pub warmups: u32,
     /// Timed frames by model, method and sample count.
     pub frames: BTreeMap<(&'static str, &'static str, u32), usize>,
     /// A method whose renders fail.
@@ -191,9 +193,9 @@ impl Renderer for Fake {
     }
 
     /// The first frame of a configuration takes 4 ms more than its sample count, the next ones 0, 1, 2, 3, 4, 0 ... more.
-    fn time(&mut self, request: &RenderRequest, of_tables: bool, [_, rounds]: [u32; 2]) -> Served<TimingSamples> {
+    fn time(&mut self, request: &RenderRequest, of_tables: bool, [warmup, rounds]: [u32; 2]) -> Served<TimingSamples> {
         let mut log = self.0.borrow_mut();
-        log.timings += 1;
+        (log.timings, log.warmups) = (log.timings + 1, log.warmups + if of_tables { 0 } else { warmup });
         if of_tables {
             let rounds = rounds as usize;
             return Ok(TimingSamples { passes: vec![("dfg", vec![3.0; rounds])], wall_ms: vec![10.0; rounds] });

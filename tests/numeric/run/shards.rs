@@ -133,6 +133,13 @@ fn killed_shards_are_repeated_and_anything_may_end_the_run() {
         let shards: Vec<String> = missing.shards.iter().map(|(shard, end)| format!("{shard} {end}")).collect();
         assert!(shards[0] == "1/3 never started" && shards[2] == "3/3 never started", "{shards:?}");
         assert!(shards[1].starts_with("2/3 started on ") && shards[1].ends_with("ended early"), "{shards:?}");
+        // Of several sessions the last one counts.
+        let path = bench.dir().join("shards/2-of-3.json");
+        let mut record: serde_json::Value = serde_json::from_slice(&read(&path)).unwrap();
+        let first = serde_json::json!({ "wall_s": "unknown" });
+        record["sessions"].as_array_mut().unwrap().insert(0, first);
+        std::fs::write(&path, record.to_string()).unwrap();
+        assert!(bench.merge().unwrap().missing.shards[1].1.ends_with("ended early"));
         bench.done("2/3");
         bench.done("3/3");
         let missing = bench.merge().unwrap().missing;

@@ -12,6 +12,7 @@ fn timings_are_taken_once_a_configuration_and_kept() {
     invoke(&plan, dir.path(), &log, usize::MAX).unwrap();
     // Two models, each with the tables of two methods, three sample counts and split-sum; alpha and exposure do not count.
     assert_eq!(log.borrow().timings, (4 + 8) * (1 + 10));
+    assert_eq!(log.borrow().warmups, 8 * 10, "a frame after each change of configuration");
     let table = Table::read(&dir.path().join("timings.csv")).unwrap();
     assert_eq!(table.rows.len(), 4 + 8 * 2);
     let (pass, phase) = (table.column("pass").unwrap(), table.column("phase").unwrap());

@@ -369,11 +369,15 @@ fn a_sheen_has_its_color_and_roughness() {
         "sheenRoughnessFactor": 0.5, "sheenRoughnessTexture": { "index": 0 },
     });
     let material = |sheen: Value| json!({ "extensions": { "KHR_materials_sheen": sheen } });
-    let image = || uri(image::RgbaImage::from_pixel(1, 1, image::Rgba([188, 188, 188, 204])));
-    let scene = loaded(&textured(quad(), material(sheen), &[image()]));
+    let eight = image::DynamicImage::from(image::RgbaImage::from_pixel(1, 1, image::Rgba([188, 188, 188, 204])));
+    let image = || uri(eight.clone());
+    let [scene, deep] = [image(), uri(eight.clone().into_rgba16())]
+        .map(|image| loaded(&textured(quad(), material(sheen.clone()), &[image])));
     let seen = |scene: &Scene| seen(scene, [1, 1], DVec3::Z);
-    let (lobe, colors) = (seen(&scene.sheen()), seen(&scene.sheen_colors()));
-    assert!((lobe.normal_alpha.data[0][3] - 0.25 * 0.8 * 0.8).abs() < F32);
+    let colors = seen(&scene.sheen_colors());
+    for lobe in [&scene, &deep].map(|scene| seen(&scene.sheen())) {
+        assert!((lobe.normal_alpha.data[0][3] - 0.25 * 0.8 * 0.8).abs() < F32);
+    }
     let [r, g, b, _] = colors.albedo_metallic.data[0];
     assert!((r - 0.251).abs() < 2e-3 && (g - 2.0 * r).abs() < F32 && b == 0.0, "{r} {g} {b}");
     assert!(scene.has_sheen() && !scene.without_sheen().has_sheen());

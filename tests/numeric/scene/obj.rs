@@ -147,15 +147,6 @@ fn materials_and_groups_keep_their_faces() {
     assert!(scene.warnings.iter().all(|warning| !warning.contains("scene.obj")), "{:?}", scene.warnings);
 }
 
-#[test]
-fn warnings_of_one_cause_are_counted_after_the_fifth() {
-    let mut text = QUAD.to_owned();
-    (0..2000).for_each(|i| writeln!(text, "usemtl m{i:04}\nf 1 2 3").expect("a string takes all"));
-    let warnings = loaded(&text).warnings;
-    assert_eq!(warnings.len(), 6, "{warnings:?}");
-    assert!(warnings[4].contains("\"m0004\" is not defined") && warnings[5] == "and 1995 more of the last kind");
-}
-
 /// Joining by copies took time quadratic in the number of lines: minutes here.
 #[test]
 fn a_statement_of_a_million_lines_is_read_at_once() {

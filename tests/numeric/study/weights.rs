@@ -7,7 +7,7 @@ use splitsum::math::design::frame;
 use splitsum::metrics::{Comparison, Epsilon, METRICS, Metric, N_DOT_V_BIN_EDGES, Pooling, ReferenceNoise, Weight};
 use splitsum::pixels::{GrayImage, RgbImage};
 use splitsum::spelling::Listed;
-use splitsum::study::finished::{Bin, Finished, MetricValues};
+use splitsum::study::finished::{Bin, Finished, Light, MetricValues};
 use splitsum::study::questions::answers;
 use splitsum::tonemap::ToneCurve;
 
@@ -80,6 +80,14 @@ fn the_picture_weight_integrates_an_error_over_2_n_dot_v() {
     for metric in METRICS.iter().filter(|metric| metric.pooling == Pooling::None) {
         assert_eq!(score(&run, &Weight::Picture, metric.name), None, "{}", metric.name);
     }
+}
+
+#[test]
+fn epsilon_follows_the_scale_of_a_light() {
+    let mut paper = Paper::new(&["environment", "environment_scale", "method"]);
+    let point = paper.add(&["builtin:sky", "4", "split-sum"], 1.0).point.clone();
+    paper.run.lights = vec![Light { environment: "builtin:sky".to_owned(), mean: 2.0, peak: 3.0 }];
+    assert_eq!(paper.run.epsilon(&point).mean(), 8.0);
 }
 
 /// The noise floor under a weight is the expected score of an exact image, as without a weight.
