@@ -1,5 +1,7 @@
 """Wrong input raises errors that say what is wrong and what was expected."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 import splitsum
@@ -8,6 +10,7 @@ IMAGE = np.ones((8, 16, 3), np.float32)
 NOT_A_NUMBER = IMAGE.copy()
 NOT_A_NUMBER[2, 5, 0] = np.nan
 N, V = [0, 1, 0], [0, 0.8, 0.6]
+BAKE = Path(__file__).parents[2] / "tests/golden/env_analytic.exr"
 
 
 @pytest.mark.parametrize(
@@ -49,6 +52,10 @@ N, V = [0, 1, 0], [0, 0.8, 0.6]
         (lambda: splitsum.prefilter(IMAGE, 0.5, size=(-8, -8)), "size: 0x0; expected square faces, 1 or more"),
         (lambda: splitsum.taps(2, levels=99), "prefilter_level_count is 99"),
         (lambda: splitsum.lookup_taps(np.ones((17, 17, 4), np.float32), 0.5, 0.5), "expected a table of splitsum.taps"),
+        (lambda: splitsum.sh9(np.broadcast_to(IMAGE[0, 0], (2**20, 2**20, 3))), "expected at most 134217728 pixels"),
+        (lambda: splitsum.fit_taps(lambda l: l[:, 2], 1, 0.5), "n_dot_v: 1, where the mirror direction is the normal"),
+        (lambda: splitsum.check_bake([], "builtin:sky"), "files: expected at least one file or folder"),
+        (lambda: splitsum.check_bake("x", "builtin:sky", fail_above=-1), "fail_above: -1; expected a number of at least 0"),
         (lambda: splitsum.fit_taps(lambda l: l, 0.5, 0.5), r"lobe: expected \d+ finite values of at least 0"),
         (lambda: splitsum.fit_taps(lambda l: -l[:, 2], 0.5, 0.5), "lobe: expected"),
         (lambda: splitsum.fit_taps(lambda l: l[:, 2], 0.5, 1e-4), "alpha: 0.0001 is level 0.040 of the map"),
@@ -67,9 +74,9 @@ N, V = [0, 1, 0], [0, 0.8, 0.6]
         (lambda: splitsum.relmse(IMAGE, IMAGE, mask=IMAGE[..., 0]), "mask: expected a bool array"),
         (lambda: splitsum.relmse(IMAGE, NOT_A_NUMBER), "NaN, infinite or negative value"),
         (lambda: splitsum.relmse(IMAGE, IMAGE, environment_mean=0), "environment_mean: 0 is not"),
-        (lambda: splitsum.check_bake([], IMAGE, "splitsum", fail_abov=1), "unknown field `fail_abov`"),
-        (lambda: splitsum.check_bake([], IMAGE, "splitsun"), 'did you mean "splitsum"'),
-        (lambda: splitsum.check_bake([], IMAGE, {"axis": "+x+y+z"}), "unknown field `axis`"),
+        (lambda: splitsum.check_bake(BAKE, IMAGE, "splitsum", fail_abov=1), "unknown field `fail_abov`"),
+        (lambda: splitsum.check_bake(BAKE, IMAGE, "splitsun"), 'did you mean "splitsum"'),
+        (lambda: splitsum.check_bake(BAKE, IMAGE, {"axis": "+x+y+z"}), "unknown field `axis`"),
     ],
 )
 def test_values(call, words):

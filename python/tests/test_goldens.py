@@ -49,6 +49,7 @@ def test_dfg_and_lobes(variant, model, masking):
     lobes = splitsum.lobes(n_dot_v, alpha, model=model, masking=masking)
     np.testing.assert_allclose(lobes.a, a, rtol=0, atol=2e-3)
     np.testing.assert_allclose(lobes.b, b, rtol=0, atol=2e-3)
+    assert np.isnan(splitsum.lobes(1, 0.3, model=model).moment_a).all()
 
 
 def test_prefiltered_directions():

@@ -102,12 +102,15 @@ def dfg_table(side: int = 64, *, model: str = "ggx", masking: str = "separable")
 
 
 def lobes(n_dot_v: ArrayLike, alpha: ArrayLike, *, model: str = "ggx", masking: str = "separable") -> Lobes:
-    """Integrates A, B and first moments of lobes by the quadrature of the shaders, of 512 directions.
+    """Integrates A, B and first moments of lobes over 512 directions.
 
-    At n·v = 1 the mirror direction is the normal, and moments are NaN. `dfg` has A and B with an error bound.
+    `n_dot_v` is in (0, 1], `alpha` in [0.0001, 1]. At n·v = 1 the mirror direction is the normal, and moments are NaN.
+    `dfg` has A and B with an error bound, and takes about 100 times as long.
     """
     views, shape = _views(n_dot_v=n_dot_v, alpha=alpha)
-    found = _native.lobes(*views, (model, masking)).reshape(*shape, 6)
+    found = _native.lobes(*views, (model, masking)).reshape(-1, 6)
+    found[views[0] == 1, 2:] = np.nan
+    found = found.reshape(*shape, 6)
     return Lobes(found[..., 0], found[..., 1], found[..., 2:4], found[..., 4:])
 
 
@@ -175,6 +178,8 @@ def fit_taps(
 
     views, _ = _views(n_dot_v=n_dot_v, alpha=alpha)
     view = [values.item() for values in views]
+    if view[0] == 1:
+        raise ValueError("n_dot_v: 1, where the mirror direction is the normal; expected less")
     found, errors = _native.fit_taps(densities, view, count, levels, mapping, (model, weight, masking))
     return Fit(*found.T, *errors)
 
@@ -259,7 +264,12 @@ def check_bake(
     `limits` are fail_above, fail_between_above, fail_table_above, fail_on_warning and fail_on_wrong; the keys "passes" and
     "failures" depend on them.
     """
-    paths = [files] if isinstance(files, (str, os.PathLike)) else files
+    paths = [files] if isinstance(files, (str, os.PathLike)) else [*files]
+    if not paths:
+        raise ValueError("files: expected at least one file or folder")
+    for name, limit in limits.items():
+        if not isinstance(limit, (bool, str)) and limit is not None and not limit >= 0:
+            raise ValueError(f"{name}: {limit}; expected a number of at least 0")
     source = _environment(environment)
     named = json.dumps({"name": "own", **preset}) if isinstance(preset, dict) else preset
     scores = _native.check_bake([*map(os.fspath, paths)], source, named, model, guess, json.dumps(limits))
@@ -299,12 +309,18 @@ def _environment(environment: Environment | None) -> str | NDArray[np.float32] |
     return os.fspath(environment)
 
 
+TEXELS_MAX = 2**27
+"""Most pixels of an image: more are refused before they are copied."""
+
+
 def _float32(name: str, array: Any, channels: int = 3) -> NDArray[np.float32]:
     """Checks dtype and shape."""
     if not isinstance(array, np.ndarray) or array.dtype != np.float32:
         found = f"it is of type {getattr(array, 'dtype', type(array).__name__)}"
     elif array.ndim != 3 or array.shape[2] != channels or not array.size:
         found = f"its shape is {array.shape}"
+    elif array.size > channels * TEXELS_MAX:
+        raise ValueError(f"{name}: its shape is {array.shape}; expected at most {TEXELS_MAX} pixels")
     else:
         return array
     raise ValueError(f"{name}: {found}; expected a float32 array of shape (h, w, {channels})")
