@@ -64,8 +64,8 @@ pub fn inline(text: &str) -> String {
 pub fn paragraph(text: &str) -> String {
     let line = inline(text.trim());
     let digits = line.len() - line.trim_start_matches(|c: char| c.is_ascii_digit()).len();
-    // One backtick begins a name, three a block.
-    let is_name = line.starts_with('`') && !line.starts_with("``");
+    // One backtick begins a name, three a block; two asterisks begin bold words.
+    let is_name = line.starts_with('`') && !line.starts_with("``") || line.starts_with("**");
     match line[digits..].chars().next().filter(|_| !is_name) {
         Some('.' | ')') if digits > 0 => format!("{}\\{}", &line[..digits], &line[digits..]),
         Some('#' | '>' | '-' | '+' | '*' | '=' | '~' | '`' | '|' | '[' | '_') if digits == 0 => format!("\\{line}"),
