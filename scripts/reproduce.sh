@@ -70,6 +70,15 @@ if [ -z "${SPLITSUM:-}" ]; then
     cargo build --release --locked
 fi
 program=${SPLITSUM:-target/release/splitsum}
+[ -x "$program" ] || stop "$program: not a program; expected splitsum"
+case " $* " in
+    *" coat "* | *anisotropy* | *" sheen "* | *" lobes "* | *" tables "* | *break-even* | *front* | *" ladder "* | *split-sums* | *" pictures "*)
+        while IFS=, read -r map _; do
+            [ "$map" = name ] || [ -f "experiments/environments/${map}_1k.hdr" ] ||
+                stop "experiments/environments/${map}_1k.hdr: missing; experiments/README.md says where the measured maps are from"
+        done <experiments/environments.csv
+        ;;
+esac
 require_device "$program" >/dev/null
 out=runs/reproduce
 
