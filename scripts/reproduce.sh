@@ -71,14 +71,13 @@ if [ -z "${SPLITSUM:-}" ]; then
 fi
 program=${SPLITSUM:-target/release/splitsum}
 [ -x "$program" ] || stop "$program: not a program; expected splitsum"
-case " $* " in
-    *" coat "* | *anisotropy* | *" sheen "* | *" lobes "* | *" tables "* | *break-even* | *front* | *" ladder "* | *split-sums* | *" pictures "*)
-        while IFS=, read -r map _; do
-            [ "$map" = name ] || [ -f "experiments/environments/${map}_1k.hdr" ] ||
-                stop "experiments/environments/${map}_1k.hdr: missing; experiments/README.md says where the measured maps are from"
-        done <experiments/environments.csv
-        ;;
-esac
+# The record of a figure names its maps.
+for name in "$@"; do
+    [ -f "results/$name/provenance.json" ] || continue
+    grep -oE 'environments/[A-Za-z0-9_/]+\.(hdr|exr)' "results/$name/provenance.json" | sort -u | while read -r map; do
+        [ -f "experiments/$map" ] || stop "$name needs experiments/$map, which is missing (experiments/README.md, \"Measured maps\")"
+    done
+done
 require_device "$program" >/dev/null
 out=runs/reproduce
 
