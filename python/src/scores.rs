@@ -66,7 +66,6 @@ pub fn check_bake(
     source: Option<Source>,
     preset: Option<String>,
     model: String,
-    is_guessed: bool,
     limits: String,
 ) -> PyResult<String> {
     let brdf = <dyn Brdf>::parse(&model).map_err(value_error)?;
@@ -88,7 +87,7 @@ pub fn check_bake(
         None => Environment::open("builtin:constant").map_err(value_error)?,
     };
     let judging = Judging::by(preset, &bake.stated).map_err(value_error)?;
-    let judging = Judging { brdf, is_guessed, ..judging };
+    let judging = Judging { brdf, ..judging };
     let judged = py.detach(|| judging.judge(&environment, &bake, |_| ())).map_err(value_error)?;
     Ok(as_json(&environment.name, preset.name, &limits, &judged).to_string())
 }

@@ -14,7 +14,6 @@ use std::sync::Arc;
 pub const OWN: &str = "own";
 /// Selects our DFG table sampled at texel centres, as engines do.
 pub const CENTRES: &str = "centres";
-/// Separates the path from its preset.
 const PRESET: char = '#';
 /// Largest difference of a width from its mapping's.
 const ALPHA_WITHIN: f64 = 1e-4;

@@ -206,7 +206,6 @@ fn container(name: &str) -> Option<&'static Format> {
     FORMATS.iter().find(|format| name.ends_with(&format!(".{}", format.extension)))
 }
 
-/// Whether colours can have that format.
 fn holds(container: Option<&Format>, texel: &Texel) -> bool {
     match container {
         None => texel.name == "rgba32f",

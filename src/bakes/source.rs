@@ -243,7 +243,6 @@ fn read_faces(path: &Path, names: &[String]) -> Result<Map, PixelsError> {
 
 pub const MANIFEST: &str = "bake.json";
 
-/// Reads a folder of `splitsum bake`.
 fn read_ours(path: &Path, names: &[String], reading: Reading, bake: &mut Bake) -> Result<(), PixelsError> {
     #[derive(serde::Deserialize)]
     struct File {
@@ -276,7 +275,6 @@ fn read_ours(path: &Path, names: &[String], reading: Reading, bake: &mut Bake) -
     Ok(())
 }
 
-/// Reads a folder of `splitsum bake --for`.
 fn read_engines(path: &Path, file: Manifest, reading: Reading, bake: &mut Bake) -> Result<(), PixelsError> {
     if file.brdf != reading.brdf {
         let what = format!("its model is {}", file.brdf);

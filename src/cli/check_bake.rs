@@ -4,7 +4,7 @@ use super::shared::{InputFlags, preset};
 use super::{Failure, print, print_data, progress};
 use clap::Args;
 use splitsum::bakes::Stated;
-use splitsum::bakes::check::{GOOD, Judged, Judging, Limits, as_json, guess};
+use splitsum::bakes::check::{GOOD, Judged, Judging, Limits, as_json};
 use splitsum::bakes::convention::{Axes, PRESETS, Preset, TableAxes, TableChannels};
 use splitsum::bakes::source::{Reading, read};
 use splitsum::brdf::{Brdf, MaskingShadowing};
@@ -20,13 +20,12 @@ use splitsum::table::markdown::{Align, MarkdownTable};
     after_help = "FILES belong to one bake: .ktx2, .ktx or .dds cubes, a folder of faces (m0_px.exr, m0_nx.exr, ...), lat-long .exr or .hdr \
     levels in order, a folder of `splitsum bake`, a square .png, .exr, .dds or .ktx2 DFG table, and SH as .txt or .json. Name ambiguous files: \
     irradiance=FILE, specular=FILE, dfg=FILE, sh=FILE.\n\n\
-    A good level is within 3 % rms (relmse 0.001). For a larger error the verdict names the slip that explains it: a width, a gain, swapped \
-    or turned faces, channels, an encoding, a cut, another weight, missing levels. Level 0, the mirror, is compared with the environment \
+    A good level is within 3 % rms (relmse 0.001). For a larger error the verdict names the slip that explains it: a width, a gain, other axes, \
+    swapped or turned faces, channels, an encoding, a cut, another weight, missing levels. Level 0, the mirror, is compared with the environment \
     averaged over each texel.\n\n\
     Exit codes: 0 if every limit holds, 1 if a --fail limit is exceeded, 2 for wrong input.\n\n\
-    Unsure of the axes or of the DFG table's convention? --guess tries them all.\n\n\
     Examples:\n  splitsum check-bake studio_ibl.ktx studio_sh.txt --environment studio.hdr --preset cmgen\n  \
-    splitsum check-bake specular.ktx2 lut_ggx.png --environment studio.hdr --preset khronos --guess\n  \
+    splitsum check-bake specular.ktx2 lut_ggx.png --environment studio.hdr --preset khronos\n  \
     splitsum check-bake baked --environment studio.hdr --json --fail-on-wrong"
 )]
 pub struct Arguments {
@@ -72,9 +71,6 @@ pub struct Arguments {
     /// Set the layout of images that are neither lat-long nor six faces in a column.
     #[arg(long, value_name = "NAME", value_parser = MapLayout::parse)]
     layout: Option<&'static MapLayout>,
-    /// Try all 48 axes and every table convention; use the best fit.
-    #[arg(long, conflicts_with_all = ["axes", "table_axes", "table_channels", "masking"])]
-    guess: bool,
     /// Print JSON.
     #[arg(long)]
     json: bool,
@@ -118,7 +114,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         let scores = as_json(light, preset.name, &arguments.limits, &judged);
         print_data(&(serde_json::to_string_pretty(&scores).map_err(Failure::failed)? + "\n"))?;
     } else {
-        print(&as_text(&judged, arguments.guess))?;
+        print(&as_text(&judged))?;
     }
     let failures = arguments.limits.failures(&judged);
     if failures.is_empty() { Ok(()) } else { Err(Failure::failed(wrapped(&failures.join("\n")))) }
@@ -150,7 +146,7 @@ fn judging(arguments: &Arguments, preset: &'static Preset, stated: &Stated) -> R
     convention.axes = arguments.axes.unwrap_or(convention.axes);
     convention.scale = arguments.scale.unwrap_or(convention.scale);
     convention.irradiance_scale = arguments.irradiance_scale.unwrap_or(convention.irradiance_scale);
-    Ok(Judging { brdf: arguments.brdf, convention, is_guessed: arguments.guess })
+    Ok(Judging { brdf: arguments.brdf, convention })
 }
 
 fn positive(text: &str) -> Result<f64, String> {
@@ -163,17 +159,12 @@ fn alpha(text: &str) -> Result<f64, String> {
     number.ok_or_else(|| format!("{text} is outside [0, 1]"))
 }
 
-fn as_text(judged: &Judged, is_guessed: bool) -> String {
+fn as_text(judged: &Judged) -> String {
     let mut text = String::new();
     for (what, fits) in &judged.axes {
-        match judged.doubt(what, fits) {
-            Some(doubt) => super::log(&wrapped(&format!("warning: {what}: {}{}", doubt.words, doubt.more))),
-            None if is_guessed => text += &format!("{what}: {}\n", guess::in_words(fits)),
-            None => {}
+        if let Some(doubt) = judged.doubt(what, fits) {
+            super::log(&wrapped(&format!("warning: {what}: {}{}", doubt.words, doubt.more)));
         }
-    }
-    if let Some(way) = &judged.table_way {
-        text += &format!("DFG table: {way}\n");
     }
     let levels = judged.levels.iter().enumerate().map(|(k, score)| (k.to_string(), score));
     let maps: Vec<_> = levels.chain(judged.irradiance.iter().map(|score| ("irradiance".to_owned(), score))).collect();
@@ -219,10 +210,8 @@ fn as_text(judged: &Judged, is_guessed: bool) -> String {
     wrapped(&text) + &shortened(&format!("Verdict: {}", judged.verdict())) + "\n"
 }
 
-/// Columns of a line.
 const WIDTH: usize = 100;
 
-/// Breaks lines at spaces.
 fn wrapped(text: &str) -> String {
     let (mut broken, mut column) = (String::new(), 0);
     for word in text.split_inclusive([' ', '\n']) {

@@ -254,13 +254,12 @@ def check_bake(
     preset: str | dict[str, Any] | None = None,
     *,
     model: str = "ggx",
-    guess: bool = False,
     **limits: Any,
 ) -> dict[str, Any]:
     """Judges tables baked by any tool: the dictionary of `splitsum check-bake --json` (docs/bakes.md).
 
     `files` are the files and folders of one bake. `environment` is the baked map; a DFG table alone needs none. `preset`
-    is a tool's name or a dictionary of conventions. `guess` tries all conventions.
+    is a tool's name or a dictionary of conventions.
     `limits` are fail_above, fail_between_above, fail_table_above, fail_on_warning and fail_on_wrong; the keys "passes" and
     "failures" depend on them.
     """
@@ -272,7 +271,7 @@ def check_bake(
             raise ValueError(f"{name}: {limit}; expected a number of at least 0")
     source = _environment(environment)
     named = json.dumps({"name": "own", **preset}) if isinstance(preset, dict) else preset
-    scores = _native.check_bake([*map(os.fspath, paths)], source, named, model, guess, json.dumps(limits))
+    scores = _native.check_bake([*map(os.fspath, paths)], source, named, model, json.dumps(limits))
     return json.loads(scores)
 
 

@@ -1,13 +1,13 @@
 //! Finds a chain of other levels: some are missing, or their widths follow another mapping.
 
+use super::fit;
 use super::level::LevelScore;
-use super::{EXPLAINED, GOOD, has_width};
+use super::{GOOD, has_width};
 use crate::bakes::convention::Convention;
 use crate::precompute::prefilter::{LEVEL_MAPPINGS, LevelMapping};
 
 /// Largest ratio of a fitted width and a level's.
 const SAME: f64 = 1.06;
-/// Most levels that may be missing.
 const MISSING_MAX: usize = 8;
 
 /// A chain of other levels.
@@ -22,14 +22,14 @@ pub struct Chain {
 pub fn slip(convention: &Convention, scores: &[LevelScore]) -> Option<Chain> {
     // A chain explains every level, or none.
     let is_unexplained = |score: &LevelScore| {
-        let is_fitted = score.slip.is_some() || score.fit.is_some_and(|fit| fit.left <= EXPLAINED);
-        has_width(score.alpha) && score.errors.relmse > GOOD && !is_fitted
+        let is_fitted = score.slip.is_some() || score.fit.is_some_and(|fit| fit.explains(score.errors.relmse));
+        score.alpha >= fit::ALPHA_MIN && score.errors.relmse > GOOD && !is_fitted
     };
     if convention.alphas.is_some() || scores.iter().any(is_unexplained) {
         return None;
     }
     let width = |score: &LevelScore| match score.fit {
-        Some(fit) if fit.left > EXPLAINED || score.slip.is_some() || fit.is_at_end(score.alpha) => None,
+        Some(fit) if !fit.explains(score.errors.relmse) || score.slip.is_some() || fit.is_at_end(score.alpha) => None,
         Some(fit) => Some(fit.alpha),
         None => (has_width(score.alpha) && score.errors.relmse <= GOOD).then_some(score.alpha),
     };
@@ -39,29 +39,49 @@ pub fn slip(convention: &Convention, scores: &[LevelScore]) -> Option<Chain> {
     if found.iter().all(|(level, alpha)| is_same(scores[*level].alpha, *alpha)) {
         return None;
     }
+    let alpha = |mapping: &LevelMapping, count: usize, level: usize| {
+        let count = mapping.engine_levels.unwrap_or(count as u32);
+        mapping.alpha_from_mip((level as u32).min(count - 1).into(), count)
+    };
     let fits = |mapping: &LevelMapping, count: usize, first: usize| {
-        let alpha = |level: usize| mapping.alpha_from_mip((first + level) as f64, count as u32);
-        found.iter().all(|(level, found)| is_same(alpha(*level), *found))
+        found.iter().all(|(level, found)| is_same(alpha(mapping, count, first + level), *found))
     };
     let count = scores.len();
     let others = LEVEL_MAPPINGS.iter().filter(|mapping| **mapping != *convention.mapping);
     let mappings: Vec<&LevelMapping> = std::iter::once(convention.mapping).chain(others).collect();
-    (0..=MISSING_MAX).find_map(|missing| {
+    let chain = (0..=MISSING_MAX).find_map(|missing| {
         mappings.iter().find_map(|mapping| {
             // One width fits many chains: only the simplest counts.
             let most = if found.len() > 1 { missing } else { 0 };
             let first = (0..=most).find(|first| fits(mapping, count + missing, *first))?;
-            let of = format!("of {} levels", count + missing);
+            let of = |side: &str, gone: usize| match gone {
+                1 => format!("the {side} of {} levels is missing", count + missing),
+                _ => format!("the {side} {gone} of {} levels are missing", count + missing),
+            };
             let parts = [
                 (**mapping != *convention.mapping).then(|| format!("widths of --level-mapping {}", mapping.name)),
-                (first > 0).then(|| format!("the first {first} {of} missing")),
-                (missing > first).then(|| format!("the last {} {of} missing", missing - first)),
+                (first > 0).then(|| of("first", first)),
+                (missing > first).then(|| of("last", missing - first)),
             ];
             let parts: Vec<String> = parts.into_iter().flatten().collect();
             let is_sure = found.len() > 1 || **mapping == *convention.mapping;
-            let alpha = |level: usize| mapping.alpha_from_mip((first + level) as f64, (count + missing) as u32);
-            (!parts.is_empty() && is_sure)
-                .then(|| Chain { words: parts.join("; "), alphas: (0..count).map(alpha).collect() })
+            let alphas = (0..count).map(|level| alpha(mapping, count + missing, first + level)).collect();
+            (!parts.is_empty() && is_sure).then(|| Chain { words: parts.join("; "), alphas })
+        })
+    });
+    let own = |level: usize| scores[level].alpha;
+    let others: [(&str, &dyn Fn(usize) -> f64); 3] = [
+        ("each level has the width of the one before it", &|level| own(level.saturating_sub(1))),
+        ("roughness is squared twice", &|level| own(level).powi(2)),
+        ("roughness is not squared", &|level| own(level).sqrt()),
+    ];
+    let is_like = |alpha: &dyn Fn(usize) -> f64| found.iter().all(|(level, found)| is_same(alpha(*level), *found));
+    let other = others.iter().find(|(_, alpha)| found.len() > 1 && is_like(alpha));
+    chain.or_else(|| {
+        other.map(|(words, alpha)| {
+            let alphas: Vec<f64> = (0..count).map(alpha).collect();
+            let list: Vec<String> = alphas.iter().map(|alpha| format!("{:.4}", alpha)).collect();
+            Chain { words: format!("{words}: --alphas {}", list.join(",")), alphas }
         })
     })
 }

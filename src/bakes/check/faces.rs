@@ -9,7 +9,6 @@ use glam::DVec3;
 /// Faces in the order of a cube map.
 const NAMES: [&str; FACE_COUNT] = ["+x", "-x", "+y", "-y", "+z", "-z"];
 
-/// The symmetries of a square.
 const TURNS: [&str; 8] = [
     "",
     "turned by 90° clockwise",

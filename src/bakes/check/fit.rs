@@ -1,21 +1,23 @@
 //! Fits the width and gain that best explain a level.
 
 use super::directions::Directions;
-use super::{Truth, errors};
+use super::{EXPLAINED, Truth, errors};
 use crate::metrics::Epsilon;
 use glam::DVec3;
 use std::f64::consts::PI;
 
 /// Tries lobes narrower and wider by this factor.
 const REACH: f64 = 5.0;
-/// Approximate number of directions in a fit.
 const DIRECTIONS: usize = 600;
 pub const DEGREE_MAX: usize = 320;
 /// Narrower lobes reach beyond [`DEGREE_MAX`].
-const ALPHA_MIN: f64 = 5.0 / DEGREE_MAX as f64;
+pub const ALPHA_MIN: f64 = 5.0 / DEGREE_MAX as f64;
 /// Widths on the grid, then bisections around the best.
 const GRID: i32 = 14;
 const REFINED: u32 = 8;
+
+/// Largest relMSE that a fit may leave: 20 % rms.
+const CLOSE: f64 = 0.04;
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Fit {
@@ -27,6 +29,11 @@ pub struct Fit {
 }
 
 impl Fit {
+    /// Whether width and gain explain a level of this relmse.
+    pub fn explains(&self, relmse: f64) -> bool {
+        self.left <= EXPLAINED && self.left * relmse <= CLOSE
+    }
+
     /// Whether the right width of a level may be beyond the widths that were tried.
     pub fn is_at_end(&self, alpha: f64) -> bool {
         self.alpha < 1.02 * ALPHA_MIN.max(alpha / REACH) || self.alpha > 0.98 * REACH * alpha
@@ -35,7 +42,7 @@ impl Fit {
 
 /// Fits a level of width `alpha` with texels `found` at `directions`; `None` for lobes too narrow to fit.
 pub fn fit(truth: &Truth, directions: &Directions, found: &[DVec3], alpha: f64) -> Option<Fit> {
-    if alpha < ALPHA_MIN {
+    if alpha * REACH < 2.0 * ALPHA_MIN {
         return None;
     }
     let chosen = directions.grid(DIRECTIONS);
@@ -82,8 +89,11 @@ const NAMES: [&str; 7] = ["pi", "1/pi", "4 pi", "1/4pi", "2 pi", "2", "1/2"];
 
 /// Describes a gain, as a forgotten factor if it is near one, and returns what was described.
 pub fn gain_in_words(gain: f64) -> (String, f64) {
-    match KNOWN.iter().position(|factor| (gain / factor - 1.0).abs() < 0.01) {
+    let is_near = |factor: f64| (gain / factor - 1.0).abs() < 0.01;
+    let power = gain.log2().round().exp2();
+    match KNOWN.iter().position(|factor| is_near(*factor)) {
         Some(i) => (format!("times {}", NAMES[i]), KNOWN[i]),
+        None if power != 1.0 && is_near(power) => (format!("times {power}"), power),
         None if gain > 1.0 => (format!("{:.1} % too bright", 100.0 * (gain - 1.0)), gain),
         None => (format!("{:.1} % too dark", 100.0 * (1.0 - gain)), gain),
     }

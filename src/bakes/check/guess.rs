@@ -105,12 +105,3 @@ fn correlation(weights: &[f64], a: &[f64], b: &[f64]) -> f64 {
 pub fn is_clear(best: AxesFit, other: AxesFit) -> bool {
     1.0 - other.correlation * other.correlation.abs() > CLEAR * (1.0 - best.correlation * best.correlation.abs())
 }
-
-pub fn in_words(fits: &[AxesFit]) -> String {
-    let [best, next] = [fits[0], fits[1]];
-    let how = if is_clear(best, next) { "clearly" } else { "but not clearly" };
-    format!(
-        "axes {} fit best, {how}: correlation {:.4}, next {} with {:.4}",
-        best.axes, best.correlation, next.axes, next.correlation
-    )
-}

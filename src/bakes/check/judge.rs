@@ -17,18 +17,13 @@ use crate::spelling::Listed;
 pub struct Judging {
     pub brdf: &'static dyn Brdf,
     pub convention: Convention,
-    /// Tries every convention and uses the best.
-    pub is_guessed: bool,
 }
 
 #[derive(Clone, Debug)]
 pub struct Judged {
-    /// The given conventions, or the best fit.
     pub convention: Convention,
     /// Name of each map, and its fits, best first.
     pub axes: Vec<(&'static str, Vec<AxesFit>)>,
-    /// How well conventions fit the table, if they were searched.
-    pub table_way: Option<String>,
     /// Finest level first.
     pub levels: Vec<LevelScore>,
     /// The chain that the widths of all levels have, unless it is the assumed one.
@@ -71,7 +66,7 @@ impl Judging {
         if let Some(name) = &stated.weight {
             convention.weight = Weight::parse(name)?;
         }
-        Ok(Self { brdf: &Ggx, convention, is_guessed: false })
+        Ok(Self { brdf: &Ggx, convention })
     }
 
     /// Scores each part of `bake` against its integral over `environment`, and reports each step to `doing`.
@@ -83,7 +78,7 @@ impl Judging {
         bake: &Bake,
         doing: impl Fn(&'static str),
     ) -> Result<Judged, String> {
-        let mut convention = self.convention.clone();
+        let convention = &self.convention;
         let kernel = Kernel::new(self.brdf, convention.weight, convention.masking);
         let alphas = bake.specular.as_ref().map_or(Ok(Vec::new()), |map| convention.alphas(map.levels.len()))?;
         doing("integrating the exact maps");
@@ -91,34 +86,19 @@ impl Judging {
         doing("comparing the axes");
         let mut axes = Vec::new();
         if let Some(map) = &bake.specular {
-            axes.push(("prefiltered map", guess::axes(truth, map, &convention)?));
+            axes.push(("prefiltered map", guess::axes(truth, map, convention)?));
         }
         if let Some(map) = &bake.irradiance {
             axes.push((IRRADIANCE, guess::irradiance_axes(truth, map)));
         }
-        let mut table_way = None;
-        if self.is_guessed {
-            if let Some((_, fits)) = axes.first() {
-                convention.axes = fits[0].axes;
-            }
-            if let Some(image) = &bake.dfg {
-                doing("searching the conventions of the DFG table");
-                let found = table::search(image, self.brdf);
-                let best = &found[0];
-                (convention.table_axes, convention.table_channels) = (best.axes, best.channels);
-                convention.masking = best.masking;
-                table_way = Some(format!("{best}: rms {:.1e}; next {}: {:.1e}", best.rms, found[1], found[1].rms));
-            }
-        }
         doing("scoring levels");
-        let mut judged = scored(truth, self.brdf, bake, convention)?;
-        (judged.axes, judged.table_way) = (axes, table_way);
+        let mut judged = scored(truth, self.brdf, bake, convention.clone())?;
+        judged.axes = axes;
         judged.fix_convention(truth, self.brdf, bake, &doing)?;
         Ok(judged)
     }
 }
 
-/// Scores every part by a convention.
 fn scored(truth: &Truth, brdf: &'static dyn Brdf, bake: &Bake, convention: Convention) -> Result<Judged, String> {
     let levels = match &bake.specular {
         Some(map) => level::score(truth, map, &convention)?,
@@ -132,7 +112,6 @@ fn scored(truth: &Truth, brdf: &'static dyn Brdf, bake: &Bake, convention: Conve
         fixed: None,
         convention,
         axes: Vec::new(),
-        table_way: None,
         levels,
     })
 }
@@ -146,9 +125,9 @@ impl Judged {
         bake: &Bake,
         doing: &impl Fn(&'static str),
     ) -> Result<(), String> {
-        let doubts: Vec<Doubt> = self.axes.iter().filter_map(|(what, fits)| self.doubt(what, fits)).collect();
+        let doubt = self.first_doubt();
         let mut convention = self.convention.clone();
-        match (doubts.first(), &self.chain) {
+        match (&doubt, &self.chain) {
             (Some(Doubt { axes: Some(axes), .. }), _) => convention.axes = *axes,
             (None, Some(chain)) => convention.alphas = Some(chain.alphas.clone()),
             _ => {}
@@ -161,11 +140,16 @@ impl Judged {
             self.fixed = Some(Box::new(fixed));
         }
         // A fit explains nothing if the light or the axes are wrong.
-        if !doubts.is_empty() {
+        if doubt.is_some() {
             self.levels.iter_mut().chain(&mut self.irradiance).for_each(LevelScore::doubt);
             self.sh.iter_mut().for_each(ShScore::doubt);
         }
         Ok(())
+    }
+
+    /// The doubt of the prefiltered map, else of the irradiance map: beside a prefiltered map, a turned irradiance map is a slip of its own.
+    fn first_doubt(&self) -> Option<Doubt> {
+        self.axes.first().and_then(|(what, fits)| self.doubt(what, fits))
     }
 
     /// Describes why the axes or the light seem wrong, if they do.
@@ -196,7 +180,7 @@ impl Judged {
         let alike = if best.len() > 1 { format!("; as good: {}", best[1..].join(", ")) } else { String::new() };
         is_doubtful.then(|| Doubt {
             words: format!("axes {axes} fit far better than {used}: --axes={axes}"),
-            more: format!("{presets}, or --guess; correlation {correlation:.4}, not {of_own:.4}{alike}{hint}"),
+            more: format!("{presets}; correlation {correlation:.4}, not {of_own:.4}{alike}{hint}"),
             axes: Some(axes),
         })
     }
@@ -204,8 +188,7 @@ impl Judged {
     /// Lists what the verdict names, each once.
     pub fn causes(&self) -> Vec<Cause> {
         let whole = |kind, words: &str| vec![Cause { kind, words: words.to_owned() }];
-        let doubt = self.axes.iter().find_map(|(what, fits)| self.doubt(what, fits));
-        let mut causes = match (doubt, &self.chain) {
+        let mut causes = match (self.first_doubt(), &self.chain) {
             (Some(doubt), _) => whole(if doubt.axes.is_some() { "axes" } else { "map" }, &doubt.words),
             (None, Some(chain)) => whole("levels", &chain.words),
             _ => {
@@ -252,7 +235,7 @@ impl Judged {
     }
 
     fn faults(&self) -> Option<String> {
-        let doubt = self.axes.iter().find_map(|(what, fits)| Some(self.doubt(what, fits)?.words));
+        let doubt = self.first_doubt().map(|doubt| doubt.words);
         if let Some(cause) = doubt.or_else(|| Some(self.chain.as_ref()?.words.clone())) {
             let rest = self.fixed.as_ref().map(|fixed| match fixed.faults() {
                 Some(more) => format!("; besides, {more}"),
@@ -264,7 +247,8 @@ impl Judged {
         let mut said: Vec<String> = wrong.map(|(name, verdict)| format!("{name}: {verdict}")).collect();
         said.sort_by_key(|said| !said.starts_with("levels"));
         let maps = self.levels.iter().chain(&self.irradiance);
-        let left = maps.filter_map(LevelScore::left).max_by(f64::total_cmp);
+        let is_known = self.causes().iter().all(|cause| cause.kind != "unknown");
+        let left = maps.filter_map(LevelScore::left).max_by(f64::total_cmp).filter(|_| is_known);
         let left = left.map(|left| format!("; {:.1} % rms if fixed", 100.0 * left.sqrt()));
         (!said.is_empty()).then(|| said.join("; ") + &left.unwrap_or_default())
     }

@@ -4,7 +4,7 @@ use super::directions::{Directions, texels};
 use super::exact::exact;
 use super::fit::{self, Fit};
 use super::slip::{self, Level, Slip};
-use super::{Cause, EXPLAINED, Errors, GOOD, Truth, errors, has_width, relative_square, words};
+use super::{Cause, Errors, GOOD, Truth, errors, has_width, relative_square, words};
 use crate::bakes::convention::{Axes, Convention};
 use crate::bakes::parts::Map;
 use crate::environment::Environment;
@@ -62,6 +62,11 @@ pub fn score(truth: &Truth, map: &Map, convention: &Convention) -> Result<Vec<Le
         let own = Level { truth, kernel: truth.kernel, sources: &|| &sources, directions, found, alpha, scale };
         let fit = || fit::fit(truth, directions, found, alpha);
         let mut score = own.score(fit, |alpha| level_of(convention, alphas.len(), alpha));
+        if let Some(before) = k.checked_sub(1).filter(|_| score.errors.relmse > GOOD)
+            && is_mip(&map.levels[before], faces)
+        {
+            score.set(Cause { kind: "mips", words: "the mean of the level before it: plain mips".to_owned() });
+        }
         let is_read = k < read && has_width(alpha);
         score.between = is_read.then(|| between_texels(truth, map.layout, faces, convention, alpha));
         if let Some(relmse) = score.coarseness() {
@@ -70,6 +75,22 @@ pub fn score(truth: &Truth, map: &Map, convention: &Convention) -> Result<Vec<Le
         score
     };
     Ok(sheets.iter().enumerate().map(of).collect())
+}
+
+/// Whether each texel is the mean of four texels of a level twice as large, as far as half floats hold it.
+fn is_mip(above: &[RgbImage], level: &[RgbImage]) -> bool {
+    let is_mean = |above: &RgbImage, own: &RgbImage| {
+        let mean = |x: u32, y: u32, c: usize| {
+            [[0, 0], [0, 1], [1, 0], [1, 1]].map(|[i, j]| above.get(2 * x + i, 2 * y + j)[c] / 4.0).iter().sum::<f32>()
+        };
+        let is_near = |a: f32, b: f32| (a - b).abs() <= 0.01 * b.abs() + 1e-4;
+        let mut places = (0..own.height).flat_map(|y| (0..own.width).map(move |x| (x, y)));
+        above.width == 2 * own.width
+            && above.height == 2 * own.height
+            && places.all(|(x, y)| (0..3).all(|c| is_near(own.get(x, y)[c], mean(x, y, c))))
+    };
+    let is_black = level.iter().flat_map(|face| &face.data).all(|texel| *texel == [0.0; 3]);
+    !is_black && above.iter().zip(level).all(|(above, own)| is_mean(above, own))
 }
 
 /// The truths of other lights by the same kernel.
@@ -90,20 +111,18 @@ impl Level<'_> {
         let worst = worst(truth, directions, found, &exact);
         let is_wrong = errors.relmse > GOOD;
         let fit = is_wrong.then(fit).flatten();
-        let few = is_wrong.then(|| few_texels(self, &exact, errors.relmse)).flatten();
         let fit_left = fit.map_or(f64::INFINITY, |fit| fit.left);
-        let slip = few.or_else(|| is_wrong.then(|| self.slip(fit_left)).flatten());
+        let slip = is_wrong.then(|| self.slip(fit_left)).flatten();
         let causes = match (&slip, fit) {
             _ if !is_wrong => Vec::new(),
             (Some(slip), _) => slip.causes.clone(),
-            (None, Some(fit)) if fit.left <= EXPLAINED => self.fitted(fit, level_of),
+            (None, Some(fit)) if fit.explains(errors.relmse) => self.fitted(fit, level_of),
             _ => vec![Cause { kind: "unknown", words: UNEXPLAINED.to_owned() }],
         };
         let verdict = if is_wrong { words(&causes) } else { GOOD_WORDS.to_owned() };
         LevelScore { size: directions.size, alpha, errors, between: None, worst, fit, slip, causes, verdict }
     }
 
-    /// Describes a width and a gain.
     fn fitted(&self, fit: Fit, level_of: impl Fn(f64) -> Option<f64>) -> Vec<Cause> {
         let alpha = self.alpha;
         let shift = level_of(fit.alpha).zip(level_of(alpha)).map(|(found, own)| found - own);
@@ -120,23 +139,6 @@ impl Level<'_> {
         let causes: Vec<Cause> = causes.into_iter().flatten().collect();
         if causes.is_empty() { vec![Cause { kind: "small", words: "slightly off".to_owned() }] } else { causes }
     }
-}
-
-/// Describes the texels that alone are wrong, if the rest of the level is good.
-fn few_texels(level: &Level, exact: &[DVec3], relmse: f64) -> Option<Slip> {
-    let Level { truth, directions, found, .. } = *level;
-    let square = |i: usize| directions.weights[i] * relative_square(found[i], exact[i], truth.epsilon());
-    let mut squares: Vec<(f64, usize)> = (0..found.len()).map(|i| (square(i), i)).collect();
-    squares.sort_by(|a, b| b.0.total_cmp(&a.0));
-    let own: f64 = squares.iter().map(|(square, _)| square).sum();
-    let left = |count: usize| squares[count..].iter().map(|(square, _)| square).sum::<f64>() / own;
-    let count = (1..=FEW.min(squares.len() / FEW_OF)).find(|count| left(*count) * relmse <= GOOD)?;
-    let [face, x, y] = directions.texel(squares[0].1);
-    let words = match count {
-        1 => format!("one texel is wrong: face {face}, column {x}, row {y}"),
-        _ => format!("{count} texels are wrong, most at face {face}, column {x}, row {y}"),
-    };
-    Some(Slip::one("texels", words, [left(count), left(count) * relmse]))
 }
 
 /// Returns relMSE at four points per texel, looked up as a GPU does: linear, across the edges of faces.
@@ -191,9 +193,6 @@ pub(super) const DOUBT: &str = "its axes or its light do not fit";
 /// Start of the verdict of a part within [`GOOD`].
 pub(super) const GOOD_WORDS: &str = "good";
 const UNEXPLAINED: &str = "no known slip explains it";
-/// Most texels that are wrong by themselves, and of how many one may be.
-const FEW: usize = 4;
-const FEW_OF: usize = 24;
 
 impl LevelScore {
     /// Returns relMSE between its good texels where it is not good: the level has few texels for its width.
@@ -203,7 +202,8 @@ impl LevelScore {
 
     /// Returns the relMSE that is left without the causes; `None` if they are unknown or there are none.
     pub fn left(&self) -> Option<f64> {
-        let of_fit = || self.fit.filter(|fit| fit.left <= EXPLAINED).map(|fit| fit.left * self.errors.relmse);
+        let relmse = self.errors.relmse;
+        let of_fit = || self.fit.filter(|fit| fit.explains(relmse)).map(|fit| fit.left * relmse);
         let left = self.slip.as_ref().map(|slip| slip.relmse).or_else(of_fit)?;
         (!self.causes.is_empty()).then_some(left)
     }
@@ -211,8 +211,11 @@ impl LevelScore {
     /// Removes width and gain from the verdict because the axes or the light do not fit.
     pub fn doubt(&mut self) {
         if self.errors.relmse > GOOD && self.slip.is_none() {
-            self.verdict = DOUBT.to_owned();
-            self.causes = vec![Cause { kind: "unknown", words: DOUBT.to_owned() }];
+            self.set(Cause { kind: "unknown", words: DOUBT.to_owned() });
         }
+    }
+
+    fn set(&mut self, cause: Cause) {
+        (self.verdict, self.causes) = (cause.words.clone(), vec![cause]);
     }
 }

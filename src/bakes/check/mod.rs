@@ -15,6 +15,7 @@ mod scores;
 pub mod sh;
 pub mod slip;
 pub mod table;
+mod texel;
 
 pub use directions::{Directions, texels};
 pub use fit::Fit;

@@ -3,7 +3,8 @@
 use super::directions::Directions;
 use super::fit;
 use super::level::{DOUBT, GOOD_WORDS};
-use super::slip::{BETTER, ORDERS};
+use super::slip::BETTER;
+use super::texel::{Change, ORDERS};
 use super::{Cause, EXPLAINED, Errors, GOOD, Truth, errors, words};
 use crate::bakes::convention::Axes;
 use crate::bakes::sh::{Coefficients, turned};
@@ -14,19 +15,25 @@ use crate::precompute::sh9::reference::{Sh9, project_bilinear};
 use glam::DVec3;
 use std::f64::consts::PI;
 
-/// Side of the cube of normals.
 const SIDE: u32 = 16;
 /// Share of the error below which a rest is rounding.
 const LEAST: f64 = 1e-6;
 
 /// The orders of other programs: the file's number of each coefficient of ours, and the sign of odd m.
+const PLAIN: [usize; COUNT] = [0, 1, 2, 3, 4, 5, 6, 7, 8];
 static FORMS: &[(&str, [usize; COUNT], f64)] = &[
-    ("", [0, 1, 2, 3, 4, 5, 6, 7, 8], 1.0),
-    ("odd m have the other sign, as by Condon and Shortley", [0, 1, 2, 3, 4, 5, 6, 7, 8], -1.0),
+    ("", PLAIN, 1.0),
+    ("odd m have the other sign, as by Condon and Shortley", PLAIN, -1.0),
+    (UNSCALED, PLAIN, 1.0),
     ("each degree is in the order m = l to -l", [0, 3, 2, 1, 8, 7, 6, 5, 4], 1.0),
     ("degree 1 is in the order x, y, z; expected y, z, x", [0, 2, 3, 1, 4, 5, 6, 7, 8], 1.0),
     ("degree 1 is in the order x, z, y; expected y, z, x", [0, 3, 2, 1, 4, 5, 6, 7, 8], 1.0),
 ];
+
+/// A form whose coefficients lack the factors of the basis, as of cmgen's `--sh-irradiance`.
+const UNSCALED: &str = "not pre-scaled by the factors of the basis";
+const BASIS: [f64; COUNT] =
+    [0.282_095, 0.488_603, 0.488_603, 0.488_603, 1.092_548, 1.092_548, 0.315_392, 1.092_548, 0.546_274];
 
 #[derive(Clone, Debug)]
 pub struct ShScore {
@@ -69,10 +76,11 @@ fn causes(found: &Coefficients, own: &Sh9, exact: &Sh9, axes: Axes) -> Vec<Cause
             let radiance = std::array::from_fn(|k| {
                 // Every second one has an odd m.
                 let (from, sign) = (order[k], if k % 2 == 1 { *odd } else { 1.0 });
-                sign * found.radiance[from] * (found.factors[from] / found.factors[k])
+                let factor = if *form == UNSCALED { BASIS[k] } else { 1.0 };
+                factor * sign * found.radiance[from] * (found.factors[from] / found.factors[k])
             });
             let turned = turned(&radiance, |world| other.to_file(world));
-            for (channels, change) in [("R, G, B", (|x| x) as fn(DVec3) -> DVec3)].iter().chain(ORDERS) {
+            for (channels, change) in [("R, G, B", (|x| x) as Change)].iter().chain(ORDERS) {
                 // The change is put into what is right.
                 let right = exact.map(change);
                 let mut causes = Vec::new();
@@ -98,7 +106,6 @@ fn causes(found: &Coefficients, own: &Sh9, exact: &Sh9, axes: Axes) -> Vec<Cause
     if best.1.is_empty() { unknown() } else { best.1 }
 }
 
-/// Describes factors of the degrees.
 fn factors(window: [f64; 3]) -> Option<Cause> {
     let [one, two] = [window[1] / window[0], window[2] / window[0]];
     let is = |a: f64, b: f64| (one / a - 1.0).abs() < 0.02 && (two / b - 1.0).abs() < 0.02;
@@ -110,7 +117,10 @@ fn factors(window: [f64; 3]) -> Option<Cause> {
             Cause { kind: "cosine", words: "convolved with the cosine once too often".to_owned() }
         }
         () if (window[0] - 1.0).abs() < 0.05 => {
-            let words = format!("windowed against ringing: degree 1 times {one:.2}, degree 2 times {two:.2}");
+            let words = match two {
+                0.0..0.005 if (one - 1.0).abs() < 0.005 => "degree 2 is missing".to_owned(),
+                _ => format!("windowed against ringing: degree 1 times {one:.2}, degree 2 times {two:.2}"),
+            };
             Cause { kind: "window", words }
         }
         () => return None,

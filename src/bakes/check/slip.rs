@@ -4,13 +4,13 @@
 //! named if it leaves at most `EXPLAINED` of the error, and at most `CLOSE`; two slips, if one leaves the level wrong.
 
 use super::directions::Directions;
-use super::exact::exact;
+use super::exact::{exact, mirror};
+use super::texel::{COPIES, CURVES, Change, ORDERS, PACKINGS, RGBM, rgbm};
 use super::{Cause, EXPLAINED, Truth, errors, faces, fit, has_width};
 use crate::brdf::MODELS;
-use crate::color::{srgb_curve, srgb_decode};
 use crate::environment::Environment;
 use crate::precompute::prefilter::{Kernel, WEIGHTS};
-use glam::{DMat3, DQuat, DVec3, Vec3Swizzles};
+use glam::{DQuat, DVec3};
 use std::f64::consts::PI;
 
 #[derive(Clone, Debug, PartialEq)]
@@ -51,60 +51,6 @@ pub const SAME_MEAN: f64 = 0.02;
 /// Texels below this share of a cut are not cut.
 const UNCUT: f64 = 0.98;
 
-/// Slips that change each texel by itself, as functions of the right colour.
-type Change = fn(DVec3) -> DVec3;
-pub static ORDERS: &[(&str, Change)] = &[
-    ("R, B, G", |x| x.xzy()),
-    ("G, R, B", |x| x.yxz()),
-    ("B, G, R", |x| x.zyx()),
-    ("G, B, R", |x| x.yzx()),
-    ("B, R, G", |x| x.zxy()),
-];
-/// Curves of a file or of its source.
-static CURVES: &[(&str, Change)] = &[
-    ("encoded with gamma 2.2: decode it", |x| x.powf(1.0 / 2.2)),
-    ("decoded with gamma 2.2 though linear", |x| x.powf(2.2)),
-    ("encoded as sRGB: decode it", |x| x.map(srgb_curve)),
-    ("decoded as sRGB though linear", |x| x.map(|x| srgb_decode(x as f32).into())),
-    ("tone-mapped by Reinhard's x/(1 + x)", |x| x / (1.0 + x)),
-    ("tone-mapped by ACES (Narkowicz)", |x| (x * (2.51 * x + 0.03) / (x * (2.43 * x + 0.59) + 0.14)).min(DVec3::ONE)),
-];
-/// Ranges of RGBM, and the exponents of their colours.
-static RGBM: &[(f64, f64)] =
-    &[(5.0, 1.0), (6.0, 1.0), (7.0, 1.0), (8.0, 1.0), (16.0, 1.0), (64.0, 1.0), (8.0, 2.0), (5.0, 2.2), (8.0, 2.2)];
-static PACKINGS: &[(&str, Change)] = &[
-    ("RGBD read as linear: divide by alpha", rgbd),
-    ("RGBD with gamma 2.2 read as linear: decode it", |x| rgbd(x).powf(1.0 / 2.2)),
-    ("RGBE read as linear: times 2^exponent", rgbe),
-    ("LogLuv read as linear: decode it", log_luv),
-];
-
-/// Colours of RGBM: over the range and over a multiplier of at most 1, in steps of 1/255.
-fn rgbm(x: DVec3, range: f64) -> DVec3 {
-    let multiplier = (255.0 * (x.max_element() / range).min(1.0)).ceil() / 255.0;
-    if multiplier > 0.0 { (x / (range * multiplier)).min(DVec3::ONE) } else { x }
-}
-
-/// Colours of RGBD: times a divisor of at most 1 that brings the largest below 1.
-fn rgbd(x: DVec3) -> DVec3 {
-    x * ((255.0 / x.max_element().max(1e-6)).floor().clamp(1.0, 255.0) / 255.0)
-}
-
-/// Mantissas of RGBE: over a power of two that brings the largest into [1/2, 1).
-fn rgbe(x: DVec3) -> DVec3 {
-    x / (x.max_element().max(1e-30).log2().floor() + 1.0).exp2()
-}
-
-/// First three channels of LogLuv in 32 bits (Larson 1998), with the matrix that three.js used.
-fn log_luv(x: DVec3) -> DVec3 {
-    const FROM_RGB: DMat3 =
-        DMat3::from_cols_array(&[0.2209, 0.3390, 0.4184, 0.1138, 0.6780, 0.7319, 0.0102, 0.1130, 0.2969]);
-    let [x, y, sum] = (FROM_RGB * x).max(DVec3::splat(1e-6)).to_array();
-    let log = 2.0 * y.log2() + 127.0;
-    DVec3::new(x / sum, y / sum, (log - (255.0 * log.fract()).floor() / 255.0) / 255.0)
-}
-
-/// Rounds to three digits.
 fn rounded(x: f64) -> f64 {
     let digits = 10.0_f64.powf(2.0 - x.max(1e-9).log10().floor());
     (x * digits).round() / digits
@@ -125,14 +71,15 @@ pub fn sources(environment: &Environment, mean: DVec3, gains: &[f64]) -> Vec<(Ca
     let image = &environment.image;
     let changed = |most: f64, curve: Option<Change>| {
         move |texel: [f32; 3]| {
-            let x = DVec3::from_array(texel.map(f64::from)).min(DVec3::splat(most));
+            let x = DVec3::from_array(texel.map(f64::from));
+            // A cut below 0 keeps the hue.
+            let x = if most < 0.0 { x * (-most / x.max_element().max(-most)) } else { x.min(DVec3::splat(most)) };
             curve.map_or(x, |curve| curve(x))
         }
     };
     let mean_of = |most: f64, curve: Option<Change>| {
         let (mut sum, mut whole) = (DVec3::ZERO, 0.0);
-        // Curves flatten lamps, so that some texels are enough.
-        let step = if curve.is_some() { 3 } else { 1 };
+        let step = if curve.is_some() { image.height.div_ceil(512) as usize } else { 1 };
         for (y, row) in image.data.chunks_exact(image.width as usize).enumerate().step_by(step) {
             let weight = (PI * (y as f64 + 0.5) / f64::from(image.height)).sin();
             whole += weight * row.len() as f64;
@@ -142,22 +89,24 @@ pub fn sources(environment: &Environment, mean: DVec3, gains: &[f64]) -> Vec<(Ca
     };
     let largest = image.data.iter().flatten().fold(1e-3, |most: f32, x| most.max(*x)).into();
     let is_same = |own: DVec3, mean: DVec3| (own - mean).abs().cmple(SAME_MEAN * mean).all();
-    let cut_by = |gain: f64| {
+    let cut_by = |gain: f64, side: f64| {
         let (mut low, mut high) = (1e-3, largest);
         for _ in 0..24 {
             let middle = f64::sqrt(low * high);
-            let is_more = mean_of(middle, None).element_sum() > mean.element_sum() / gain;
+            let is_more = mean_of(side * middle, None).element_sum() > mean.element_sum() / gain;
             if is_more { high = middle } else { low = middle }
         }
         let ldr = if (high - 1.0).abs() < 0.05 { ": LDR" } else { "" };
-        let is_cut = high < UNCUT * largest && is_same(mean_of(high, None), mean / gain);
-        is_cut.then(|| (format!("cut at {}{ldr}", rounded(high)), high, None))
+        let is_cut = high < UNCUT * largest && is_same(mean_of(side * high, None), mean / gain);
+        let hue = if side < 0.0 { " with its hue" } else { ldr };
+        is_cut.then(|| (format!("cut at {}{hue}", rounded(high)), side * high, None))
     };
     let curves = CURVES.iter().flat_map(|(words, curve)| {
         [((*words).to_owned(), f64::INFINITY, Some(*curve)), (format!("cut at 1 and {words}"), 1.0, Some(*curve))]
     });
     let alike = curves.filter(|(_, most, curve)| is_same(mean_of(*most, *curve), mean));
-    let cuts = gains.iter().filter_map(|gain| cut_by(*gain));
+    let cuts = gains.iter().flat_map(|gain| [1.0, -1.0].map(|side| (*gain, side)));
+    let cuts = cuts.filter_map(|(gain, side)| cut_by(gain, side));
     let source = |(words, most, curve): (String, f64, Option<Change>)| {
         let image = image.map(|texel| changed(most, curve)(texel).as_vec3().to_array());
         let cause = Cause { kind: "source", words: format!("source {words}") };
@@ -225,8 +174,8 @@ impl Level<'_> {
             }
             let bases = match stage {
                 0 => vec![right.clone()],
-                1 => [sample.kernels(), sample.sources()].concat(),
-                _ => sample.turn().into_iter().collect(),
+                1 => [sample.kernels(), sample.sources(false)].concat(),
+                _ => sample.turn().into_iter().chain(sample.sources(true)).collect(),
             };
             for (causes, off) in bases.into_iter().flat_map(|base| sample.finished(sample.coded(base))) {
                 let best = if causes.len() == 1 { &mut one } else { &mut two };
@@ -268,27 +217,50 @@ impl<'a, 'l> Sample<'a, 'l> {
         errors(&self.directions, found, slipped, self.level.truth.epsilon(), 1.0).relmse
     }
 
-    fn kernels(&self) -> Vec<Slipped> {
+    /// Other weights and models; for irradiance, the mean over the hemisphere.
+    fn other_kernels(&self) -> Vec<(Cause, Kernel)> {
         let Kernel { brdf, weight, masking } = self.level.kernel;
-        let truth = self.level.truth;
-        if !has_width(self.level.alpha) || brdf.name() != truth.kernel.brdf.name() {
+        if !has_width(self.level.alpha) {
             return Vec::new();
         }
-        let weights = WEIGHTS.iter().filter(|other| other.name != weight.name);
-        let weights = weights.map(|other| {
-            ("weight", format!("weighted otherwise: --weight {}", other.name), Kernel::new(brdf, other, masking))
+        let is_irradiance = brdf.name() != self.level.truth.kernel.brdf.name();
+        let others = WEIGHTS.iter().filter(|other| other.name != weight.name);
+        let weights = others.filter(|other| !is_irradiance || other.name == "none").map(|other| {
+            let words = format!("weighted otherwise: --weight {}", other.name);
+            let words = if is_irradiance { "not weighted by the cosine".to_owned() } else { words };
+            (Cause { kind: "weight", words }, Kernel::new(brdf, other, masking))
         });
-        let models = MODELS.iter().filter(|other| other.name() != brdf.name());
-        let models = models.map(|other| {
-            ("model", format!("of another model: --brdf {}", other.name()), Kernel::new(*other, weight, masking))
+        let models = MODELS.iter().filter(|other| !is_irradiance && other.name() != brdf.name()).map(|other| {
+            let words = format!("of another model: --brdf {}", other.name());
+            (Cause { kind: "model", words }, Kernel::new(*other, weight, masking))
         });
-        weights.chain(models).map(|(kind, words, kernel)| Slipped::one(kind, words, self.of(truth, kernel))).collect()
+        weights.chain(models).collect()
     }
 
-    fn sources(&self) -> Vec<Slipped> {
-        let of = |own: &(Cause, Truth)| self.of(&own.1, self.level.kernel);
-        let sources = (self.level.sources)().iter();
-        sources.map(|own| Slipped::one(own.0.kind, own.0.words.clone(), of(own))).collect()
+    /// Levels by another kernel, and the map itself at the level's size.
+    fn kernels(&self) -> Vec<Slipped> {
+        let Level { truth, kernel, .. } = *self.level;
+        let others = self.other_kernels().into_iter();
+        let others = others.map(|(cause, other)| Slipped { causes: vec![cause], values: self.of(truth, other) });
+        let is_level = has_width(self.level.alpha) && kernel.brdf.name() == truth.kernel.brdf.name();
+        let plain = is_level.then(|| mirror(truth.environment, &self.directions));
+        others
+            .chain(plain.map(|values| Slipped::one("mips", "plain mips: not prefiltered".to_owned(), values)))
+            .collect()
+    }
+
+    /// Levels of another source, by the level's kernel or by others.
+    fn sources(&self, by_others: bool) -> Vec<Slipped> {
+        let own = vec![(None, self.level.kernel)];
+        let others = || self.other_kernels().into_iter().map(|(cause, kernel)| (Some(cause), kernel)).collect();
+        let kernels: Vec<(Option<Cause>, Kernel)> = if by_others { others() } else { own };
+        let of = |(cause, truth): &(Cause, Truth), (other, kernel): &(Option<Cause>, Kernel)| {
+            let causes = [cause].into_iter().chain(other).cloned().collect();
+            Slipped { causes, values: self.of(truth, *kernel) }
+        };
+        // Two slips with the first cut alone: each source takes a second.
+        let sources = (self.level.sources)().iter().take(if by_others { 1 } else { usize::MAX });
+        sources.flat_map(|source| kernels.iter().map(|kernel| of(source, kernel)).collect::<Vec<_>>()).collect()
     }
 
     /// A turn about y that is not a quarter: the offset of a lat-long map.
@@ -324,13 +296,18 @@ impl<'a, 'l> Sample<'a, 'l> {
         let order =
             |(words, change): &(&str, Change)| base.with("channels", format!("channels in the order {words}"), change);
         let orders: Vec<Slipped> = ORDERS.iter().map(order).collect();
-        let mut all: Vec<Slipped> = Vec::new();
+        let mut all: Vec<Slipped> = match base.causes.len() {
+            0 => COPIES.iter().map(|(words, change)| base.with("channels", (*words).to_owned(), change)).collect(),
+            1 => Vec::new(),
+            _ => vec![base.clone()],
+        };
         for base in orders.into_iter().chain([base]).filter(|base| base.causes.len() < 2) {
             for (words, change) in CURVES.iter().chain(PACKINGS) {
                 all.push(base.with("encoding", (*words).to_owned(), change));
             }
             for &(range, exponent) in RGBM {
-                let words = format!("RGBM read as linear: decode ({range} alpha RGB)^{exponent}");
+                let power = if exponent == 1.0 { String::new() } else { format!(" to the power of {exponent}") };
+                let words = format!("RGBM read as linear: decode {range} alpha RGB{power}");
                 all.push(base.with("encoding", words, |x| rgbm(x.powf(1.0 / exponent), range)));
             }
             all.push(base);
@@ -351,7 +328,8 @@ impl<'a, 'l> Sample<'a, 'l> {
             let (mut all, mut by_faces) = (Vec::new(), Vec::new());
             if slipped.causes.len() < 2 {
                 all.push(with_gain(&slipped, self.gain(&slipped.values)));
-                all.extend(self.channel_gains(&slipped));
+                // Beside an encoding they would fit too much.
+                all.extend(self.channel_gains(&slipped).filter(|_| slipped.causes.is_empty()));
                 // The gain of what is not cut.
                 let uncut = |(found, _): &(&DVec3, &DVec3)| found.max_element() < UNCUT * most;
                 let pairs = self.found.iter().zip(&slipped.values).filter(uncut);

@@ -3,7 +3,7 @@
 use super::Cause;
 use crate::bakes::convention::{Convention, TABLE_AXES, TABLE_CHANNELS, TableAxes, TableChannels};
 use crate::brdf::{Brdf, MaskingShadowing, alpha_from_perceptual_roughness};
-use crate::color::srgb_decode;
+use crate::color::{srgb_curve, srgb_decode};
 use crate::glsl::constants::ALPHA_MIN;
 use crate::pixels::RgbImage;
 use crate::precompute::dfg::reference::dfg_within;
@@ -11,12 +11,13 @@ use crate::spelling::Listed;
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 use std::collections::HashMap;
-use std::fmt;
 
 /// Approximate number of compared rows and columns, edges included.
 const LINES: u32 = 17;
 /// Root mean square error of a table that is something else.
 const NOISE: f64 = 0.15;
+/// Largest root mean square error of a convention that fits: as much as masking makes.
+const FITS: f64 = 0.02;
 /// Number of further texels that stand out.
 const ODD_COUNT: usize = 16;
 /// Number of rows and columns in a search of conventions.
@@ -75,33 +76,45 @@ fn explained(table: &RgbImage, brdf: &'static dyn Brdf, convention: &Convention,
     ];
     let other = flags.iter().filter(|(_, found, own)| found != own);
     let other: String = other.map(|(flag, found, _)| format!(" {flag} {found}")).collect();
-    if !other.is_empty() && found.rms < 0.5 * rms {
+    if !other.is_empty() && found.rms < (0.5 * rms).min(FITS) {
         return Cause { kind: "convention", words: format!("fits{other}; rms {:.1e}", found.rms) };
     }
     let places = places(table, SEARCHED);
     let texel = DVec2::new(1.0 / f64::from(table.width), 1.0 / f64::from(table.height));
-    // A table sampled at texel corners is shifted by up to a texel.
-    let sides = [-1.0, -0.5, 0.5, 1.0];
-    let along = |axis: DVec2| sides.iter().map(move |side| axis * *side);
-    let readings = along(DVec2::X).chain(along(DVec2::Y)).map(|shift| (None, shift));
-    let readings: Vec<_> = readings.chain(READINGS.iter().map(|reading| (Some(reading), DVec2::ZERO))).collect();
-    let rms_by = |(reading, shift): &(Option<&Reading>, DVec2)| {
+    // A table sampled at texel corners is shifted by up to a texel, or stretched.
+    let (axes, none) = ([DVec2::X, DVec2::Y, DVec2::ONE], DVec2::ZERO);
+    let shifts = axes.iter().flat_map(|axis| [-1.0, -0.5, 0.5, 1.0].map(|side| (None, *axis * side, none)));
+    let readings = shifts.chain(axes.map(|axis| (None, none, axis)));
+    let readings: Vec<Read> = readings.chain(READINGS.iter().map(|reading| (Some(reading), none, none))).collect();
+    let rms_by = |axes: &TableAxes, channels: &TableChannels, (reading, shift, stretch): &Read| {
         let square = |place: &Place| {
-            let at = table_axes.parameters(place.uv + *shift * texel).clamp(DVec2::splat(1e-3), DVec2::ONE);
+            let stretched = (place.uv - 0.5) * (1.0 + *stretch * texel / (1.0 - texel));
+            let at = axes.parameters(0.5 + stretched + *shift * texel).clamp(DVec2::splat(1e-3), DVec2::ONE);
             let (at, texel) = reading.map_or((at, place.texel), |(.., read)| read(at, place.texel));
-            ((table_channels.pair)(texel) - exact(brdf, *masking, at, SEARCHED_WITHIN)).length_squared()
+            ((channels.pair)(texel) - exact(brdf, *masking, at, SEARCHED_WITHIN)).length_squared()
         };
         (0.5 * places.iter().map(square).sum::<f64>() / places.len() as f64).sqrt()
     };
-    let own = rms_by(&(None, DVec2::ZERO));
-    let all: Vec<f64> = readings.par_iter().map(rms_by).collect();
+    let own = rms_by(table_axes, table_channels, &(None, none, none));
+    let all: Vec<f64> = readings.par_iter().map(|read| rms_by(table_axes, table_channels, read)).collect();
     let best = (0..all.len()).min_by(|a, b| all[*a].total_cmp(&all[*b])).expect("readings");
     if all[best] < 0.5 * own {
         let share = 100.0 * (all[best] / own);
-        let (reading, shift) = readings[best];
-        let (kind, words) =
-            reading.map_or_else(|| ("shift", shifted(shift)), |(kind, words, _)| (*kind, (*words).to_owned()));
+        let (reading, shift, stretch) = readings[best];
+        let moved = || ("shift", if stretch == none { shifted(shift) } else { stretched(stretch) });
+        let (kind, words) = reading.map_or_else(moved, |(kind, words, _)| (*kind, (*words).to_owned()));
         return Cause { kind, words: format!("{words}; fixing it leaves {share:.0} % of the rms") };
+    }
+    let by_found =
+        READINGS.iter().map(|reading| (rms_by(found.axes, found.channels, &(Some(reading), none, none)), reading));
+    let (left, (kind, words, _)) = by_found.min_by(|a, b| a.0.total_cmp(&b.0)).expect("readings");
+    if left < FITS {
+        let other: String = flags[..2]
+            .iter()
+            .filter(|(_, found, own)| found != own)
+            .map(|(flag, found, _)| format!(" {flag} {found}"))
+            .collect();
+        return Cause { kind, words: format!("fits{other}; {words}") };
     }
     let words = if rms > NOISE {
         "no convention fits: not a DFG table of this model, or encoded".to_owned()
@@ -111,22 +124,36 @@ fn explained(table: &RgbImage, brdf: &'static dyn Brdf, convention: &Convention,
     Cause { kind: "unknown", words }
 }
 
+/// A reading, a shift in texels, and the axes along which nodes reach the edges.
+type Read = (Option<&'static Reading>, DVec2, DVec2);
+
 /// Another meaning of a table: how to read the parameters of a place and its texel.
 type Reading = (&'static str, &'static str, fn(DVec2, DVec2) -> (DVec2, DVec2));
 static READINGS: &[Reading] = &[
     ("encoding", "encoded with gamma 2.2: decode it", |at, texel| (at, texel.powf(2.2))),
     ("encoding", "encoded as sRGB: decode it", |at, texel| (at, texel.map(|x| srgb_decode(x as f32).into()))),
+    ("encoding", "decoded with gamma 2.2 though linear", |at, texel| (at, texel.powf(1.0 / 2.2))),
+    ("encoding", "decoded as sRGB though linear", |at, texel| (at, texel.map(srgb_curve))),
     ("axis", "its lines are alpha; expected perceptual roughness", |at, texel| (DVec2::new(at.x, at.y.sqrt()), texel)),
     ("axis", "its lines are the root of roughness", |at, texel| (DVec2::new(at.x, at.y * at.y), texel)),
     ("axis", "its lines are the root of n·v", |at, texel| (DVec2::new(at.x * at.x, at.y), texel)),
 ];
 
 fn shifted(shift: DVec2) -> String {
-    let (far, side) = match -(shift.x + shift.y) {
-        far if shift.x != 0.0 => (far.abs(), if far > 0.0 { "far right" } else { "far left" }),
-        far => (far.abs(), if far > 0.0 { "low" } else { "high" }),
+    let along = [(shift.x, ["far right", "far left"]), (shift.y, ["low", "high"])];
+    let sides = along.iter().filter(|(far, _)| *far != 0.0).map(|(far, sides)| sides[usize::from(*far > 0.0)]);
+    format!("its values are {} texel too {}", shift.abs().max_element(), sides.collect::<Vec<_>>().join(" and too "))
+}
+
+fn stretched(axis: DVec2) -> String {
+    let lines = if axis == DVec2::ONE {
+        "texels"
+    } else if axis.x > 0.0 {
+        "columns"
+    } else {
+        "rows"
     };
-    format!("its values are {far} texel too {side}")
+    format!("its {lines} are at i/(n - 1), from edge to edge; expected centres, (i + 0.5)/n")
 }
 
 pub struct Fitting {
@@ -134,13 +161,6 @@ pub struct Fitting {
     pub channels: &'static TableChannels,
     pub masking: MaskingShadowing,
     pub rms: f64,
-}
-
-impl fmt::Display for Fitting {
-    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        let Self { axes, channels, masking, .. } = self;
-        write!(f, "--table-axes {} --table-channels {} --masking {}", axes.name, channels.name, masking.name())
-    }
 }
 
 /// Tries every way to read a table, best first.

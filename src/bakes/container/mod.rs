@@ -108,7 +108,6 @@ pub fn from_bytes(path: &Path, bytes: &[u8]) -> Result<Texture, PixelsError> {
     Ok(texture)
 }
 
-/// Finds the first texel that is not finite.
 fn first_oddity(texture: &Texture) -> Option<Fault> {
     let levels = texture.levels.iter().enumerate();
     let mut images = levels.flat_map(|(level, faces)| (0..).zip(faces).map(move |(face, image)| (level, face, image)));

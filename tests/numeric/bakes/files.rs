@@ -7,7 +7,6 @@ use splitsum::bakes::container::Texel;
 use splitsum::environment::layout::MapLayout;
 use splitsum::pixels::RgbImage;
 
-/// The faces of a level, with a value by the direction of each texel.
 pub fn faces(layout: &MapLayout, [width, height]: [u32; 2], value: impl Fn(DVec3) -> DVec3) -> Vec<RgbImage> {
     let size = DVec2::new(width.into(), height.into());
     let texel = |face: u32, x: u32, y: u32| {
@@ -17,7 +16,6 @@ pub fn faces(layout: &MapLayout, [width, height]: [u32; 2], value: impl Fn(DVec3
     (0..layout.face_count).map(|face| RgbImage::from_fn(width, height, |x, y| texel(face, x, y))).collect()
 }
 
-/// A level's faces, each as its bytes.
 pub type Level = Vec<Vec<u8>>;
 
 /// A KTX 2 file of square levels, smallest first as is usual.

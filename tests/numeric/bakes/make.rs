@@ -23,7 +23,6 @@ use splitsum::spelling::Listed;
 use std::f64::consts::PI;
 use std::path::Path;
 
-/// A name and its map of directions.
 type Lookup = (&'static str, fn(DVec3) -> DVec3);
 
 /// Lookup direction of each engine's shader for a world direction (y up, right-handed), from the source of those shaders.

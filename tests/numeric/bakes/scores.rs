@@ -69,8 +69,8 @@ fn every_orientation_is_found_in_every_layout() {
         assert_eq!(axes.to_world(axes.to_file(d)), d);
         let map = exact_map(&truth, i % LAYOUTS.len(), axes, |alpha| (alpha, 1.0));
         let fits = guess::axes(&truth, &map, &convention).unwrap();
-        assert_eq!(fits[0].axes, axes, "{}", guess::in_words(&fits));
-        assert!(fits[0].correlation > 0.99 && guess::is_clear(fits[0], fits[1]), "{}", guess::in_words(&fits));
+        assert_eq!(fits[0].axes, axes, "{fits:?}");
+        assert!(fits[0].correlation > 0.99 && guess::is_clear(fits[0], fits[1]), "{fits:?}");
         convention.axes = axes;
         for score in level::score(&truth, &map, &convention).unwrap() {
             assert!(score.errors.relmse < 1e-12 && score.errors.bias_rel.abs() < 1e-6, "{score:?}");
@@ -147,7 +147,7 @@ fn a_light_is_known_by_a_mirror_and_by_levels_of_other_widths() {
     let mut known = |alphas: &[f64], map: &Map| {
         convention.alphas = Some(alphas.to_vec());
         let fits = guess::axes(&truth, map, &convention).unwrap();
-        assert!(fits[0].axes == Axes::SAME && fits[0].correlation > guess::SAME_LIGHT, "{}", guess::in_words(&fits));
+        assert!(fits[0].axes == Axes::SAME && fits[0].correlation > guess::SAME_LIGHT, "{fits:?}");
         let dark = |face: &RgbImage| face.map(|texel| texel.map(|x| x / 1024.0));
         let dark = map.levels.iter().map(|faces| faces.iter().map(dark).collect()).collect();
         let of_dark = guess::axes(&truth, &Map { layout: map.layout, levels: dark }, &convention).unwrap();
@@ -297,10 +297,10 @@ fn coefficients_of_the_light_itself_have_no_error_and_windows_are_named() {
 fn conventions_of_a_table_are_found() {
     // Most tables hold the same numbers in other places.
     let known = RefCell::new(HashMap::new());
-    let table = |way: usize, channels: usize, masking: MaskingShadowing, shift: f64| {
+    let table = |way: usize, channels: usize, masking: MaskingShadowing, node: fn(DVec2) -> DVec2| {
         RgbImage::from_fn(16, 16, |x, y| {
-            let uv = (DVec2::new(x.into(), f64::from(y) + shift) + 0.5) / 16.0;
-            let at = TABLE_AXES[way].parameters(uv).clamp(DVec2::splat(1e-3), DVec2::ONE);
+            let at =
+                TABLE_AXES[way].parameters(node(DVec2::new(x.into(), y.into()))).clamp(DVec2::splat(1e-3), DVec2::ONE);
             // No narrower than the device shades.
             let alpha = (at.y * at.y).max(ALPHA_MIN.into());
             let exact = || dfg_within(&Ggx, masking, at.x, alpha, 1e-5);
@@ -309,22 +309,31 @@ fn conventions_of_a_table_are_found() {
             [[a, b, 0.0], [b, a, 0.0], [b, a + b, 0.0]][channels]
         })
     };
-    let correlated = MaskingShadowing::Correlated;
+    let (correlated, centres) = (MaskingShadowing::Correlated, |at: DVec2| (at + 0.5) / 16.0);
     for way in 0..TABLE_AXES.len() {
-        let found = table::search(&table(way, way % 3, correlated, 0.0), &Ggx).swap_remove(0);
+        let found = table::search(&table(way, way % 3, correlated, centres), &Ggx).swap_remove(0);
         let names = (found.axes.name, found.channels.name, found.masking.name());
         assert_eq!(names, (TABLE_AXES[way].name, TABLE_CHANNELS[way % 3].name, "correlated"), "{:e}", found.rms);
     }
     let mut convention = PRESETS[0].convention();
     convention.masking = correlated;
-    let exact = table::score(&table(0, 0, correlated, 0.0), &Ggx, &convention);
+    let exact = table::score(&table(0, 0, correlated, centres), &Ggx, &convention);
     assert!(exact.max_error < 1e-5 && exact.verdict.starts_with("good"), "{exact:?}");
-    let off = table(0, 0, correlated, 0.0).map(|pair| pair.map(|x| x + 0.01));
+    let off = table(0, 0, correlated, centres).map(|pair| pair.map(|x| x + 0.01));
     let off = table::score(&off, &Ggx, &convention);
     assert!((off.rms - 0.01).abs() < 1e-5 && (off.max_error - 0.01).abs() < 2e-5, "{off:?}");
-    let shifted = table::score(&table(0, 0, correlated, 1.0), &Ggx, &convention);
-    assert!(shifted.verdict.contains("1 texel too high"), "{shifted:?}");
-    let encoded = table(0, 0, correlated, 0.0).map(|pair| pair.map(|x| x.powf(1.0 / 2.2)));
+    type Nodes = fn(DVec2) -> DVec2;
+    let moved: [(&str, Nodes); 4] = [
+        ("1 texel too high", |at| (at + DVec2::new(0.5, 1.5)) / 16.0),
+        ("0.5 texel too far right and too low", |at| at / 16.0),
+        ("its texels are at i/(n - 1)", |at| at / 15.0),
+        ("its rows are at i/(n - 1)", |at| DVec2::new((at.x + 0.5) / 16.0, at.y / 15.0)),
+    ];
+    for (words, nodes) in moved {
+        let score = table::score(&table(0, 0, correlated, nodes), &Ggx, &convention);
+        assert!(score.verdict.contains(words), "{words}: {score:?}");
+    }
+    let encoded = table(0, 0, correlated, centres).map(|pair| pair.map(|x| x.powf(1.0 / 2.2)));
     let encoded = table::score(&encoded, &Ggx, &convention);
     assert!(encoded.verdict.contains("encoded with gamma 2.2") && encoded.causes[0].kind == "encoding", "{encoded:?}");
     // A black row between the compared ones stands out.

@@ -4,12 +4,14 @@ use super::files::faces;
 use super::scores::marked_light;
 use glam::{DVec3, Vec3Swizzles};
 use splitsum::bakes::check::{Judged, Judging, Truth};
+use splitsum::bakes::convention::{Axes, Preset};
 use splitsum::bakes::{Bake, Map, Stated};
 use splitsum::brdf::{Beckmann, Brdf, Ggx, Phong};
 use splitsum::environment::Environment;
 use splitsum::environment::layout::LAYOUTS;
 use splitsum::pixels::RgbImage;
 use splitsum::precompute::prefilter::{Kernel, WEIGHTS};
+use splitsum::spelling::Listed;
 use std::f64::consts::PI;
 
 const SIDE: u32 = 24;
@@ -77,14 +79,13 @@ fn slips_of_faces_and_texels_are_named() {
             each_texel(map, |rgb| rgb.map(|x| 2.0 * x));
         }),
         ("every texel is black", |map| each_texel(map, |_| [0.0; 3])),
+        ("channels in the order A, R, G", |map| each_texel(map, |[r, g, _]| [1.0, r, g])),
+        ("times 8: --scale 0.125", |map| each_texel(map, |rgb| rgb.map(|x| 8.0 * x))),
         ("in the order G, B, R", |map| each_texel(map, |[r, g, b]| [g, b, r])),
         ("encoded with gamma 2.2", |map| each_texel(map, |rgb| rgb.map(|x| x.powf(1.0 / 2.2)))),
         ("decoded with gamma 2.2", |map| each_texel(map, |rgb| rgb.map(|x| x.powf(2.2)))),
         ("levels 0 to 2: times pi", |map| each_texel(map, |rgb| rgb.map(|x| x * PI as f32))),
         ("red, green and blue times 2.00, 1.00 and 0.00", |map| each_texel(map, |[r, g, _]| [2.0 * r, g, 0.0])),
-        ("one texel is wrong: face 4, column 9, row 7", |map| {
-            map.levels[1][4].data[(7 * SIDE + 9) as usize] = [6e4; 3];
-        }),
         ("every face is flipped left to right", |map| each_place(map, |x, y| [SIDE - 1 - x, y])),
         ("levels 0 to 2: cut at 1; ", |map| each_texel(map, |rgb| rgb.map(|x| x.min(1.0)))),
         ("RGBM read", |map| {
@@ -166,8 +167,13 @@ fn slips_of_the_light_and_of_the_kernel_are_named() {
     type Recolor = fn([f32; 3]) -> [f32; 3];
     let order: Recolor = |[r, g, b]| [g, b, r];
     let gain: Recolor = |texel| texel.map(|x| x * PI as f32);
-    let slips = [("channels in the order G, B, R", &light, order), ("source cut at 10; times pi", &cut, gain)];
-    for (words, source, change) in slips {
+    let uniform = Kernel::new(&Phong, WEIGHTS.iter().find(|weight| weight.name == "none").unwrap(), Default::default());
+    let slips = [
+        ("channels in the order G, B, R", &light, kernel, order),
+        ("source cut at 10; times pi", &cut, kernel, gain),
+        ("not weighted by the cosine", &light, uniform, |texel| texel),
+    ];
+    for (words, source, kernel, change) in slips {
         let exact = Truth::new(source, kernel, &[alpha]).prefiltered(alpha);
         let irradiance = faces(&LAYOUTS[0], [SIDE; 2], |d| exact.value(d));
         let mut map = Map { layout: &LAYOUTS[0], levels: vec![irradiance] };
@@ -176,11 +182,26 @@ fn slips_of_the_light_and_of_the_kernel_are_named() {
         let verdict = Judging::stated(&Stated::default()).unwrap().judge(&light, &bake, |_| ()).unwrap().verdict();
         assert!(verdict.contains(&format!("irradiance: {words}")), "{words}: {verdict}");
     }
+    // A turned irradiance map beside good levels.
+    let turned = Truth::new(&light, kernel, &[alpha]).prefiltered(alpha);
+    let turned = faces(&LAYOUTS[0], [SIDE; 2], |d| turned.value(DVec3::new(d.z, d.y, -d.x)));
+    let irradiance = Some(Map { layout: &LAYOUTS[0], levels: vec![turned] });
+    let bake = Bake { specular: Some(cube(&truth, &ALPHAS, |direction| direction)), irradiance, ..Bake::default() };
+    let mut judging = Judging::stated(&Stated::default()).unwrap();
+    judging.convention.alphas = Some(ALPHAS.to_vec());
+    let verdict = judging.judge(&light, &bake, |_| ()).unwrap().verdict();
+    assert!(verdict.contains("irradiance: other axes") && !verdict.contains("level"), "{verdict}");
     let other = WEIGHTS.iter().find(|weight| weight.name == "none").unwrap();
     let kernel = Kernel::new(&Ggx, other, Default::default());
-    let of_other = Truth::new(&light, kernel, &ALPHAS);
-    let verdict = judged(&light, cube(&of_other, &ALPHAS, |direction| direction), Some(&ALPHAS)).verdict();
-    assert!(verdict.contains("--weight none"), "{verdict}");
+    for (source, words) in [(&light, "levels 0 to 2: weighted"), (&cut, "levels 0 to 2: source cut at 10; weighted")] {
+        let of_other = Truth::new(source, kernel, &ALPHAS);
+        let verdict = judged(&light, cube(&of_other, &ALPHAS, |direction| direction), Some(&ALPHAS)).verdict();
+        assert!(verdict.contains(&format!("{words} otherwise: --weight none")), "{words}: {verdict}");
+    }
+    // Plain mips are means of the map over ever larger texels.
+    let mips: Vec<_> = (0..3).map(|k| faces(&LAYOUTS[0], [SIDE >> k; 2], |d| light.radiance(d))).collect();
+    let verdict = judged(&light, Map { layout: &LAYOUTS[0], levels: mips }, Some(&ALPHAS)).verdict();
+    assert!(verdict.contains("plain mips"), "{verdict}");
     // A different light.
     let mut image = light.image.clone();
     image.data.rotate_left(128 * 20 + 40);
@@ -202,9 +223,9 @@ fn chains_of_other_levels_are_named() {
     let right = of((0..5).map(|k| linear(k, 5)).collect());
     assert!(!right.contains("missing") && !right.contains("mapping"), "{right}");
     let last = of((0..4).map(|k| linear(k, 6)).collect());
-    assert!(last.contains("the last 2 of 6 levels missing"), "{last}");
+    assert!(last.contains("the last 2 of 6 levels are missing"), "{last}");
     let first = of((2..6).map(|k| linear(k, 6)).collect());
-    assert!(first.contains("the first 2 of 6 levels missing"), "{first}");
+    assert!(first.contains("the first 2 of 6 levels are missing"), "{first}");
     // Levels of unknown width, narrower than any that is tried.
     assert!(!of(vec![0.0; 5]).contains("missing"));
     assert!(!of(vec![linear(1, 4), linear(2, 4)]).contains("missing"), "one width names no chain");
@@ -220,4 +241,12 @@ fn chains_of_other_levels_are_named() {
     assert!(!noisy.contains("missing"), "{noisy}");
     let bent = of((0..5).map(|k| quadratic(k, 5)).collect());
     assert!(bent.contains("--level-mapping quadratic"), "{bent}");
+    // The first width of the quadratic chain is too narrow to fit, and the linear one three times as wide.
+    let alphas: Vec<f64> = (0..6).map(|k| linear(k, 6)).collect();
+    let truth = Truth::new(&light, Kernel::cosine(&Ggx), &alphas);
+    let mut judging = Judging::by(Preset::parse("cmgen").unwrap(), &Stated::default()).unwrap();
+    judging.convention.axes = Axes::SAME;
+    let bake = Bake { specular: Some(cube(&truth, &alphas, |direction| direction)), ..Bake::default() };
+    let verdict = judging.judge(&light, &bake, |_| ()).unwrap().verdict();
+    assert!(verdict.contains("--level-mapping linear; nothing else"), "{verdict}");
 }
