@@ -92,7 +92,7 @@ box() { # name, machine
     done
     cp "$scripts/test.sh" "$scripts/demo.sh" "$scripts/bare.sh" "$scripts/setup.sh" "$1/scripts/"
     files="bin/apt-get bin/sudo bin/id bin/ldconfig bin/cargo bin/rustfmt target/release/splitsum
-        scripts/test-scripts.sh scripts/check-commits.sh scripts/check-page.sh scripts/check-clients.sh
+        scripts/test-scripts.sh scripts/check-commits.sh scripts/check-words.sh scripts/check-page.sh scripts/check-clients.sh
         scripts/check-package.sh scripts/check-python.sh scripts/check-shaders.sh scripts/cluster-test.sh
         scripts/second-driver.sh scripts/examples.sh
         target/lib target/main target/browser target/cli target/device target/numeric target/view"
@@ -168,6 +168,7 @@ parts() { # user or ci
     full="full-user full-ci"
     part "$bare $full" test-scripts.sh 1 scripts/test-scripts.sh
     part "$bare $full" check-commits.sh 1 scripts/check-commits.sh
+    part "$bare $full" check-words.sh 1 scripts/check-words.sh
     part "$bare" "apt-get install*libvulkan1*" 100 "setup$stops"
     part "$bare" "apt-get install*vulkan-validationlayers*" success "setup$stops"
     part "$bare" "apt-get update*" 100 "setup$stops"
@@ -348,9 +349,36 @@ commits() (
     done
 )
 
+words() (
+    box=$WORK/words
+    run="check-words.sh"
+    mkdir -p "$box"
+    cat >"$box/a.rs" <<'EOF'
+/// Prints that
+/// of mine, `anew`.
+let told = "a \
+  mend"; // anew
+f("is", "no", "whoever");
+fn a_name_that_is_no_fact() {}
+EOF
+    cat >"$box/b.md" <<'EOF'
+It is
+no number. Told, `anew` and
+
+    whoever
+```
+mend
+```
+No longer is it so, and there is no
+other.
+EOF
+    sh "$scripts/check-words.sh" "$box/a.rs" "$box/b.md" >"$box/output" 2>&1 && complain "passes"
+    [ "$(grep -c "$box" "$box/output")" -eq 8 ] || complain "finds other phrases"
+)
+
 # Two at a time.
 parts user >"$WORK/user.log" 2>&1 &
-(parts ci && passes && demo && bare && python && variables && commits) >"$WORK/ci.log" 2>&1 || : >"$WORK/wrong"
+(parts ci && passes && demo && bare && python && variables && commits && words) >"$WORK/ci.log" 2>&1 || : >"$WORK/wrong"
 wait $! || : >"$WORK/wrong"
 cat "$WORK/user.log" "$WORK/ci.log"
 [ ! -e "$WORK/wrong" ]

@@ -1,34 +1,15 @@
-//! Documents, help and messages avoid banned words, and documents take measured numbers from published runs.
+//! Documents take measured numbers from published runs.
 
-use crate::layering::{self, files};
 use std::path::{Path, PathBuf};
-
-/// Banned phrases.
-const BANNED: &str = "told, tells of, anew, is no, are no, was no, were no, hangs on, hang on, stands for itself, mend, mends, whoever, \
-                      that of, those of, stands beside, stand beside, stands in, as it stands, held against, somebody";
-
-/// Phrases in which a banned one is plain English.
-const ALLOWED: &str = " no longer, there is no , there are no , there was no , there were no ";
 
 /// The documents, relative to the repository.
 fn documents() -> Vec<PathBuf> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let folder = |name: &str| -> Vec<PathBuf> {
-        let entries = std::fs::read_dir(root.join(name)).unwrap_or_else(|error| panic!("{name}: {error}"));
-        entries.map(|entry| entry.unwrap().path()).collect()
-    };
-    let published = folder("results").into_iter().flat_map(|run| [run.join("README.md"), run.join("remark.md")]);
-    let pages = ["README.md", "CHANGELOG.md", "CONTRIBUTING.md", "cluster/README.md", "results/README.md"];
-    let mut files: Vec<PathBuf> = pages.iter().map(|page| root.join(page)).collect();
-    files.extend(published.filter(|file| file.exists()));
-    let texts = [folder("docs"), folder("experiments")].concat();
-    let is_text = |file: &PathBuf| file.extension().is_some_and(|end| end == "md" || end == "toml");
-    files.extend(texts.into_iter().filter(is_text));
-    files.sort();
-    files
+    let docs = std::fs::read_dir(root.join("docs")).unwrap().map(|entry| entry.unwrap().path());
+    let is_page = |file: &PathBuf| file.extension().is_some_and(|end| end == "md");
+    docs.filter(is_page).chain([root.join("README.md")]).collect()
 }
 
-/// A line with each code span as one word.
 fn without_code(line: &str) -> String {
     line.split('`').step_by(2).collect::<Vec<_>>().join("CODE")
 }
@@ -45,64 +26,6 @@ fn prose(page: &str) -> String {
         if is_skipped { String::new() } else { without_code(line) }
     };
     page.lines().map(line).collect::<Vec<_>>().join("\n")
-}
-
-/// A Rust file with its names of functions as words. A mark at each quote keeps code and literals apart.
-fn words_of_rust(source: &str) -> String {
-    let line = |line: &str| {
-        let line = without_code(line).replace('"', " . ");
-        if line.contains("fn ") { line.replace('_', " ") } else { line }
-    };
-    source.lines().map(line).collect::<Vec<_>>().join("\n")
-}
-
-/// The banned phrases of a text, each with the words after it. A phrase may continue on the next line, but not across punctuation.
-fn banned(text: &str) -> Vec<String> {
-    let words = text.split_whitespace().filter(|word| !["#", "//", "//!", "///", "\\"].contains(word));
-    let text = format!(" {} ", words.collect::<Vec<_>>().join(" ").to_lowercase());
-    let text = ALLOWED.split(',').fold(text, |text, phrase| text.replace(phrase, " ... "));
-    let is_whole = |at: usize, end: usize| {
-        !text[..at].ends_with(char::is_alphanumeric) && !text[end..].starts_with(char::is_alphanumeric)
-    };
-    let places =
-        BANNED.split(", ").flat_map(|phrase| text.match_indices(phrase).map(|(at, _)| (at, at + phrase.len())));
-    places.filter(|(at, end)| is_whole(*at, *end)).map(|(at, _)| text[at..].chars().take(60).collect()).collect()
-}
-
-/// Fails if what `read` takes from a file has a banned phrase.
-fn assert_plain(files: &[PathBuf], read: fn(&str) -> String) {
-    let of = |file: &PathBuf| banned(&read(&layering::read(file))).join("\n");
-    let faults = files.iter().map(|file| (file, of(file))).filter(|(_, found)| !found.is_empty());
-    let faults: Vec<String> = faults.map(|(file, found)| format!("{}: {found}", file.display())).collect();
-    assert!(faults.is_empty(), "\n{}", faults.join("\n"));
-}
-
-#[test]
-fn documents_use_plain_words() {
-    assert_plain(&documents(), prose);
-}
-
-#[test]
-fn help_messages_comments_and_names_of_tests_use_plain_words() {
-    let rust = ["src", "tests", "examples", "benches", "shaders", "python/src"].map(|folder| files(folder, &["rs"]));
-    let is_checked = |file: &PathBuf| !file.ends_with("tests/numeric/words.rs");
-    let rust: Vec<PathBuf> = rust.concat().into_iter().filter(is_checked).collect();
-    assert!(rust.len() > 400, "{} files", rust.len());
-    assert_plain(&rust, words_of_rust);
-    let python = ["python/package", "python/tests", "python/examples"].map(|folder| files(folder, &["py"]));
-    let page = files("assets/report", &["js", "html"]);
-    let scripts = [files("scripts", &["sh", "mjs", "py"]), files("cluster", &["yaml"]), python.concat(), page];
-    assert_plain(&[files("shaders", &["glsl", "comp", "vert", "frag"]), scripts.concat()].concat(), str::to_owned);
-}
-
-#[test]
-fn banned_words_are_found_in_prose_comments_texts_and_names_alone() {
-    let source = "/// Prints that\n/// of mine, `anew`.\nlet told = \"a \\\n  mend\"; // anew\nf(\"is\", \"no\", '\"', \"whoever\");\n\
-                  fn a_name_that_is_no_fact() {}\n";
-    let found = banned(&words_of_rust(source));
-    assert_eq!(found.len(), 6, "{found:?}");
-    let page = "It is\nno number. Told, `anew` and\n\n    whoever\n```\nmend\n```\nIt is. No longer is it so; it is no longer, and there is no\nother.\n";
-    assert_eq!(banned(&prose(page)).len(), 2);
 }
 
 /// Pages, or sections of pages, with decimal numbers that no published table can fill, and why.
@@ -167,11 +90,8 @@ fn typed_numbers(page: &str, text: &str) -> Vec<(usize, String)> {
 #[test]
 fn measured_numbers_come_from_published_runs() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let is_page = |file: &PathBuf| {
-        file.ends_with("README.md") && file.parent() == Some(root) || file.starts_with(root.join("docs"))
-    };
     let mut faults = Vec::new();
-    for file in documents().iter().filter(|file| is_page(file)) {
+    for file in &documents() {
         let page = file.strip_prefix(root).unwrap().to_str().unwrap();
         let text = std::fs::read_to_string(file).unwrap();
         faults.extend(typed_numbers(page, &text).into_iter().map(|(line, number)| {
