@@ -11,6 +11,7 @@ mod hostile;
 mod integrate;
 #[cfg(unix)]
 mod interruptions;
+mod kept;
 #[path = "../shared/scratch.rs"]
 mod scratch;
 #[cfg(unix)]
@@ -23,7 +24,6 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 use std::sync::LazyLock;
 
-/// The binary with these arguments, run in `dir`.
 fn splitsum(dir: &Path, arguments: &[&str]) -> Output {
     command(dir, arguments).output().expect("the binary starts")
 }
@@ -64,7 +64,6 @@ fn assert_ends(output: &Output, code: i32, parts: &[&str]) {
     assert!(!message.contains("panicked"), "{message}");
 }
 
-/// Files and folders directly in `dir`.
 fn entries(dir: &Path) -> Vec<String> {
     let mut names: Vec<String> =
         std::fs::read_dir(dir).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();

@@ -20,6 +20,7 @@ mod gbuffer_twin;
 #[path = "../shared/gltf.rs"]
 mod gltf_files;
 mod harmonics;
+mod kept;
 mod ladder;
 mod ladder_outside;
 mod layering;

@@ -37,6 +37,8 @@ pub struct Log {
     pub renders_left: Option<usize>,
     /// Name of the device, if it is not `fake`.
     pub device: Option<&'static str>,
+    /// Whether every error, share and time is another, by a hash of the request.
+    pub is_scrambled: bool,
 }
 
 pub struct Fake(pub Rc<RefCell<Log>>);
@@ -67,6 +69,23 @@ fn set_error(set: u32) -> f32 {
         set if set.is_multiple_of(2) => SET_ERROR,
         _ => -SET_ERROR,
     }
+}
+
+/// A number in [0, 1) of a text and of what a request asks for.
+fn dice(request: &RenderRequest, what: &str) -> f64 {
+    let (shading, material) = (&request.shading, request.scene.materials.first());
+    let light = (&request.environment.name, shading.environment_scale, shading.placement.orientation);
+    let case = (shading.brdf.name(), shading.lod_bias, shading.frames.count, material.map(|m| (m.alpha, m.f0)));
+    let method = (shading.method.name, shading.diffuse.name, shading.samples, shading.point_set);
+    let text = format!("{what} {light:?} {case:?} {method:?} {:?}", shading.precompute);
+    let hash = blake3::hash(text.as_bytes());
+    f64::from(u32::from_le_bytes(hash.as_bytes()[..4].try_into().unwrap())) / 2.0_f64.powi(32)
+}
+
+/// The factor of an image whose error varies by pixel and channel, `error` times 0.2 to 2.
+fn scrambled(request: &RenderRequest, error: f32, [x, y]: [u32; 2], channel: usize) -> f32 {
+    let phase = 3.0 * f64::from(x) / 7.0 + 5.0 * f64::from(y) / 7.0 + 9.0 * dice(request, "phase") + channel as f64;
+    1.0 + error * ((0.3 + 1.2 * dice(request, "error")) * (1.0 + 0.3 * phase.sin())) as f32
 }
 
 impl Renderer for Fake {
@@ -117,9 +136,15 @@ impl Renderer for Fake {
         };
         let n_dot_v = GrayImage::from_fn(width, height, |x, y| n_z(x, y).unwrap_or(0.0));
         let mask = GrayImage::from_fn(width, height, |x, y| if n_z(x, y).is_some() { 1.0 } else { 0.0 });
-        let radiance = RgbImage::from_fn(width, height, |x, y| {
+        let mut radiance = RgbImage::from_fn(width, height, |x, y| {
             n_z(x, y).map_or([0.0; 3], |n_z| [0.2, 0.5, 1.0].map(|c: f32| factor * c * (alpha + n_z)))
         });
+        if log.is_scrambled {
+            radiance = RgbImage::from_fn(width, height, |x, y| {
+                let of = |k: usize| radiance.get(x, y)[k] / factor * scrambled(request, factor - 1.0, [x, y], k);
+                [of(0), of(1), of(2)]
+            });
+        }
         let standard_error =
             (request.shading.method.name == "reference").then(|| radiance.map(|texel| texel.map(|c| c * NOISE)));
         let without_noise = radiance.map(|texel| texel.map(|c| 0.5 * c));
@@ -132,18 +157,25 @@ impl Renderer for Fake {
             standard_error,
             mask: Arc::new(mask),
             n_dot_v: Arc::new(n_dot_v),
-            steadiness: (request.shading.frames.count > 1).then_some(Steadiness { without_noise, flicker: 0.25 }),
+            steadiness: (request.shading.frames.count > 1).then_some(Steadiness {
+                without_noise,
+                flicker: if log.is_scrambled { dice(request, "flicker") } else { 0.25 },
+            }),
             // A cached frame has no passes; this one was rendered.
             timings: FrameTimings { frame: vec![PassTime { pass: "gbuffer", ms: 1.0 }], ..FrameTimings::default() },
         })
     }
 
     /// Step k adds 0.01 (k + 1).
-    fn attributions(&mut self, _: &RenderRequest, _: u32, bands: &[[f64; 2]]) -> Served<Vec<Attribution>> {
-        let all: f64 = (0..STEPS.len()).map(|i| 0.01 * (i + 1) as f64).sum();
+    fn attributions(&mut self, request: &RenderRequest, _: u32, bands: &[[f64; 2]]) -> Served<Vec<Attribution>> {
+        let is_scrambled = self.0.borrow().is_scrambled;
+        let own = |i: usize| {
+            let scramble = if is_scrambled { 2.0 * dice(request, STEPS[i].name) - 0.5 } else { 1.0 };
+            0.01 * (i + 1) as f64 * scramble
+        };
+        let all: f64 = (0..STEPS.len()).map(own).sum();
         let step = |i: usize| {
-            let own = 0.01 * (i + 1) as f64;
-            let error = (0..=i).map(|i| 0.01 * (i + 1) as f64).sum();
+            let (own, error) = (own(i), (0..=i).map(own).sum());
             StepNumbers {
                 step: STEPS[i].name,
                 share: own / all,
@@ -200,12 +232,14 @@ impl Renderer for Fake {
             let rounds = rounds as usize;
             return Ok(TimingSamples { passes: vec![("dfg", vec![3.0; rounds])], wall_ms: vec![10.0; rounds] });
         }
+        let log_is_scrambled = log.is_scrambled;
         let frame = log
             .frames
             .entry((request.shading.brdf.name(), request.shading.method.name, request.shading.samples))
             .or_default();
+        let scramble = if log_is_scrambled { 0.5 + dice(request, "time") } else { 1.0 };
         let ms: Vec<f64> = (0..rounds as usize)
-            .map(|round| f64::from(request.shading.samples) + ((*frame + round + 4) % 5) as f64)
+            .map(|round| scramble * f64::from(request.shading.samples) + ((*frame + round + 4) % 5) as f64)
             .collect();
         *frame += ms.len();
         Ok(TimingSamples {
@@ -219,7 +253,6 @@ impl Renderer for Fake {
     }
 }
 
-/// Ignores progress.
 pub struct Silent;
 
 impl Progress for Silent {
@@ -228,7 +261,6 @@ impl Progress for Silent {
     fn note(&mut self, _: &str) {}
 }
 
-/// Makes fakes that share one log.
 pub fn fakes(log: &Rc<RefCell<Log>>) -> impl FnMut() -> Result<Box<dyn Renderer>, RenderFault> + 'static {
     let log = log.clone();
     move || Ok(Box::new(Fake(log.clone())))

@@ -2,8 +2,11 @@
 
 use super::paper::scaled;
 use super::sentences::{sentences, unfounded, word_count};
-use crate::run::runs::{finished, plan};
+use crate::kept;
+use crate::run::fake::Log;
+use crate::run::runs::{finished, invoke, plan};
 use crate::scratch::scratch;
+use crate::snapshot::assert_snapshot;
 use splitsum::experiment::axis::{Named, Point};
 use splitsum::experiment::value::Value;
 use splitsum::figure::Figure;
@@ -11,7 +14,9 @@ use splitsum::figure::svg::{WIDTHS, svg};
 use splitsum::study::finished::Finished;
 use splitsum::study::frame::{Frame, Shape};
 use splitsum::study::questions::{Finding, QUESTIONS, Question, question};
+use std::cell::RefCell;
 use std::path::Path;
+use std::rc::Rc;
 use std::sync::OnceLock;
 
 /// Experiments that together serve every question: the name, the text before the axes, the axes and the text after
@@ -171,7 +176,6 @@ fn asked(run: &Finished) -> Vec<(&'static Question, Finding)> {
     serves.filter_map(answer).collect()
 }
 
-/// The figures of all answers.
 pub fn figures() -> Vec<Figure> {
     runs().iter().flat_map(asked).filter_map(|(_, finding)| finding.figure).collect()
 }
@@ -287,6 +291,17 @@ fn a_failed_cell_does_not_prevent_an_answer() {
     }
 }
 
+/// Errors, shares and times differ in every cell, so a slip in a table, an answer or a figure moves a number.
+#[test]
+fn numbers_of_scrambled_runs_are_kept() {
+    for [name, head, axes] in EXPERIMENTS {
+        let (dir, log) = (tempfile::tempdir().unwrap(), Log { is_scrambled: true, ..Log::default() });
+        let plan = plan(&format!("name = \"{name}\"\nsize = [20, 14]\n{head}\n[axes]\n{axes}\n"));
+        invoke(&plan, dir.path(), &Rc::new(RefCell::new(log)), usize::MAX).unwrap();
+        assert_snapshot(&format!("run_{name}"), &kept::folder(dir.path()));
+    }
+}
+
 /// A question that no experiment asks would never be answered.
 #[test]
 fn every_question_is_asked_by_an_experiment() {
@@ -302,7 +317,6 @@ fn every_question_is_asked_by_an_experiment() {
     }
 }
 
-/// The names in the `asks` of an experiment.
 fn asks(text: &str) -> Vec<String> {
     let root: toml::Table = text.parse().unwrap();
     let name = |ask: &toml::Value| ask.get("question").unwrap_or(ask).as_str().unwrap().to_owned();

@@ -1,0 +1,47 @@
+//! Files in a few numbers each, so that one snapshot holds a whole folder.
+
+use crate::run::runs::snapshot;
+use splitsum::table::csv::Table;
+use std::path::Path;
+
+/// The text's numbers and words: the count of numbers, a sum over them that moves by the relative change of each, and a hash of the words.
+/// Numbers up to 1e-12 are rounding and count as 0. Names of cells, which are hexadecimal, do not count.
+pub fn digest(text: &str) -> String {
+    let (mut count, mut sum, mut words) = (0, 0.0, blake3::Hasher::new());
+    let tokens = text.split(|c: char| !(c.is_ascii_alphanumeric() || "+-._".contains(c)));
+    for token in tokens.filter(|token| !token.is_empty()) {
+        if let Ok(x) = token.parse::<f64>() {
+            count += 1;
+            let size = if x.abs() > 1e-12 { x.signum() * (x.abs() / 1e-12).ln() } else { 0.0 };
+            // The golden ratio gives each place another weight.
+            sum += size * (1.0 + (0.618_034 * f64::from(count)).fract());
+        } else if token.len() < 16 || !token.bytes().all(|c| c.is_ascii_hexdigit()) {
+            words.update(token.as_bytes()).update(b" ");
+        }
+    }
+    format!("{count} {sum:.2} {}", &words.finalize().to_hex()[..6])
+}
+
+/// The digest of each column of the folder's CSV files, and of its figures and pages.
+pub fn folder(dir: &Path) -> String {
+    let mut kept = String::new();
+    for (name, (bytes, _)) in snapshot(dir) {
+        if name.ends_with(".csv") {
+            let table = Table::read(&dir.join(&name)).unwrap();
+            kept += &format!("{name}\n");
+            for (place, column) in table.columns.iter().enumerate() {
+                let values: Vec<&str> = table.rows.iter().map(|row| row[place].as_str()).collect();
+                kept += &format!("  {column}: {}\n", digest(&values.join(" ")));
+            }
+        } else if name.ends_with(".svg") {
+            // Without the pictures of a sheet.
+            let text = String::from_utf8(bytes).unwrap();
+            let mut parts = text.split("base64,");
+            let first = parts.next().unwrap_or_default();
+            let rest = parts.map(|part| part.split_once('"').unwrap().1);
+            let text: String = std::iter::once(first).chain(rest).collect();
+            kept += &format!("{name} {}\n", digest(&text));
+        }
+    }
+    kept
+}
