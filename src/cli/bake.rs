@@ -89,7 +89,6 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Bakes by an engine's preset.
 fn execute_for(
     preset: &'static Preset,
     arguments: &Arguments,

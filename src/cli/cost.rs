@@ -17,7 +17,6 @@ use splitsum::spelling::Listed;
 use std::path::PathBuf;
 
 const ALL: &str = "all";
-/// The axes that change code.
 const AXES_OF_CODE: [&str; 9] =
     ["method", "brdf", "layout", "masking", "compensation", "pixel_points", "level_mapping", "dfg", "bend"];
 /// A sampled method, and the split sums with the fewest and the most lookups.
@@ -94,7 +93,6 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     print(&markdown(&passes))
 }
 
-/// Returns a point for each method.
 fn points(arguments: &Arguments) -> Result<Vec<Point>, Failure> {
     let axes = &arguments.axes;
     if let Some(given) = axes.iter().find(|given| !AXES_OF_CODE.contains(&AXES[given.axis].name)) {

@@ -79,7 +79,6 @@ Examples:
     )
 }
 
-/// Joins words as "a, b or c".
 fn either(names: Vec<&str>) -> String {
     match &names[..] {
         [first @ .., last] if !first.is_empty() => format!("{} or {last}", first.join(", ")),

@@ -27,7 +27,6 @@ pub struct Arguments {
     inputs: InputFlags,
 }
 
-/// Missing cells that a message lists.
 const NAMED_CELLS: usize = 3;
 
 pub fn execute(arguments: &Arguments) -> Result<(), Failure> {

@@ -78,7 +78,6 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Predicts cells and timings.
 fn forecast(plan: &Plan, open: &[&Cell], jobs: &[TimingJob], arguments: &Arguments) -> Result<Forecast, Failure> {
     let device = match chosen_device(arguments.device.choice()) {
         Ok(device) => Some(device),
@@ -153,7 +152,6 @@ impl Shown<'_> {
         print_data(&format!("\n  ],\n{}", rest.trim_start_matches("{\n")))
     }
 
-    /// Returns everything but the cells.
     fn rest(&self) -> serde_json::Value {
         let plan = self.plan;
         let exclusions =

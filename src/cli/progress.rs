@@ -8,7 +8,6 @@ use std::io::{IsTerminal, Write};
 use std::sync::{Mutex, MutexGuard, Once, PoisonError};
 use std::time::{Duration, Instant};
 
-/// Shorter work is silent.
 const SILENT: Duration = Duration::from_secs(2);
 /// The same for all phases of a command together: with a tick it ends within the first second.
 const SILENT_PHASES: Duration = Duration::from_millis(700);
@@ -16,7 +15,6 @@ const SILENT_PHASES: Duration = Duration::from_millis(700);
 const LINES_APART: Duration = Duration::from_secs(5);
 /// Time between two drawings of the bar.
 const TICK: Duration = Duration::from_millis(200);
-/// Steps of a bar.
 const BAR_LENGTH: u64 = 1000;
 
 static SHOWN: Mutex<Option<Shown>> = Mutex::new(None);

@@ -19,7 +19,6 @@ pub fn listen() -> Result<(), Failure> {
 /// Starts to handle requests.
 #[cfg(not(unix))]
 pub fn listen() -> Result<(), Failure> {
-    /// Number of SIGINT.
     const INTERRUPT: i32 = 2;
     ctrlc::set_handler(|| requested(INTERRUPT)).map_err(failure)
 }

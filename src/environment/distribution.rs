@@ -212,7 +212,6 @@ pub fn band_limits(band: usize, height: u32) -> [f64; 2] {
     [(band - 0.5).max(0.0) / height, (band + 0.5).min(height) / height]
 }
 
-/// Returns the mean of sin θ over a band.
 fn mean_sine(band: usize, height: u32) -> f64 {
     let [top, bottom] = band_limits(band, height).map(|v| v * PI);
     // The difference of the cosines as a product, which does not cancel near the poles.

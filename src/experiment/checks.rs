@@ -79,7 +79,6 @@ fn has_layer(point: &Point, axis: usize) -> bool {
 /// Fewer pixels leave a band of n·v without views.
 const LADDER_PIXELS_MIN: u32 = 64;
 
-/// Reports cells whose error [ladder] cannot take apart.
 fn check_ladder(config: &Config, point: &Point, faults: &mut Faults) {
     if !point.method().has_ladder || config.ladder.is_none() || !is_design(point[SCENE].text()) {
         return;

@@ -191,7 +191,6 @@ impl Config {
         config
     }
 
-    /// Reports parameters that are set and swept.
     fn check_double_settings(&self, root: &DeTable, faults: &mut Faults) {
         let precompute = root.get("precompute").and_then(|value| value.get_ref().as_table());
         let fixed = precompute.into_iter().flat_map(entries).map(|(key, _, place)| ("precompute.", key, place));
@@ -321,7 +320,6 @@ pub(super) fn axis_names() -> Vec<&'static str> {
     Named::all().map(Named::name).collect()
 }
 
-/// Longest name of an experiment.
 const NAME_LENGTH_MAX: usize = 100;
 
 /// A leading dot would hide the run's folder; a leading dash would look like an option.

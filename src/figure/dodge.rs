@@ -6,7 +6,6 @@ use std::collections::BTreeSet;
 
 /// Marks closer than this, as a share of the other axis, hide each other.
 const NEAR: f64 = 0.04;
-/// Most lanes of a step.
 const LANES: usize = 12;
 /// Distance of two lanes, pixels.
 pub const PITCH: f64 = 8.0;

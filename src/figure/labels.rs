@@ -10,7 +10,6 @@ pub const OFF: f64 = 6.0;
 const BETWEEN: f64 = 8.0;
 /// Between two numbers above each other, pixels.
 const RISE: f64 = 22.0;
-/// Most lines of a step's name.
 const LINES: usize = 3;
 /// Longest upright name of a step, pixels.
 const UPRIGHT_LONGEST: f64 = 120.0;

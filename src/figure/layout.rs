@@ -9,9 +9,7 @@ use super::{Figure, Mark, Panel, Scale, ScaleKind, Shape};
 
 /// Margin, pixels.
 pub const PAD: f64 = 12.0;
-/// Most columns of panels.
 const COLUMNS: usize = 5;
-/// Between columns and between rows of panels, pixels.
 const COLUMN_GAP: f64 = 18.0;
 const ROW_GAP: f64 = 14.0;
 /// Least width of a panel of numbers, and of a step, pixels.

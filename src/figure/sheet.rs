@@ -121,7 +121,6 @@ struct Page {
 }
 
 impl Page {
-    /// Lines below `at`.
     fn lines(&mut self, lines: &[String], [x, top]: [f64; 2], font: Font, anchor: &'static str) {
         let baseline = top + font.size * (LINE / 2.0 + MIDDLE);
         self.body.extend(stack(lines, "", [x, baseline], font, anchor).map(|line| words(&line)));

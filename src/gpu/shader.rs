@@ -46,7 +46,6 @@ pub fn names_read(shader: &str, function: &str) -> Result<BTreeSet<String>, GpuE
 struct Module(dr::Module);
 
 impl Module {
-    /// Collects the function and all functions that it calls.
     fn called_by(&self, function: &str) -> Vec<&Function> {
         let id_of = |function: &Function| function.def.as_ref().and_then(|def| def.result_id);
         // In SPIR-V the parameter types follow a function's name.

@@ -205,10 +205,8 @@ impl TensorRule {
     }
 }
 
-/// `K` values at each node of a line.
 type Line<const K: usize> = [[f64; K]; NODE_COUNT];
 
-/// Computes `Σ weights[k] values[k]`.
 fn combine<const K: usize>(weights: &[f64; NODE_COUNT], values: &Line<K>) -> [f64; K] {
     let mut sum = [0.0; K];
     (0..NODE_COUNT).for_each(|i| (0..K).for_each(|k| sum[k] += weights[i] * values[i][k]));

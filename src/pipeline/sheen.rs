@@ -47,7 +47,6 @@ impl RenderRequest {
     }
 }
 
-/// Returns the lobe of a visibility.
 fn visible(visibility: SheenVisibility) -> &'static SheenVisibility {
     SheenVisibility::listed(Listed::name(&visibility))
 }

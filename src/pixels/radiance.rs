@@ -16,7 +16,6 @@ use std::path::Path;
 const MAX_TEXELS_PER_BYTE: u64 = 1 << 12;
 /// Scanline lengths with the newer run-length form.
 const NEW_RLE_LENGTHS: std::ops::RangeInclusive<usize> = 8..=0x7fff;
-/// The format that is read.
 const FORMAT: &str = "32-bit_rle_rgbe";
 /// 128 of the format, and 8 bits of mantissa.
 const EXPONENT_BIAS: i32 = 136;

@@ -84,7 +84,6 @@ enum Kind {
     RelativeError,
 }
 
-/// Makes one sheet.
 struct Maker<'p> {
     store: &'p Store,
     plan: &'p Plan,

@@ -15,9 +15,7 @@ const TILT_DEG: f64 = 42.0;
 /// Polar angle of the opening's edge, degrees, and radius of its lip.
 const OPENING_DEG: f64 = 40.0;
 const LIP: f64 = 0.06;
-/// Gap between ball and cup.
 const GAP: f64 = 0.03;
-/// Elevation of automatic cameras, degrees.
 const ELEVATION_DEG: f64 = 16.0;
 
 /// Returns the unit vector at `deg` degrees from +z towards +r.

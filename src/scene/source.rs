@@ -4,7 +4,6 @@ use crate::files::read_regular;
 use std::io;
 use std::path::{Path, PathBuf};
 
-/// Largest file, bytes.
 const MAX_FILE_BYTES: u64 = 1 << 30;
 
 /// Files by path, on disk or in memory.

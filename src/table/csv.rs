@@ -243,7 +243,6 @@ impl<'t> Row<'t> {
     }
 }
 
-/// Whether the last line is complete.
 fn is_whole(file: &mut File) -> std::io::Result<bool> {
     let (mut buffer, mut is_quoted, mut last) = (vec![0; 1 << 16], false, b'\n');
     loop {

@@ -3,7 +3,6 @@
 use super::{DISPLAY_GAMMA, ToneCurve};
 use crate::pixels::{Rgb8Image, RgbImage};
 
-/// Largest 8-bit code value.
 const CODE_MAX: f64 = 255.0;
 
 impl ToneCurve {

@@ -17,7 +17,6 @@ use std::path::{Path, PathBuf};
 
 /// Range of sliders over many decades; other numbers can be typed.
 const DECADES: [f64; 2] = [1e-3, 1e3];
-/// Largest sample count of a slider.
 const SAMPLES_MAX: u32 = 4096;
 const REFERENCE_COUNTS: [u32; 6] = [32, 256, 1024, 4096, 16384, 65536];
 const LABEL: egui::Vec2 = vec2(112.0, 26.0);
@@ -301,7 +300,6 @@ fn reach(kind: Kind) -> (std::ops::RangeInclusive<f64>, bool) {
     }
 }
 
-/// Formats a number with four digits.
 fn short(number: f64) -> String {
     format!("{number:.3e}").parse::<f64>().unwrap_or(number).to_string()
 }

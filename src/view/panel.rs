@@ -21,7 +21,6 @@ const MARGIN: f32 = 14.0;
 const GRIP: f32 = 9.0;
 /// Pixels of the largest picture that fills the window: every device holds its reference. Larger windows enlarge it.
 const PIXELS_MAX: f32 = (1 << 20) as f32;
-/// Time that a notice stays.
 const NOTICE: Duration = Duration::from_secs(10);
 /// Delay before the window says that it is busy.
 const BUSY_AFTER: Duration = Duration::from_millis(250);
@@ -198,7 +197,6 @@ impl Panel {
         });
     }
 
-    /// Handles the camera, the light and the probe.
     fn look(&mut self, ui: &Ui, state: &mut State, response: &egui::Response, rect: Rect) {
         let (shift, wheel) = ui.input(|input| (input.modifiers.shift, input.smooth_scroll_delta.y));
         if response.clicked() || response.drag_started() {

@@ -35,7 +35,6 @@ pub struct State {
 
 /// The first view: some room around the model.
 pub const HOME: Orbit = Orbit { yaw_deg: 0.0, pitch_deg: 0.0, distance: 1.125 };
-/// Samples per pixel of the reference's first picture.
 const FIRST_SAMPLES: u32 = 32;
 
 /// Settings shared by the images of a state.

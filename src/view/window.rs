@@ -220,7 +220,6 @@ impl App {
         events.exit();
     }
 
-    /// Runs one pass: input, then painting.
     fn frame(&mut self, events: &ActiveEventLoop) {
         let Some(screen) = &mut self.screen else { return };
         let PhysicalSize { width, height } = screen.size;

@@ -181,7 +181,6 @@ impl Page {
         self.call("Page.addScriptToEvaluateOnNewDocument", json!({ "source": script }));
     }
 
-    /// Evaluates an expression and awaits promises.
     pub fn eval(&mut self, expression: &str) -> Value {
         let parameters = json!({ "expression": expression, "awaitPromise": true, "returnByValue": true });
         let answer = self.call("Runtime.evaluate", parameters);
@@ -189,7 +188,6 @@ impl Page {
         answer["result"]["value"].clone()
     }
 
-    /// Waits until an expression is true.
     pub fn wait(&mut self, expression: &str) {
         let started = Instant::now();
         while self.eval(expression) != json!(true) {
@@ -198,7 +196,6 @@ impl Page {
         }
     }
 
-    /// Returns a text of the page.
     pub fn text(&mut self, selector: &str) -> String {
         let value = self.eval(&format!("document.querySelector({}).textContent", json!(selector)));
         value.as_str().unwrap().to_owned()
@@ -214,13 +211,11 @@ impl Page {
         self.call("Input.dispatchKeyEvent", json!({ "type": "keyUp", "key": key }));
     }
 
-    /// Presses and releases a key.
     pub fn key(&mut self, key: &str) {
         self.press(key);
         self.release(key);
     }
 
-    /// Clicks the middle of an element.
     pub fn click(&mut self, selector: &str) {
         let script = format!(
             "(() => {{ const e = document.querySelector({}); e.scrollIntoView({{ block: 'center' }}); \

@@ -33,12 +33,10 @@ pub fn finished_run(dir: &Path, name: &str, broken: Option<&'static str>) -> Pat
     run_of(&dir.join(name), axes, &rest, Log { broken_method: broken, ..Log::default() })
 }
 
-/// The report of a finished run with the given axes.
 pub fn report_of(dir: &Path, axes: &str, rest: &str) -> PathBuf {
     page_of(&run_of(&dir.join("run"), axes, rest, Log::default()), Choice::Automatic)
 }
 
-/// A finished run in `dir` with the given axes.
 pub fn run_of(dir: &Path, axes: &str, rest: &str, log: Log) -> PathBuf {
     let question = json!(HOSTILE);
     let head =
@@ -69,7 +67,6 @@ pub fn page_of(run: &Path, images: Choice) -> PathBuf {
     write_page(&[run.to_owned()], &PageOptions { images, ..PageOptions::in_folder(run) })
 }
 
-/// Opens the report of a finished run.
 pub fn report(choice: Choice) -> Option<(Page, PathBuf, tempfile::TempDir)> {
     let page = chromium::open()?;
     let dir = tempfile::tempdir().unwrap();

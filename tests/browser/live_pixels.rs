@@ -39,9 +39,7 @@ const BEND: &str = "unity";
 /// Sides of the run's images; the camera knows their aspect.
 const RUN_SIZE: [u32; 2] = [16, 16];
 
-/// The metric of the page's errors.
 const METRIC: &str = "relmse";
-/// Samples of the renderer's reference.
 const REFERENCE_SAMPLES: u32 = 1024;
 /// Largest change of the error by the noise of both references.
 const REFERENCE_SHARE: f64 = 0.1;
@@ -60,7 +58,6 @@ pub fn pipeline() -> Option<Pipeline> {
     }
 }
 
-/// Writes the scene of triangles.
 fn write_sheet(dir: &Path) {
     let positions = [-1.0, -1.0, 0.0, 1.0, -1.0, 0.3, 1.0, 1.0, -0.2, -1.0, 1.0, 0.1];
     // Octahedral numbers hold this normal exactly.
@@ -92,7 +89,6 @@ fn plan(dir: &Path) -> Plan {
     Plan::from_text(&dir.join("live.toml"), &text, &[]).unwrap_or_else(|error| panic!("{error}"))
 }
 
-/// The page of a run on the device.
 struct Bench {
     page: Page,
     pipeline: Pipeline,

@@ -5,7 +5,6 @@ use splitsum::pixels::{GrayImage, RgbImage, exr};
 use std::path::Path;
 use std::process::Command;
 
-/// A folder with these files.
 pub(super) fn folder(files: &[(&str, &str)]) -> tempfile::TempDir {
     let dir = tempfile::tempdir().unwrap();
     files.iter().for_each(|(name, text)| std::fs::write(dir.path().join(name), text).unwrap());

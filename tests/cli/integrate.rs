@@ -34,7 +34,6 @@ fn answers(queries: &str, arguments: &[&str]) -> Table {
     Table::read(&dir.path().join("a.csv")).unwrap()
 }
 
-/// Some columns of a table, renamed, as CSV.
 fn as_queries(table: &Table, columns: &[(&str, &str)]) -> String {
     let names: Vec<&str> = columns.iter().map(|(_, name)| *name).collect();
     let places: Vec<usize> = columns.iter().map(|(column, _)| table.column(column).unwrap()).collect();
@@ -127,7 +126,6 @@ fn answers_match_golden_prefiltered_texels() {
     assert_golden(&found, "prefiltered", &golden, "", 1e-3, BOUND);
 }
 
-/// The nine coefficients of the golden environment.
 fn golden_sh9() -> serde_json::Value {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/golden/sh9.json");
     let golden: serde_json::Value = serde_json::from_slice(&std::fs::read(path).unwrap()).unwrap();

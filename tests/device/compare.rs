@@ -14,7 +14,6 @@ pub const fn relative(relative: f64) -> Tolerance {
     Tolerance { relative, floor: 1e-37 }
 }
 
-/// An absolute tolerance.
 pub const fn absolute(floor: f64) -> Tolerance {
     Tolerance { relative: 0.0, floor }
 }
@@ -39,7 +38,6 @@ impl Worst {
         self.add_within(actual, expected, 0.0, case);
     }
 
-    /// The same; this case may be off by `more`.
     pub fn add_within(&mut self, actual: f64, expected: f64, more: f64, case: impl Fn() -> String) {
         let allowed = self.tolerance.relative * expected.abs() + self.tolerance.floor + more;
         let ratio = (actual - expected).abs() / allowed;
@@ -58,7 +56,6 @@ impl Worst {
         self.add(length + difference, length, || format!("{actual} against {expected}, {}", case()));
     }
 
-    /// Compares each channel.
     pub fn add_rgb(&mut self, actual: DVec3, expected: DVec3, case: impl Fn() -> String) {
         for c in 0..3 {
             self.add(actual[c], expected[c], || format!("channel {c}, {}", case()));

@@ -68,7 +68,6 @@ thread_local! {
 }
 
 impl Turn {
-    /// Waits for the turn, unless this thread has it.
     fn wait() -> Self {
         let had = HAS_TURN.replace(true);
         // A failed test returned its devices as well.
@@ -177,7 +176,6 @@ impl Probe<'_> {
     }
 }
 
-/// The first three numbers.
 pub fn xyz(v: [f64; 4]) -> DVec3 {
     DVec3::new(v[0], v[1], v[2])
 }
@@ -203,12 +201,10 @@ pub fn golden_environment() -> Arc<Environment> {
     Arc::new(Environment::from_image("golden", image))
 }
 
-/// An environment of one radiance.
 pub fn constant_environment(radiance: [f32; 3]) -> Arc<Environment> {
     Arc::new(Environment::from_image("constant", RgbImage::filled(64, 32, radiance)))
 }
 
-/// A built-in scene with other materials.
 pub fn scene(name: &str, materials: MaterialOverride) -> Scene {
     Scene::load(name, Path::new(".")).unwrap().apply(&materials)
 }
@@ -265,14 +261,12 @@ pub fn read_level(gpu: &Gpu, image: &Image, mip: u32) -> Pixels<DVec3> {
     Pixels::new(width, height, texels.iter().map(|&texel| xyz(texel.map(f64::from))).collect())
 }
 
-/// A buffer that holds NaNs.
 pub fn poisoned_buffer(gpu: &Gpu, name: &str, size: u64) -> Buffer {
     let buffer = gpu.buffer(name, size).unwrap();
     poison(gpu, &buffer);
     buffer
 }
 
-/// Fills a buffer with NaNs.
 pub fn poison(gpu: &Gpu, buffer: &Buffer) {
     let mut recorder = gpu.record("poison").unwrap();
     recorder.fill(buffer, POISON);

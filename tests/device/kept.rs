@@ -82,7 +82,6 @@ fn entries_of_the_disk_cache_have_the_bits_of_new_tables() {
     }
 }
 
-/// Requests that differ from `base` in one field or setting.
 fn neighbours(base: &RenderRequest) -> Vec<RenderRequest> {
     let PrecomputeSettings { layout: own, prefilter_level_count, level_mapping, .. } = base.shading.precompute;
     let side = 4 << prefilter_level_count;

@@ -15,7 +15,6 @@ use splitsum::tonemap::ToneCurve;
 
 const DRAWN: u32 = 4096;
 
-/// `relmse` of a frame.
 fn between(test: &Frame, reference: &Frame, request: &RenderRequest) -> f64 {
     let comparison =
         Comparison::new(&test.radiance, &reference.radiance, &test.mask, ToneCurve::default(), request.epsilon());

@@ -21,12 +21,10 @@ use std::f64::consts::PI;
 use std::sync::Arc;
 
 const COLOR: [f32; 3] = [0.9, 0.5, 0.25];
-/// On a level of the default maps.
 const ALPHA: f32 = 0.25;
 const COAT_ALPHA: f32 = 0.2;
 const CORRELATED: MaskingShadowing = MaskingShadowing::Correlated;
 
-/// A brown plastic.
 fn cloth(environment: &Arc<Environment>, sheen: Option<[f32; 3]>, coat: Option<f32>) -> RenderRequest {
     let material = MaterialOverride {
         albedo: Some([0.8, 0.4, 0.2]),

@@ -21,7 +21,6 @@ use splitsum::spelling::Listed;
 use std::path::Path;
 use std::sync::Arc;
 
-/// The environment's levels in a layout, on the device.
 pub fn filtered_environment(gpu: &Gpu, layout: &'static MapLayout, environment: &Image) -> Image {
     if layout.is_environments() {
         return environment.clone();
@@ -41,7 +40,6 @@ fn read_levels(gpu: &Gpu, map: &Image) -> Vec<Vec<Pixels<[f32; 4]>>> {
     (0..map.mip_count()).map(level).collect()
 }
 
-/// A map read back.
 pub fn read_map(gpu: &Gpu, layout: &'static MapLayout, map: &Image) -> FilteredMap {
     let levels = read_levels(gpu, map).into_iter();
     let of_face = |face: Pixels<[f32; 4]>| face.map(|texel| xyz(texel.map(f64::from)));

@@ -70,7 +70,6 @@ pub fn sights_in<T: Copy + Into<f64>>(
     pixels.filter_map(sight).collect()
 }
 
-/// The radiance of a pixel.
 pub fn radiance(frame: &Frame, [x, y]: [u32; 2]) -> DVec3 {
     DVec3::from_array(frame.radiance.get(x, y).map(f64::from))
 }

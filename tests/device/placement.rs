@@ -28,7 +28,6 @@ fn world_from_map(placement: Placement) -> DMat3 {
     DMat3::from_rotation_y(placement.rotation_deg.to_radians()) * orientation(placement.orientation)
 }
 
-/// Gradients of the channels of [`linear_environment`].
 const GRADIENTS: [DVec3; 3] = [DVec3::new(0.5, 0.3, -0.1), DVec3::new(-0.2, 0.6, 0.1), DVec3::new(0.1, 0.2, 0.6)];
 
 /// `1 + g·d` in each channel.
@@ -45,7 +44,6 @@ fn linear(placement: Placement, share: f64, d: DVec3) -> DVec3 {
     DVec3::from_array(GRADIENTS.map(|g| 1.0 + share * (world_from_map(placement) * g).dot(d)))
 }
 
-/// The surfaces in the frame of the world.
 fn world_sights(request: &RenderRequest, step: usize) -> Vec<Sight> {
     sights(&request.shaded(|s| s.placement = Placement::default()), step)
 }

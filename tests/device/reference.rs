@@ -145,7 +145,6 @@ fn environment_sampling_matches_its_twin() {
     });
 }
 
-/// A tiny sun on a dim map.
 fn sun() -> Arc<Environment> {
     let texel = |x, y| if [x, y] == [37, 9] { [2e4, 1e4, 5e3] } else { [0.3 + 0.2 * (x as f32 * 0.4).sin(); 3] };
     Arc::new(Environment::from_image("sun", RgbImage::from_fn(128, 64, texel)))

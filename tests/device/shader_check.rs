@@ -11,7 +11,6 @@ fn rows(pipeline: &mut Pipeline, method: &'static Method) -> Vec<Row> {
     check(pipeline, method, MaskingShadowing::Correlated).unwrap()
 }
 
-/// Checks the function `ibl` of a file.
 fn rows_of_file(pipeline: &mut Pipeline, name: &str, text: &str) -> Vec<Row> {
     let dir = tempfile::tempdir().unwrap();
     std::fs::write(dir.path().join(name), text).unwrap();

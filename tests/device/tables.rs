@@ -34,12 +34,10 @@ pub fn environment_image(gpu: &Gpu, environment: &RgbImage) -> Image {
     image
 }
 
-/// The environment's own layout.
 pub fn equirect() -> &'static MapLayout {
     MapLayout::listed("equirect")
 }
 
-/// A map with a sun of `peak` in one texel.
 pub fn sunny(size: [u32; 2], sun: [u32; 2], peak: f32) -> RgbImage {
     RgbImage::from_fn(size[0], size[1], |x, y| {
         if [x, y] == sun {

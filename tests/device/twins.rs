@@ -49,7 +49,6 @@ const F32_SUM: f64 = 1e-5;
 /// Pixels per side of a random estimator's frame, and how many of them are integrated.
 const MEAN_SIZE: u32 = 12;
 const MEAN_COUNT: usize = 5;
-/// One in this many texels is compared.
 pub const STEP: usize = 5;
 /// At least one pixel has a smaller n_dot_v.
 const GRAZING: f64 = 0.04;
@@ -121,7 +120,6 @@ const PLAIN: Case = Case {
     bend: 0,
 };
 
-/// Lobes of two widths.
 const STRETCHED: [Case; 4] = [
     Case { anisotropy: 0.7, alpha: 0.2, ..PLAIN },
     Case {
@@ -189,7 +187,6 @@ impl Case {
         }
     }
 
-    /// The parts that matter to a method.
     fn seen_by(self, method: &Method) -> Self {
         let reads_maps = method.uses_samples || method.uses_prefiltered();
         let or_plain = |is_used: bool, plain: Self| if is_used { self } else { plain };
@@ -214,7 +211,6 @@ impl Case {
     }
 }
 
-/// The device's tables for a request.
 fn light(gpu: &Gpu, request: &RenderRequest) -> Light {
     let (settings, model, masking) =
         (&request.shading.precompute, request.shading.brdf, request.shading.masking_shadowing);
@@ -242,7 +238,6 @@ fn light(gpu: &Gpu, request: &RenderRequest) -> Light {
     }
 }
 
-/// The prefiltered map of exact texels.
 fn exact_prefiltered(gpu: &Gpu, request: &RenderRequest) -> FilteredMap {
     let settings = &request.shading.precompute;
     let (layout, count) = (settings.layout, settings.prefilter_level_count);

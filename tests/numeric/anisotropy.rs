@@ -26,7 +26,6 @@ fn widths([x, y]: [f64; 2]) -> Widths {
     Widths(DVec2::new(x, y))
 }
 
-/// Directions off every axis.
 fn directions() -> Vec<DVec3> {
     let at = |n_dot_w: f64, turn: f64| direction_from_polar((1.0 - n_dot_w * n_dot_w).sqrt(), n_dot_w, turn);
     vec![at(0.9, 0.05), at(0.5, 0.2), at(0.15, 0.62), at(0.4, 0.81)]

@@ -88,7 +88,6 @@ pub fn fit(counts: &[f64], means: &[f64]) -> f64 {
     chi_square_tail(statistic, degrees)
 }
 
-/// The same for half vectors and their density.
 pub fn fit_of_half_vectors(alpha: f64, pdf_h: impl Fn(DVec3) -> f64, samples: &[DVec3]) -> f64 {
     let bins = HalfVectorBins::new(alpha);
     let means: Vec<f64> = bins.probabilities(pdf_h).iter().map(|p| p * samples.len() as f64).collect();

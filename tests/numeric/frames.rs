@@ -12,7 +12,6 @@ use splitsum::shade::frames::{Accumulation, Frames, History};
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
-/// A view with a position and a normal in each pixel.
 fn view(camera: Camera, size: [u32; 2], surface: impl Fn(u32, u32) -> Option<[DVec3; 2]>, turn: DMat3) -> Arc<View> {
     let at = |place: usize| {
         Pixels::from_fn(size[0], size[1], |x, y| {

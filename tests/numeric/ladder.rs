@@ -23,7 +23,6 @@ use splitsum::shade::twin::Twin;
 use splitsum::spelling::Listed;
 use std::f64::consts::{PI, TAU};
 
-/// An arbitrary number for each coalition.
 fn scattered(coalition: Coalition) -> f64 {
     (f64::from(coalition) * 0.754_877_666).fract() + f64::from(coalition.count_ones())
 }
@@ -213,7 +212,6 @@ fn frames(count: u32) -> Vec<[DVec3; 2]> {
     (0..count).map(|i| design::frame(i, count)).collect()
 }
 
-/// The map itself as a filtered map of one level.
 fn one_level(environment: &Environment, side: u32) -> FilteredMap {
     let layout = &LAYOUTS[0];
     let face = |face| {

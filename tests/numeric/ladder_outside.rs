@@ -71,7 +71,6 @@ fn grid(map: impl Fn(usize, usize) -> DVec3, parts: usize) -> Vec<Node> {
     nodes
 }
 
-/// D by the square of n·h.
 fn d(model: &str, alpha: f64, n_dot_h2: f64) -> f64 {
     let (a2, tan2) = (alpha * alpha, 1.0 / n_dot_h2 - 1.0);
     match model {

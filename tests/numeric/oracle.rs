@@ -86,7 +86,6 @@ fn answers(text: &str, tolerance: Tolerance) -> Answers {
     queries.answer(tolerance, || ())
 }
 
-/// Its numbers by row and column.
 fn answered(text: &str) -> impl Fn(usize, &str) -> f64 {
     let answers = answers(text, TOLERANCE);
     move |row: usize, name: &str| {

@@ -209,7 +209,6 @@ impl Objective {
         parts.chain(moment).collect()
     }
 
-    /// The error of the taps of a table.
     fn error(&self, theta: f64, taps: &[[f64; 3]]) -> f64 {
         let r = at(theta);
         let parts: Vec<Vec<f64>> = taps

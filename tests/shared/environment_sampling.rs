@@ -49,7 +49,6 @@ impl Sampling {
         self.guided_pdf(&self.even, d)
     }
 
-    /// As [`Self::pdf`], for [`Self::guided_sample`].
     pub fn guided_pdf(&self, guide: &Guide, d: DVec3) -> f64 {
         let (width, height) = (self.tables.weights.width, self.tables.weights.height);
         let uv = equirect::uv_from_direction(d);
@@ -69,7 +68,6 @@ impl Sampling {
         self.guided_sample(&self.even, xi)
     }
 
-    /// As [`Self::sample`], with a guide.
     pub fn guided_sample(&self, guide: &Guide, xi: DVec2) -> (DVec3, f64) {
         let (width, height) = (self.tables.weights.width, self.tables.weights.height);
         let (slot, fraction) = guide.invert(xi.y);

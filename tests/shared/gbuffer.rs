@@ -9,7 +9,6 @@ use splitsum::pixels::Pixels;
 use splitsum::pixels::lookup::trilinear;
 use splitsum::scene::{Anisotropy, Camera, Material, Mesh, Scene, Sphere, Texture};
 
-/// The first hit of a ray.
 struct Hit<'a> {
     /// Distance along the ray.
     t: f64,

@@ -8,7 +8,6 @@ use splitsum::scene::{Scene, SceneFiles};
 use std::io::{Error, ErrorKind};
 use std::path::Path;
 
-/// One file in memory.
 struct One<'a>(&'a [u8]);
 
 impl SceneFiles for One<'_> {
@@ -21,7 +20,6 @@ impl SceneFiles for One<'_> {
     }
 }
 
-/// The scene of a glTF text.
 pub fn load(model: &Value) -> Result<Scene, String> {
     Scene::from_file(Path::new("x.gltf"), &One(model.to_string().as_bytes())).map_err(|error| error.to_string())
 }

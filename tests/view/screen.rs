@@ -98,7 +98,6 @@ impl Screen {
         win
     }
 
-    /// Output of `xdotool`.
     fn act(&self, line: &str) -> String {
         let output = Command::new("xdotool").args(line.split(' ')).env("DISPLAY", &self.display).output().unwrap();
         assert!(output.status.success(), "xdotool {line}: {}", String::from_utf8_lossy(&output.stderr));
@@ -153,7 +152,6 @@ impl Win<'_> {
         self.child().try_wait().unwrap().is_none()
     }
 
-    /// Resident memory.
     pub fn memory_kib(&self) -> u64 {
         let path = PathBuf::from(format!("/proc/{}/status", self.child().id()));
         let text = std::fs::read_to_string(path).unwrap_or_default();
@@ -161,7 +159,6 @@ impl Win<'_> {
         line.and_then(|line| line.split_whitespace().next()?.parse().ok()).unwrap_or_default()
     }
 
-    /// The last report of the window.
     pub fn report(&self) -> Value {
         let text = std::fs::read_to_string(self.dir.path().join("report.json")).unwrap_or_default();
         serde_json::from_str(&text).unwrap_or_default()
@@ -257,7 +254,6 @@ impl Win<'_> {
         self.send("click 1", 2);
     }
 
-    /// Opens a list and selects an entry.
     pub fn choose(&self, list: &str, entry: &str) {
         self.click(list, [0.5, 0.5]);
         self.click(entry, [0.5, 0.5]);
@@ -301,7 +297,6 @@ impl Win<'_> {
         self.settle();
     }
 
-    /// The picture on the display.
     pub fn picture(&self) -> Rgb8Image {
         // The pointer locates the window: window managers put frames around it.
         self.point([0.0; 2]);

@@ -64,7 +64,6 @@ fn interpolated(data: &[f32], stride: usize, index: usize, turbidity: f32, albed
     sum
 }
 
-/// Evaluates the Bézier curve of six control points.
 fn quintic(point: impl Fn(usize) -> f32, t: f32) -> f32 {
     let (t2, u) = (t * t, 1.0 - t);
     let (t3, t4, u2) = (t2 * t, t2 * t2, u * u);

@@ -11,7 +11,6 @@ use crate::spelling::Listed;
 
 const FRAME: Axis = Axis { part: Part::Parameter, used: |u| u.frames.is_some(), ..LAYER };
 
-/// Longest sequence.
 const FRAMES_MAX: u32 = 4096;
 
 /// The first is the count, without which the others mean nothing.

@@ -324,7 +324,6 @@ indices! {
     IRRADIANCE_SIZE = "irradiance_size";
 }
 
-/// Finds the index of a name at compile time.
 const fn index(name: &str) -> usize {
     let mut at = 0;
     while !is_equal(LIST[at].name.as_bytes(), name.as_bytes()) {

@@ -10,7 +10,6 @@ use crate::precompute::prefilter::{LevelMapping, Weight};
 use crate::precompute::{PrecomputeSettings, PrefilterBy, StorageFormat};
 use crate::spelling::Listed;
 
-/// Largest sample count of a precompute pass.
 const PRECOMPUTE_SAMPLES_MAX: u32 = 1 << 20;
 /// Largest side of a precomputed table: every Vulkan device supports it.
 const SIDE_MAX: u32 = 4096;

@@ -23,7 +23,6 @@ use std::collections::{BTreeMap, BTreeSet};
 pub const BUDGET_BYTES: usize = 4 << 20;
 /// Texels below which an environment is not reduced to keep another one.
 const ENVIRONMENT_TEXELS_MIN: u32 = 1 << 15;
-/// Largest file, bytes.
 const FILE_BYTES_MAX: u64 = 64 << 20;
 #[derive(Debug, Serialize)]
 pub struct Light {

@@ -267,7 +267,6 @@ fn pretty<T: Serialize>(path: &Path, value: &T) -> Result<String, StoreError> {
     text.map(|text| text + "\n").map_err(|error| StoreError::Corrupt { path: path.to_owned(), error })
 }
 
-/// Removes a file, if it exists.
 fn remove(path: PathBuf) -> Result<(), StoreError> {
     match std::fs::remove_file(&path) {
         Err(error) if error.kind() != std::io::ErrorKind::NotFound => Err(StoreError::Io { path, error }),

@@ -173,7 +173,6 @@ fn container(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), String> {
     }
 }
 
-/// State of the traversal of nodes.
 struct Reader<'a> {
     buffers: Buffers<'a>,
     materials: Materials<'a>,

@@ -24,7 +24,6 @@ use std::path::{Path, PathBuf};
 
 /// Largest coordinate: the squares of differences must stay far below the largest f32.
 const MAX_COORDINATE: f32 = 1e15;
-/// Most corners of a face.
 const CORNERS_MAX: usize = 1 << 16;
 
 /// Loads the scene at `path`; `spec` is its name.

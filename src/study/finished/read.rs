@@ -293,7 +293,6 @@ fn check_errors(
     Ok(())
 }
 
-/// Largest file, bytes.
 const MAX_FILE_BYTES: u64 = 1 << 30;
 
 /// The text of a file; `None` if it does not exist.

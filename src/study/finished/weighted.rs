@@ -40,7 +40,6 @@ impl Finished {
         Self { cells: self.cells.iter().map(cell).collect(), weight: weight.clone(), ..self.clone() }
     }
 
-    /// How much a bin of a design counts under a weight.
     fn density(&self, weight: &Weight) -> impl Fn(&Bin) -> f64 + use<> {
         let of_scene = |scene: &str| {
             let cells = self.cells.iter().filter(|cell| cell.point[SCENE].to_string() == scene);

@@ -70,7 +70,6 @@ impl Middle {
         }
     }
 
-    /// 95 % interval of independent numbers.
     fn interval(self, values: &[f64]) -> Option<[f64; 2]> {
         let n = values.len();
         match self {

@@ -7,7 +7,6 @@ use crate::experiment::value::Value;
 use crate::figure::{Figure, Mark, Panel, Scale, Series, Shape as Form};
 use crate::study::frame::{Frame, Row};
 
-/// Most panels of a figure.
 const PANELS_MAX: usize = 12;
 /// Added to a note if marks have intervals.
 pub const INTERVAL: &str = "; whiskers: 95 % over environments";
@@ -25,7 +24,6 @@ impl<'n> Along<'n> {
         Self::Steps(frame.names.name(of), values.iter().map(|value| frame.names.short(of, value)).collect())
     }
 
-    /// A scale around these coordinates.
     fn scale(self, values: impl Iterator<Item = f64>) -> Option<Scale> {
         match self {
             Self::Log(label) => Scale::log(label, values),

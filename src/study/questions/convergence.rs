@@ -101,7 +101,6 @@ fn doublings<'r, 'f>(falls: &[&Fall<'r, 'f>]) -> Numbers<'r, 'f> {
     Numbers::new(factors, Middle::Median)
 }
 
-/// The number of environments of these curves that count.
 fn lights(falls: &[&Fall], all: &Numbers) -> usize {
     values(falls.iter().map(|fall| fall.curve.first()).filter(|row| all.weighs(row)), ENVIRONMENT).len()
 }
@@ -261,7 +260,6 @@ fn summed(own: &[&Fall], index: &dyn Fn(&str) -> usize) -> Vec<Mark> {
     grouped(own, |fall| fall.curve.method.clone()).into_iter().flat_map(of_method).collect()
 }
 
-/// A horizontal line at the mean over environments.
 fn rule(name: &str, own: Numbers, series: usize) -> Option<Mark> {
     let mean = own.estimate()?;
     Some(Mark::new(Form::HorizontalRule(mean.value), series).tip(format!("{name}: {}", with_interval(&mean))))

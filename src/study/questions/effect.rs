@@ -23,7 +23,6 @@ pub const QUESTION: Question = Question {
 };
 
 const WAYS: [Part; 3] = [Part::Method, Part::Parameter, Part::Table];
-/// Most axes in the sentence.
 const SENTENCES_MAX: usize = 2;
 
 fn lacks(shape: &Shape) -> Option<&'static str> {
@@ -65,7 +64,6 @@ impl<'r, 'f> OfAxis<'r, 'f> {
         (!effects.is_empty()).then_some(Self { axis, base, effects })
     }
 
-    /// The resolved ratios, by value.
     fn resolved(&self) -> Vec<(Value, Numbers<'r, 'f>)> {
         let resolved = self.effects.iter().filter(|effect| effect.is_resolved);
         let numbers = |(value, own): (Value, Vec<&Effect<'r, 'f>>)| {
@@ -80,7 +78,6 @@ impl<'r, 'f> OfAxis<'r, 'f> {
         if all > n { format!(", {} within the noise", all - n) } else { String::new() }
     }
 
-    /// The best value except the base.
     fn best(&self) -> Option<Best<'r, 'f>> {
         let rivals = self.resolved().into_iter().filter_map(|(value, own)| Some((value, own.estimate()?, own)));
         let best = rivals.reduce(|a, b| if b.1.value < a.1.value { b } else { a });

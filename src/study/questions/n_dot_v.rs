@@ -75,7 +75,6 @@ fn places<'r, 'f>(frame: &Frame, method: &str, rows: &[&'r Row<'f>]) -> Vec<Plac
     found
 }
 
-/// Distinct bins, ascending.
 fn bins(all: impl Iterator<Item = [f64; 2]>) -> Vec<[f64; 2]> {
     let mut bins: Vec<[f64; 2]> = all.collect();
     bins.sort_by(|a, b| a[0].total_cmp(&b[0]));

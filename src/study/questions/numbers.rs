@@ -66,7 +66,6 @@ impl<'r, 'f> Numbers<'r, 'f> {
         Self { items: self.items.iter().copied().filter(|(row, _)| is_kept(row)).collect(), ..*self }
     }
 
-    /// Number of measured environments.
     fn measured(&self) -> usize {
         self.values(ENVIRONMENT).iter().filter(|light| !is_formula(light)).count()
     }

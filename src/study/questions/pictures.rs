@@ -51,7 +51,6 @@ pub const QUESTION: Question = Question {
     ..Question::PLAIN
 };
 
-/// The textbook's split sum.
 const BASE: &str = "split-sum";
 const BRIGHTNESS: &str = PICTURE_SCORES[3];
 
@@ -88,7 +87,6 @@ impl<'r, 'f> Group<'r, 'f> {
         self.ratios.estimate()
     }
 
-    /// The share of pictures with a ratio above 1.
     fn worse(&self) -> Option<Estimate> {
         let is_worse = self.ratios.items().iter().map(|(row, ratio)| (*row, f64::from(u8::from(*ratio > 1.0))));
         let clipped = |ends: [f64; 2]| ends.map(|end| end.clamp(0.0, 1.0));
@@ -100,7 +98,6 @@ impl<'r, 'f> Group<'r, 'f> {
         worst(self.ratios.items().iter().copied())
     }
 
-    /// The picture whose ratio is nearest to a number.
     fn nearest(&self, to: f64) -> Option<&'r Row<'f>> {
         let distance = |ratio: f64| (ratio / to).ln().abs();
         let items = self.ratios.items().iter().copied();

@@ -49,7 +49,6 @@ fn enough(frame: &Frame) -> f64 {
     SHARE.powf(0.5 * frame.metric.power)
 }
 
-/// The method whose tables are judged.
 const TABLED: &str = "split-sum";
 
 fn lacks(shape: &Shape) -> Option<&'static str> {
@@ -85,7 +84,6 @@ impl Tried<'_, '_> {
         self.error / self.split
     }
 
-    /// Texels of the tables of the row.
     fn texels(&self) -> f64 {
         texels(&self.row.point.settings().shading.precompute)
     }

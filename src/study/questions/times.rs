@@ -221,7 +221,6 @@ fn sentence(frame: &Frame, digest: &Table) -> Option<String> {
     })
 }
 
-/// One bar per configuration.
 fn figure(frame: &Frame, frames: &[Timed], axes: &[usize]) -> Option<Figure> {
     let name = |one: &Timed| {
         let rest = axes.iter().filter(|axis| ![METHOD, SAMPLES].contains(axis)).map(|axis| one.text(*axis).to_owned());

@@ -23,7 +23,6 @@ fn ladder(key: &str, lines: &str) -> String {
     format!("name = \"x\"\n{key}[ladder]\n[axes]\nscene = [\"design\"]\nmethod = [\"split-sum\"]\n{lines}\n")
 }
 
-/// An experiment with `asks`.
 fn asking(asks: &str) -> String {
     format!("asks = {asks}\nname = \"x\"\n[axes]\nmethod = [\"split-sum\"]\n")
 }
@@ -193,7 +192,6 @@ fn correct_experiments_have_no_faults() {
     }
 }
 
-/// The values of an axis over the cells of a plan.
 pub fn values(plan: &Plan, axis: &str) -> Vec<String> {
     plan.cells.iter().map(|cell| cell.point.get(axis).to_string()).collect()
 }

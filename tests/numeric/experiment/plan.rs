@@ -27,7 +27,6 @@ alpha = [0.1, 0.5]
 exposure = [1, 10]
 "#;
 
-/// Cells by all fields that a reader distinguishes.
 fn by_point(plan: &Plan) -> BTreeMap<String, &Cell> {
     plan.cells
         .iter()

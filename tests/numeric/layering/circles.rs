@@ -25,7 +25,6 @@ pub fn first_circle(modules: &Modules) -> Option<String> {
     })
 }
 
-/// References between the children of a folder.
 fn edges<'m>(modules: &'m Modules, folder: &[String]) -> Edges<'m> {
     let depth = folder.len();
     let mut edges = Edges::new();

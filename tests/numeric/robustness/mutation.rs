@@ -22,7 +22,6 @@ impl Mutator {
         self.0.usize(..end.max(1))
     }
 
-    /// One of `seeds` with one to eight changes.
     pub fn mutate(&mut self, seeds: &[&[u8]]) -> Vec<u8> {
         let mut bytes = seeds[self.below(seeds.len())].to_vec();
         for _ in 0..=self.below(8) {

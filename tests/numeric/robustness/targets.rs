@@ -115,7 +115,6 @@ fn assert_names(message: &str, name: &str) {
     assert!(message.contains(name) && message.lines().count() == 1, "{message:?} should name {name} in one line");
 }
 
-/// Files in memory.
 struct Memory(BTreeMap<PathBuf, Vec<u8>>);
 
 impl SceneFiles for Memory {
@@ -236,7 +235,6 @@ fn experiment(bytes: &[u8]) {
     }
 }
 
-/// A table of queries.
 fn queries(bytes: &[u8]) {
     let options = LoadOptions { builtin_size: [8, 4], ..LoadOptions::default() };
     for &kind in Kind::all() {

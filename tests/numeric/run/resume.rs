@@ -9,7 +9,6 @@ use splitsum::study::finished::Finished;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 
-/// A timed experiment.
 fn timed() -> String {
     format!("{EXPERIMENT}[timing]\nwarmup = 1\nrounds = 3\n")
 }
@@ -168,7 +167,6 @@ fn a_reference_with_a_damaged_record_is_rendered_again() {
     }
 }
 
-/// Rows of `errors.csv` that failed.
 fn failed_rows(bench: &Bench) -> usize {
     let table = bench.table("errors.csv");
     let verdict = table.column("verdict").unwrap();

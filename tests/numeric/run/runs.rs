@@ -21,7 +21,6 @@ pub fn log() -> Rc<RefCell<Log>> {
     Rc::new(RefCell::new(Log::default()))
 }
 
-/// The plan of an experiment file with this text.
 pub fn plan(text: &str) -> Plan {
     Plan::from_text(Path::new("tiny.toml"), text, &[]).unwrap_or_else(|error| panic!("{error}"))
 }
@@ -77,7 +76,6 @@ impl Bench {
         Self { dir: tempfile::tempdir().unwrap(), plan: plan(text) }
     }
 
-    /// The same with a finished run.
     pub fn finished(text: &str) -> Self {
         let bench = Self::new(text);
         finished(&bench.plan, bench.dir.path());
@@ -119,7 +117,6 @@ impl Bench {
     }
 }
 
-/// Options of a run in `dir`.
 pub fn options<'a>(dir: &Path, stop: &'a AtomicBool) -> RunOptions<'a> {
     let command_line = vec!["splitsum".to_owned(), "run".to_owned(), "tiny.toml".to_owned()];
     RunOptions { command_line, ..RunOptions::new(dir, stop) }
@@ -145,12 +142,10 @@ pub fn written(dir: &Path) -> Written {
     Written::new(&run, &answers(&run, None)).unwrap()
 }
 
-/// The summary in the folder of a run.
 pub fn summary(dir: &Path) -> String {
     String::from_utf8(read(dir.join("summary.md"))).unwrap()
 }
 
-/// A finished run in `dir`.
 pub fn finished(plan: &Plan, dir: &Path) -> PathBuf {
     invoke(plan, dir, &log(), usize::MAX).unwrap_or_else(|error| panic!("{error}"));
     dir.to_owned()
@@ -185,7 +180,6 @@ pub fn assert_like_whole(dir: &Path, plan: &Plan) {
     }
 }
 
-/// The bytes of a file.
 pub fn read(path: impl AsRef<Path>) -> Vec<u8> {
     std::fs::read(path.as_ref()).unwrap_or_else(|error| panic!("{}: {error}", path.as_ref().display()))
 }

@@ -31,7 +31,6 @@ exposure = [1, 10]
 rounds = 6
 warmup = 1
 "#;
-/// References, each with eight cells.
 const REFERENCES: usize = 8;
 
 /// A folder that shards of a plan share.
@@ -49,7 +48,6 @@ impl Bench {
         self.root.path().join("shared")
     }
 
-    /// Runs a shard with this log.
     fn shard(&self, shard: &str, log: &Rc<RefCell<Log>>) -> Result<Outcome, RunError> {
         let stop = AtomicBool::new(false);
         let options = RunOptions { shard: Some(shard.parse().unwrap()), ..options(&self.dir(), &stop) };

@@ -27,7 +27,6 @@ fn loaded(text: &str) -> Scene {
     load_text(text).expect("a readable file")
 }
 
-/// A square of a material with these lines.
 fn of_material(lines: &str) -> Result<Scene, String> {
     let obj = format!("mtllib m.mtl\n{QUAD}usemtl m\nf 1 2 3 4\n");
     load(&[("scene.obj", obj.as_bytes()), ("m.mtl", format!("newmtl m\n{lines}\n").as_bytes())])

@@ -12,7 +12,6 @@ pub fn samples(point: &Point) -> Option<f64> {
     }
 }
 
-/// Rows of the digest as text.
 pub fn digest(finding: &Finding) -> Vec<Vec<String>> {
     let digest = finding.digest.as_ref().unwrap();
     digest.rows.iter().map(|row| row.iter().map(splitsum::study::table::shown).collect()).collect()

@@ -73,14 +73,12 @@ pub fn finished_run(dir: &Path) -> PathBuf {
     finished(&plan(EXPERIMENT), &dir.join("run"))
 }
 
-/// A finished run with its answers.
 pub fn read(dir: &Path) -> (Finished, Vec<Answer>) {
     let run = Finished::read(dir).unwrap_or_else(|error| panic!("{error}"));
     let answers = answers(&run, None);
     (run, answers)
 }
 
-/// The model in a page.
 fn model_of(page: &str) -> Value {
     let start = page.find("id=\"model\">").unwrap() + "id=\"model\">".len();
     let end = start + page[start..].find("</script>").unwrap();

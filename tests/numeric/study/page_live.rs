@@ -104,7 +104,6 @@ fn unpacked(text: &str, count: usize) -> Vec<[u16; 3]> {
     (0..count).map(|i| [0, 1, 2].map(|c| word(i, c))).collect()
 }
 
-/// The models of an experiment with these axes in a folder.
 fn models(dir: &Path, axes: &str) -> Vec<LiveModel> {
     let text = format!("name = \"live\"\nsize = [8, 8]\n[axes]\n{axes}");
     let plan = Plan::from_text(&dir.join("live.toml"), &text, &[]).unwrap_or_else(|error| panic!("{error}"));

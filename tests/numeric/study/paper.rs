@@ -31,7 +31,6 @@ fn empty(name: &str) -> Finished {
     }
 }
 
-/// A cell without scores.
 fn cell_of(id: String, point: Point) -> FinishedCell {
     let none = MetricValues::of(|_| None);
     let (reference, bins) = (None, Vec::new());
@@ -48,7 +47,6 @@ fn cell_of(id: String, point: Point) -> FinishedCell {
     }
 }
 
-/// Head of an experiment file.
 pub const HEAD: &str = "name = \"made\"\nsize = [16, 16]\nreference = { samples = 32 }\n[axes]\ndiffuse = [\"none\"]\n";
 
 /// Synthetic data of a cell.
@@ -133,20 +131,17 @@ impl Paper {
         (question(name).unwrap().lacks)(&Frame::new(&self.run, None).shape)
     }
 
-    /// The answer to a question.
     pub fn finding(&self, name: &str) -> Finding {
         finding(&self.run, name)
     }
 }
 
-/// The answer to a question, by its name.
 pub fn finding(run: &Finished, name: &str) -> Finding {
     let (frame, question) = (Frame::new(run, None), question(name).unwrap_or_else(|| panic!("no question {name}")));
     assert_eq!((question.lacks)(&frame.shape), None, "{name}");
     (question.answer)(&frame).unwrap_or_else(|| panic!("{name} is not answered"))
 }
 
-/// Bins of a third each, with these values in a metric.
 pub fn bins(metric: &str, values: &[f64]) -> Vec<Bin> {
     let width = 1.0 / values.len() as f64;
     let of = |(i, value): (usize, &f64)| {
@@ -167,7 +162,6 @@ pub fn bin([lo, hi]: [f64; 2], scores: impl Fn(&'static str) -> Option<f64>) -> 
     }
 }
 
-/// The cells of a column.
 fn cells<'t>(table: &'t Table, name: &str) -> impl Iterator<Item = &'t Cell> {
     let place = table.columns.iter().position(|column| column == name);
     let place = place.unwrap_or_else(|| panic!("no column {name} in {:?}", table.columns));

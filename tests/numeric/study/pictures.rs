@@ -28,7 +28,6 @@ fn six_maps() -> Paper {
     paper
 }
 
-/// The row of a method over all scenes in a metric.
 fn row(table: &Table, method: &str, metric: &str) -> Table {
     only(table, &[("scene", "all"), ("method", method), ("metric", metric)])
 }

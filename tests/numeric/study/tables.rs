@@ -5,7 +5,6 @@ use splitsum::study::questions::Finding;
 
 const FROM_HERE: &str = "smallest tables that are enough from here on";
 
-/// A run with this method as the reference.
 fn judged_by(method: &str) -> Paper {
     let mut paper = Paper::new(&[
         "environment",

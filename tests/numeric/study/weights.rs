@@ -21,7 +21,6 @@ fn n_dot_v() -> GrayImage {
     })
 }
 
-/// An image of one value by n·v.
 fn image(value: impl Fn(f64) -> f64) -> RgbImage {
     n_dot_v().map(|cosine| [value(f64::from(cosine)) as f32; 3])
 }

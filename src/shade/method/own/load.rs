@@ -9,7 +9,6 @@ use crate::gpu::{add_shader, names_read, shader_sources};
 use std::collections::BTreeSet;
 use std::path::Path;
 
-/// Largest file, bytes.
 const FILE_BYTES_MAX: u64 = 1 << 20;
 /// The pass that calls the method.
 const ENTRY: &str = "shade/specular.comp";

@@ -35,7 +35,6 @@ pub fn loaded(name: &str) -> Option<&'static Method> {
     Some(known.unwrap_or_else(|| keep(absent(name.to_owned()))))
 }
 
-/// A method that gives nothing.
 fn absent(name: String) -> Method {
     let title = std::path::Path::new(name.trim_start_matches(FILE_PREFIX)).file_stem().unwrap_or_default();
     let title = format!("{} (file)", title.to_string_lossy());

@@ -4,7 +4,6 @@ use crate::study::questions;
 use roxmltree::{Document, Node, NodeId};
 use splitsum::figure::{Figure, Mark, Panel, Scale, ScaleKind, Series, Shape};
 
-/// Dots of the first series.
 pub fn dots([x, y]: [ScaleKind; 2], points: &[[f64; 2]]) -> Figure {
     let scale = |kind: ScaleKind, label: &str| Scale { label: label.to_owned(), kind };
     let marks = points.iter().enumerate().map(|(i, at)| Mark::new(Shape::Dot(*at), 0).tip(format!("dot {i}")));
@@ -75,7 +74,6 @@ pub fn hostile() -> Figure {
     Figure { title: name("title"), note: name("note"), panels: vec![panel.clone(), panel], series }
 }
 
-/// The number of a label.
 pub fn parse_label(text: &str) -> f64 {
     let digits = |c: char| "⁰¹²³⁴⁵⁶⁷⁸⁹".chars().position(|d| d == c).map(|d| (b'0' + d as u8) as char);
     let plain = text.replace('\u{2212}', "-");
@@ -91,7 +89,6 @@ pub fn parse_label(text: &str) -> f64 {
     }
 }
 
-/// A parsed SVG.
 pub struct Drawn {
     document: Document<'static>,
 }
@@ -133,7 +130,6 @@ impl Drawn {
         borders.map(border).collect()
     }
 
-    /// The numbers of the first path of the first mark.
     pub fn numbers_of_first_mark(&self) -> Vec<f64> {
         let mark = self.document.get_node(self.marks()[0]).unwrap();
         mark.children().find_map(|node| node.attribute("d")).map(numbers).unwrap()
@@ -184,7 +180,6 @@ impl Drawn {
     }
 }
 
-/// All numbers of a path.
 fn numbers(path: &str) -> Vec<f64> {
     let spaced: String = path.chars().map(|c| if c.is_ascii_alphabetic() || c == ',' { ' ' } else { c }).collect();
     spaced.split_whitespace().filter_map(|number| number.parse().ok()).collect()
