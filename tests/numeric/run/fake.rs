@@ -77,7 +77,10 @@ fn dice(request: &RenderRequest, what: &str) -> f64 {
     let light = (&request.environment.name, shading.environment_scale, shading.placement.orientation);
     let case = (shading.brdf.name(), shading.lod_bias, shading.frames.count, material.map(|m| (m.alpha, m.f0)));
     let method = (shading.method.name, shading.diffuse.name, shading.samples, shading.point_set);
-    let text = format!("{what} {light:?} {case:?} {method:?} {:?}", shading.precompute);
+    let made = &shading.precompute;
+    let maps = (made.prefilter_size, made.prefilter_level_count, made.prefilter_sample_count, made.level_mapping.name);
+    let tables = (made.dfg_size, made.dfg_sample_count, made.irradiance_size, made.irradiance_sample_count);
+    let text = format!("{what} {light:?} {case:?} {method:?} {maps:?} {tables:?}");
     let hash = blake3::hash(text.as_bytes());
     f64::from(u32::from_le_bytes(hash.as_bytes()[..4].try_into().unwrap())) / 2.0_f64.powi(32)
 }
