@@ -80,7 +80,7 @@ pub fn slip(convention: &Convention, scores: &[LevelScore]) -> Option<Chain> {
     chain.or_else(|| {
         other.map(|(words, alpha)| {
             let alphas: Vec<f64> = (0..count).map(alpha).collect();
-            let list: Vec<String> = alphas.iter().map(|alpha| format!("{:.4}", alpha)).collect();
+            let list: Vec<String> = alphas.iter().map(|alpha| format!("{alpha:.4}")).collect();
             Chain { words: format!("{words}: --alphas {}", list.join(",")), alphas }
         })
     })
