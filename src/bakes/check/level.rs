@@ -204,8 +204,9 @@ impl LevelScore {
     pub fn left(&self) -> Option<f64> {
         let relmse = self.errors.relmse;
         let of_fit = || self.fit.filter(|fit| fit.explains(relmse)).map(|fit| fit.left * relmse);
-        let left = self.slip.as_ref().map(|slip| slip.relmse).or_else(of_fit)?;
-        (!self.causes.is_empty()).then_some(left)
+        let own = self.slip.as_ref().filter(|slip| slip.causes == self.causes).map(|slip| slip.relmse);
+        let is_mip = self.causes.iter().any(|cause| cause.kind == "mips");
+        own.or_else(|| of_fit().filter(|_| !is_mip && !self.causes.is_empty()))
     }
 
     /// Removes width and gain from the verdict because the axes or the light do not fit.
