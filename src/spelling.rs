@@ -28,6 +28,7 @@ pub trait Listed: 'static {
     /// Word for one entry: "sequence".
     const WHAT: &'static str;
 
+    /// Lists every entry, the default first.
     fn all() -> impl Iterator<Item = &'static Self> + Clone;
 
     /// Name in files, on the command line and in tables.

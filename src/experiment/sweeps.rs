@@ -178,6 +178,7 @@ impl Config {
     }
 }
 
+/// Expands a range; rounds for axes of whole numbers.
 fn range_values(kind: Kind, range: &DeTable) -> Result<Vec<Raw>, String> {
     let expected = || "expected a list of values, or { pow2 = [from, to] }".to_owned();
     let is_number = matches!(kind, Kind::Number(_) | Kind::NumberOrName { .. } | Kind::Count { .. });

@@ -10,6 +10,7 @@ use crate::table::markdown::significant;
 use egui::text::{LayoutJob, TextFormat};
 use egui::{Align, Color32, FontId, Rect, Stroke, Ui, pos2, vec2};
 
+/// Brightness of a half that is out of date, of 256.
 const DIM: u32 = 96;
 
 /// Place of the picture in the window, in its pixels.

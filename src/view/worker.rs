@@ -21,6 +21,7 @@ use std::time::{Duration, Instant};
 const COARSE_MS: std::ops::Range<f64> = 15.0..120.0;
 /// A first picture that takes longer, because of its tables, is dropped for the next state.
 const PATIENCE: Duration = Duration::from_secs(5);
+/// Divisor of the coarsest resolution.
 const COARSEST: u32 = 8;
 const KEPT: usize = 8;
 

@@ -79,15 +79,12 @@ pub fn score(truth: &Truth, map: &Map, convention: &Convention) -> Result<Vec<Le
 
 /// Whether each texel is the mean of four texels of a level twice as large, as far as half floats hold it.
 fn is_mip(above: &[RgbImage], level: &[RgbImage]) -> bool {
+    let is_near = |a: f32, b: f64| (f64::from(a) - b).abs() <= 0.01 * b.abs() + 1e-4;
     let is_mean = |above: &RgbImage, own: &RgbImage| {
-        let mean = |x: u32, y: u32, c: usize| {
-            [[0, 0], [0, 1], [1, 0], [1, 1]].map(|[i, j]| above.get(2 * x + i, 2 * y + j)[c] / 4.0).iter().sum::<f32>()
-        };
-        let is_near = |a: f32, b: f32| (a - b).abs() <= 0.01 * b.abs() + 1e-4;
-        let mut places = (0..own.height).flat_map(|y| (0..own.width).map(move |x| (x, y)));
-        above.width == 2 * own.width
-            && above.height == 2 * own.height
-            && places.all(|(x, y)| (0..3).all(|c| is_near(own.get(x, y)[c], mean(x, y, c))))
+        [above.width, above.height] == [2 * own.width, 2 * own.height] && {
+            let means = above.area_means(own.width, own.height, |texel| texel.map(f64::from));
+            own.data.iter().flatten().zip(means.data.iter().flatten()).all(|(own, mean)| is_near(*own, *mean))
+        }
     };
     let is_black = level.iter().flat_map(|face| &face.data).all(|texel| *texel == [0.0; 3]);
     !is_black && above.iter().zip(level).all(|(above, own)| is_mean(above, own))

@@ -7,10 +7,10 @@ use super::slip::BETTER;
 use super::texel::{Change, ORDERS};
 use super::{Cause, EXPLAINED, Errors, GOOD, Truth, errors, words};
 use crate::bakes::convention::Axes;
-use crate::bakes::sh::{Coefficients, turned};
+use crate::bakes::sh::{Coefficients, prescaled, turned};
 use crate::environment::layout::LAYOUTS;
 use crate::math::equirect_quadrature::EquirectQuadrature;
-use crate::math::spherical_harmonics::{COUNT, DEGREE, irradiance};
+use crate::math::spherical_harmonics::{COSINE_LOBE, COUNT, DEGREE, irradiance};
 use crate::precompute::sh9::reference::{Sh9, project_bilinear};
 use glam::DVec3;
 use std::f64::consts::PI;
@@ -19,8 +19,10 @@ const SIDE: u32 = 16;
 /// Share of the error below which a rest is rounding.
 const LEAST: f64 = 1e-6;
 
-/// The orders of other programs: the file's number of each coefficient of ours, and the sign of odd m.
 const PLAIN: [usize; COUNT] = [0, 1, 2, 3, 4, 5, 6, 7, 8];
+/// A form without the constants of the basis, as of cmgen's `--sh-irradiance`.
+const UNSCALED: &str = "not pre-scaled by the factors of the basis";
+/// The orders of other programs: the file's number of each coefficient of ours, and the sign of odd m.
 static FORMS: &[(&str, [usize; COUNT], f64)] = &[
     ("", PLAIN, 1.0),
     ("odd m have the other sign, as by Condon and Shortley", PLAIN, -1.0),
@@ -29,11 +31,6 @@ static FORMS: &[(&str, [usize; COUNT], f64)] = &[
     ("degree 1 is in the order x, y, z; expected y, z, x", [0, 2, 3, 1, 4, 5, 6, 7, 8], 1.0),
     ("degree 1 is in the order x, z, y; expected y, z, x", [0, 3, 2, 1, 4, 5, 6, 7, 8], 1.0),
 ];
-
-/// A form whose coefficients lack the factors of the basis, as of cmgen's `--sh-irradiance`.
-const UNSCALED: &str = "not pre-scaled by the factors of the basis";
-const BASIS: [f64; COUNT] =
-    [0.282_095, 0.488_603, 0.488_603, 0.488_603, 1.092_548, 1.092_548, 0.315_392, 1.092_548, 0.546_274];
 
 #[derive(Clone, Debug)]
 pub struct ShScore {
@@ -68,6 +65,7 @@ fn causes(found: &Coefficients, own: &Sh9, exact: &Sh9, axes: Axes) -> Vec<Cause
         let square = |((own, right), l): ((&DVec3, &DVec3), usize)| (*own - *right * window[l]).length_squared();
         values.iter().zip(right).zip(DEGREE).map(square).sum()
     };
+    let scaled = prescaled();
     let as_it_is = off(own, exact, [1.0; 3]);
     let mut best = (f64::INFINITY, Vec::new());
     // Ours first: signs of odd m are also a half turn about z.
@@ -76,7 +74,7 @@ fn causes(found: &Coefficients, own: &Sh9, exact: &Sh9, axes: Axes) -> Vec<Cause
             let radiance = std::array::from_fn(|k| {
                 // Every second one has an odd m.
                 let (from, sign) = (order[k], if k % 2 == 1 { *odd } else { 1.0 });
-                let factor = if *form == UNSCALED { BASIS[k] } else { 1.0 };
+                let factor = if *form == UNSCALED { scaled[k] * PI / COSINE_LOBE[DEGREE[k]] } else { 1.0 };
                 factor * sign * found.radiance[from] * (found.factors[from] / found.factors[k])
             });
             let turned = turned(&radiance, |world| other.to_file(world));

@@ -5,7 +5,7 @@
 
 use super::directions::Directions;
 use super::exact::{exact, mirror};
-use super::texel::{COPIES, CURVES, Change, ORDERS, PACKINGS, RGBM, rgbm};
+use super::texel::{COPIES, CURVES, CUTS, Change, Cut, ORDERS, PACKINGS, RGBM, rgbm};
 use super::{Cause, EXPLAINED, Truth, errors, faces, fit, has_width};
 use crate::brdf::MODELS;
 use crate::environment::Environment;
@@ -69,46 +69,44 @@ pub fn usual_gain(truth: &Truth, directions: &Directions, found: &[DVec3], alpha
 /// Lists changed maps whose mean is a bake's over a gain: convolutions keep the mean.
 pub fn sources(environment: &Environment, mean: DVec3, gains: &[f64]) -> Vec<(Cause, Environment)> {
     let image = &environment.image;
-    let changed = |most: f64, curve: Option<Change>| {
+    let [by_channel, by_hue] = &CUTS;
+    let changed = |(cut, most): (Cut, f64), curve: Option<Change>| {
         move |texel: [f32; 3]| {
-            let x = DVec3::from_array(texel.map(f64::from));
-            // A cut below 0 keeps the hue.
-            let x = if most < 0.0 { x * (-most / x.max_element().max(-most)) } else { x.min(DVec3::splat(most)) };
+            let x = cut(DVec3::from_array(texel.map(f64::from)), most);
             curve.map_or(x, |curve| curve(x))
         }
     };
-    let mean_of = |most: f64, curve: Option<Change>| {
+    let mean_of = |cut: (Cut, f64), curve: Option<Change>| {
         let (mut sum, mut whole) = (DVec3::ZERO, 0.0);
         let step = if curve.is_some() { image.height.div_ceil(512) as usize } else { 1 };
         for (y, row) in image.data.chunks_exact(image.width as usize).enumerate().step_by(step) {
             let weight = (PI * (y as f64 + 0.5) / f64::from(image.height)).sin();
             whole += weight * row.len() as f64;
-            sum += weight * row.iter().map(|texel| changed(most, curve)(*texel)).sum::<DVec3>();
+            sum += weight * row.iter().map(|texel| changed(cut, curve)(*texel)).sum::<DVec3>();
         }
         sum / whole
     };
     let largest = image.data.iter().flatten().fold(1e-3, |most: f32, x| most.max(*x)).into();
     let is_same = |own: DVec3, mean: DVec3| (own - mean).abs().cmple(SAME_MEAN * mean).all();
-    let cut_by = |gain: f64, side: f64| {
+    let cut_by = |gain: f64, (hue, cut): &(&str, Cut)| {
         let (mut low, mut high) = (1e-3, largest);
         for _ in 0..24 {
             let middle = f64::sqrt(low * high);
-            let is_more = mean_of(side * middle, None).element_sum() > mean.element_sum() / gain;
+            let is_more = mean_of((*cut, middle), None).element_sum() > mean.element_sum() / gain;
             if is_more { high = middle } else { low = middle }
         }
-        let ldr = if (high - 1.0).abs() < 0.05 { ": LDR" } else { "" };
-        let is_cut = high < UNCUT * largest && is_same(mean_of(side * high, None), mean / gain);
-        let hue = if side < 0.0 { " with its hue" } else { ldr };
-        is_cut.then(|| (format!("cut at {}{hue}", rounded(high)), side * high, None))
+        let ldr = if hue.is_empty() && (high - 1.0).abs() < 0.05 { ": LDR" } else { "" };
+        let is_cut = high < UNCUT * largest && is_same(mean_of((*cut, high), None), mean / gain);
+        is_cut.then(|| (format!("cut at {}{hue}{ldr}", rounded(high)), (*cut, high), None))
     };
     let curves = CURVES.iter().flat_map(|(words, curve)| {
-        [((*words).to_owned(), f64::INFINITY, Some(*curve)), (format!("cut at 1 and {words}"), 1.0, Some(*curve))]
+        let cut = |most: f64| (by_channel.1, most);
+        [((*words).to_owned(), cut(largest), Some(*curve)), (format!("cut at 1 and {words}"), cut(1.0), Some(*curve))]
     });
-    let alike = curves.filter(|(_, most, curve)| is_same(mean_of(*most, *curve), mean));
-    let cuts = gains.iter().flat_map(|gain| [1.0, -1.0].map(|side| (*gain, side)));
-    let cuts = cuts.filter_map(|(gain, side)| cut_by(gain, side));
-    let source = |(words, most, curve): (String, f64, Option<Change>)| {
-        let image = image.map(|texel| changed(most, curve)(texel).as_vec3().to_array());
+    let alike = curves.filter(|(_, cut, curve)| is_same(mean_of(*cut, *curve), mean));
+    let cuts = gains.iter().flat_map(|gain| [by_channel, by_hue].into_iter().filter_map(|cut| cut_by(*gain, cut)));
+    let source = |(words, cut, curve): (String, (Cut, f64), Option<Change>)| {
+        let image = image.map(|texel| changed(cut, curve)(texel).as_vec3().to_array());
         let cause = Cause { kind: "source", words: format!("source {words}") };
         (cause, Environment::from_image(environment.name.clone(), image))
     };
@@ -174,8 +172,8 @@ impl Level<'_> {
             }
             let bases = match stage {
                 0 => vec![right.clone()],
-                1 => [sample.kernels(), sample.sources(false)].concat(),
-                _ => sample.turn().into_iter().chain(sample.sources(true)).collect(),
+                1 => [sample.kernels(), sample.sources()].concat(),
+                _ => sample.turn().into_iter().chain(sample.sources_by_others()).collect(),
             };
             for (causes, off) in bases.into_iter().flat_map(|base| sample.finished(sample.coded(base))) {
                 let best = if causes.len() == 1 { &mut one } else { &mut two };
@@ -249,18 +247,20 @@ impl<'a, 'l> Sample<'a, 'l> {
             .collect()
     }
 
-    /// Levels of another source, by the level's kernel or by others.
-    fn sources(&self, by_others: bool) -> Vec<Slipped> {
-        let own = vec![(None, self.level.kernel)];
-        let others = || self.other_kernels().into_iter().map(|(cause, kernel)| (Some(cause), kernel)).collect();
-        let kernels: Vec<(Option<Cause>, Kernel)> = if by_others { others() } else { own };
-        let of = |(cause, truth): &(Cause, Truth), (other, kernel): &(Option<Cause>, Kernel)| {
-            let causes = [cause].into_iter().chain(other).cloned().collect();
-            Slipped { causes, values: self.of(truth, *kernel) }
+    /// Levels of another source.
+    fn sources(&self) -> Vec<Slipped> {
+        let of = |(cause, truth): &(Cause, Truth)| Slipped {
+            causes: vec![cause.clone()],
+            values: self.of(truth, self.level.kernel),
         };
-        // Two slips with the first cut alone: each source takes a second.
-        let sources = (self.level.sources)().iter().take(if by_others { 1 } else { usize::MAX });
-        sources.flat_map(|source| kernels.iter().map(|kernel| of(source, kernel)).collect::<Vec<_>>()).collect()
+        (self.level.sources)().iter().map(of).collect()
+    }
+
+    /// Levels of the likeliest other source by other kernels. Each further source takes a second.
+    fn sources_by_others(&self) -> Vec<Slipped> {
+        let Some((source, truth)) = (self.level.sources)().first() else { return Vec::new() };
+        let of = |(other, kernel)| Slipped { causes: vec![source.clone(), other], values: self.of(truth, kernel) };
+        self.other_kernels().into_iter().map(of).collect()
     }
 
     /// A turn about y that is not a quarter: the offset of a lat-long map.
@@ -323,7 +323,7 @@ impl<'a, 'l> Sample<'a, 'l> {
     fn finished(&self, coded: Vec<Slipped>) -> impl Iterator<Item = (Vec<Cause>, f64)> {
         let with_gain = |from: &Slipped, gain: f64| from.with("gain", self.level.gain_in_words(gain), |x| gain * x);
         let cut_words = format!("cut at {}", rounded(self.most));
-        let (most, each) = (self.most, DVec3::splat(self.most));
+        let most = self.most;
         coded.into_iter().flat_map(move |slipped| {
             let (mut all, mut by_faces) = (Vec::new(), Vec::new());
             if slipped.causes.len() < 2 {
@@ -336,8 +336,7 @@ impl<'a, 'l> Sample<'a, 'l> {
                 let [found, right] = pairs.fold([0.0; 2], |[a, b], (x, y)| [a + x.element_sum(), b + y.element_sum()]);
                 let before = slipped.causes.is_empty().then(|| with_gain(&slipped, found / right.max(1e-12)));
                 for from in [Some(&slipped), before.as_ref()].into_iter().flatten() {
-                    all.push(from.with("cut", cut_words.clone(), |x| x.min(each)));
-                    all.push(from.with("cut", cut_words.clone(), |x| x * (most / x.max_element().max(most))));
+                    all.extend(CUTS.map(|(_, cut)| from.with("cut", cut_words.clone(), |x| cut(x, most))));
                 }
                 // Moved faces keep the mean.
                 let sum = |texels: &[DVec3]| -> f64 {

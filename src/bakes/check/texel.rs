@@ -39,6 +39,11 @@ pub static PACKINGS: &[(&str, Change)] = &[
     ("half floats read as 16-bit integers", |x| x.map(|x| f64::from(half::f16::from_f64(x).to_bits()) / 65535.0)),
 ];
 
+/// Cuts at a value: by channel, or of the whole colour, which keeps its hue.
+pub type Cut = fn(DVec3, f64) -> DVec3;
+pub static CUTS: [(&str, Cut); 2] =
+    [("", |x, most| x.min(DVec3::splat(most))), (" with its hue", |x, most| x * (most / x.max_element().max(most)))];
+
 /// Colours of RGBM: over the range and over a multiplier of at most 1, in steps of 1/255.
 pub fn rgbm(x: DVec3, range: f64) -> DVec3 {
     let multiplier = (255.0 * (x.max_element() / range).min(1.0)).ceil() / 255.0;

@@ -32,6 +32,7 @@ impl Axis {
         ((x / self.scale).asinh() - self.ends[0]) / (self.ends[1] - self.ends[0])
     }
 
+    /// Inverse of [`Self::unit`].
     fn x(&self, unit: f64) -> f64 {
         self.scale * (self.ends[0] + (self.ends[1] - self.ends[0]) * unit).sinh()
     }

@@ -56,6 +56,7 @@ fn face_normal([a, b, c]: [DVec3; 3]) -> DVec3 {
     (b - a).cross(c - a).normalize()
 }
 
+/// Returns the bits of a position; -0 equals 0.
 fn key(p: [f32; 3]) -> [u32; 3] {
     p.map(|x| (x + 0.0).to_bits())
 }

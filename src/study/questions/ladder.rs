@@ -231,6 +231,7 @@ fn says(step: &str) -> String {
     if step == "view" { "step n = v = r".to_owned() } else { format!("step of {step}") }
 }
 
+/// Smaller shares are written as 0.
 const NOISE: f64 = 5e-4;
 
 /// "97 % ± 3", "-2.1 %"; if environments disagree about the sign, "-19 to 24 %".
