@@ -254,7 +254,6 @@ pub fn request(environment: &Arc<Environment>, scene: Scene, kind: CameraKind, s
     RenderRequest::plain(environment.clone(), scene, kind, size).shaded(|s| s.precompute = usual_tables())
 }
 
-/// Level `mip` of a device image, in f64.
 pub fn read_level(gpu: &Gpu, image: &Image, mip: u32) -> Pixels<DVec3> {
     let [width, height] = image.mip_size(mip);
     let texels = gpu.read_image(image, mip).unwrap();

@@ -23,7 +23,6 @@ fn view(camera: Camera, size: [u32; 2], surface: impl Fn(u32, u32) -> Option<[DV
     Arc::new(View { camera, environment_from_world: turn, gbuffer: Arc::new(gbuffer) })
 }
 
-/// The plane z = 0 from in front.
 fn plane(yaw_deg: f64, size: [u32; 2]) -> Arc<View> {
     let camera = Camera {
         eye: DVec3::Z * 4.0,

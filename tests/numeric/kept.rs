@@ -6,7 +6,7 @@ use std::path::Path;
 
 /// The text's numbers and words: the count of numbers, a sum over them that moves by the relative change of each, and a hash of the words.
 /// Numbers up to 1e-12 are rounding and count as 0. Names of cells, which are hexadecimal, do not count.
-pub fn digest(text: &str) -> String {
+fn digest(text: &str) -> String {
     let (mut count, mut sum, mut words) = (0, 0.0, blake3::Hasher::new());
     let tokens = text.split(|c: char| !(c.is_ascii_alphanumeric() || "+-._".contains(c)));
     for token in tokens.filter(|token| !token.is_empty()) {
@@ -36,10 +36,9 @@ pub fn folder(dir: &Path) -> String {
         } else if name.ends_with(".svg") {
             // Without the pictures of a sheet.
             let text = String::from_utf8(bytes).unwrap();
-            let mut parts = text.split("base64,");
-            let first = parts.next().unwrap_or_default();
-            let rest = parts.map(|part| part.split_once('"').unwrap().1);
-            let text: String = std::iter::once(first).chain(rest).collect();
+            let parts = text.split("base64,").enumerate();
+            let text: String =
+                parts.map(|(i, part)| if i == 0 { part } else { part.split_once('"').unwrap().1 }).collect();
             kept += &format!("{name} {}\n", digest(&text));
         }
     }

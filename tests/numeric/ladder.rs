@@ -77,7 +77,6 @@ fn shapley_values_are_means_over_all_orders() {
     }
 }
 
-/// The attribution of these images over all pixels.
 fn drawn(radiance: &dyn Fn(Coalition) -> Vec<DVec3>, scrambles: &dyn Fn(Coalition) -> Vec<Vec<DVec3>>) -> Attribution {
     let (n_dot_v, epsilon) = (&[0.5; PIXELS], Epsilon::of_light(0.0));
     attributions(&Case { n_dot_v, radiance, scrambles, epsilon }, &[]).remove(0)
@@ -207,7 +206,6 @@ fn albedos_between_nodes_match_the_quadrature() {
     }
 }
 
-/// The frames of some pixels of a design.
 fn frames(count: u32) -> Vec<[DVec3; 2]> {
     (0..count).map(|i| design::frame(i, count)).collect()
 }

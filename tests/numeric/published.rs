@@ -11,7 +11,6 @@ fn pages(folder: &Path) -> Vec<PathBuf> {
     paths.flat_map(of).filter(|path| path.extension().is_some_and(|end| end == "html")).collect()
 }
 
-/// The files that a page links and shows.
 fn targets(page: &str) -> impl Iterator<Item = &str> {
     let after = |mark| page.split(mark).skip(1).filter_map(|rest: &str| rest.split('"').next());
     let all = after("href=\"").chain(after("src=\"")).map(|link| link.split('#').next().unwrap_or_default());

@@ -3,5 +3,6 @@
 mod cameras;
 mod gbuffer;
 pub mod gltf;
+mod layers;
 mod maps;
 mod obj;

@@ -39,7 +39,6 @@ impl Sampling {
         Self { tables, even }
     }
 
-    /// Makes the guide with the weight (> 0) of each direction.
     pub fn guide(&self, weight: impl Fn(DVec3) -> f64) -> Guide {
         Guide::new(&self.tables.slots, weight)
     }

@@ -30,7 +30,6 @@ struct Mapped<'a> {
     side: f64,
 }
 
-/// Computes the g-buffer of `scene` in f64.
 pub fn gbuffer(scene: &Scene, camera: &Camera, size: [u32; 2]) -> Gbuffer<f64> {
     let [width, height] = size;
     let texels: Vec<[[f64; 4]; 4]> = (0..width * height)

@@ -33,7 +33,6 @@ pub fn png(width: u32, height: u32, texel: impl Fn(u32, u32) -> [u8; 3]) -> Valu
     uri(image::RgbImage::from_fn(width, height, |x, y| image::Rgb(texel(x, y))))
 }
 
-/// The picture as an entry of `images`.
 pub fn uri(image: impl Into<image::DynamicImage>) -> Value {
     let mut file = std::io::Cursor::new(Vec::new());
     image.into().write_to(&mut file, image::ImageFormat::Png).expect("a picture in memory");

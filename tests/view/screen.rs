@@ -236,7 +236,6 @@ impl Win<'_> {
         self.send(&format!("{} {key}", if is_down { "keydown" } else { "keyup" }), 1);
     }
 
-    /// Moves the pointer to a place in the window.
     fn point(&self, place: [f64; 2]) {
         let [x, y] = place.map(f64::round);
         self.act(&format!("mousemove --window {} {x} {y}", self.id));

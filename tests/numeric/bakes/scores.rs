@@ -267,7 +267,9 @@ fn coefficients_of_the_light_itself_have_no_error_and_windows_are_named() {
     assert!(windowed.verdict.contains("degree 1 times 0.90, degree 2 times 0.60"), "{windowed:?}");
     // Other orders and signs, and a lost convolution.
     let (order, unconvolved) = ([0, 3, 2, 1, 8, 7, 6, 5, 4], [1.0, 1.5, 4.0]);
-    let forms: [(&str, &dyn Fn(usize) -> DVec3); 4] = [
+    let unscaled = [0.282_095, 0.488_603, 0.488_603, 0.488_603, 1.092_548, 1.092_548, 0.315_392, 1.092_548, 0.546_274];
+    let forms: [(&str, &dyn Fn(usize) -> DVec3); 5] = [
+        ("not pre-scaled by the factors of the basis", &|k| radiance[k] / unscaled[k]),
         ("order m = l to -l", &|k| radiance[order[k]]),
         ("odd m have the other sign", &|k| if k % 2 == 1 { -radiance[k] } else { radiance[k] }),
         ("not convolved with the cosine", &|k| radiance[k] * unconvolved[DEGREE[k]]),
@@ -333,6 +335,10 @@ fn conventions_of_a_table_are_found() {
         let score = table::score(&table(0, 0, correlated, nodes), &Ggx, &convention);
         assert!(score.verdict.contains(words), "{words}: {score:?}");
     }
+    // Scale and bias the other way round, and decoded once too often.
+    let decoded = table(0, 1, correlated, centres).map(|pair| pair.map(|x| x.powf(2.2)));
+    let decoded = table::score(&decoded, &Ggx, &convention);
+    assert!(decoded.verdict.contains("--table-channels bias-scale; decoded with gamma 2.2"), "{decoded:?}");
     let encoded = table(0, 0, correlated, centres).map(|pair| pair.map(|x| x.powf(1.0 / 2.2)));
     let encoded = table::score(&encoded, &Ggx, &convention);
     assert!(encoded.verdict.contains("encoded with gamma 2.2") && encoded.causes[0].kind == "encoding", "{encoded:?}");

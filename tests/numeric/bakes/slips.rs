@@ -80,6 +80,18 @@ fn slips_of_faces_and_texels_are_named() {
         }),
         ("every texel is black", |map| each_texel(map, |_| [0.0; 3])),
         ("channels in the order A, R, G", |map| each_texel(map, |[r, g, _]| [1.0, r, g])),
+        ("luminance in every channel", |map| each_texel(map, |rgb| [splitsum::color::luminance(rgb) as f32; 3])),
+        ("half floats read as 16-bit", |map| {
+            each_texel(map, |rgb| rgb.map(|x| f32::from(half::f16::from_f32(x).to_bits()) / 65535.0));
+        }),
+        // The first level that is wrong by itself, then the mean of the level before it.
+        ("level 1: channels in the order B, G, R", |map| {
+            map.levels[1].iter_mut().flat_map(|face| &mut face.data).for_each(|rgb| rgb.reverse());
+        }),
+        ("level 2: the mean of the level before it", |map| {
+            let mean = |face: &RgbImage| face.area_means(SIDE / 2, SIDE / 2, |rgb| rgb.map(f64::from));
+            map.levels[2] = map.levels[1].iter().map(|face| mean(face).map(|rgb| rgb.map(|x| x as f32))).collect();
+        }),
         ("times 8: --scale 0.125", |map| each_texel(map, |rgb| rgb.map(|x| 8.0 * x))),
         ("in the order G, B, R", |map| each_texel(map, |[r, g, b]| [g, b, r])),
         ("encoded with gamma 2.2", |map| each_texel(map, |rgb| rgb.map(|x| x.powf(1.0 / 2.2)))),
@@ -141,16 +153,18 @@ fn slips_of_the_light_and_of_the_kernel_are_named() {
     let verdict = judged(&light, cube(&truth, &ALPHAS, |direction| turn * direction), Some(&ALPHAS)).verdict();
     assert!(verdict.contains("turned by 37° about y: lat-long offset 0.103"), "{verdict}");
     // Convolutions keep the mean, which tells where a source was cut.
-    type Change = fn(f32) -> f32;
-    let sources: [(&str, Change); 5] = [
-        ("cut at 1: LDR", |x| x.min(1.0)),
-        ("cut at 10", |x| x.min(10.0)),
-        ("cut at 10; times pi", |x| x.min(10.0) * PI as f32),
-        ("tone-mapped by Reinhard", |x| x / (1.0 + x)),
-        ("cut at 1 and encoded as sRGB", |x| srgb(x.min(1.0))),
+    type Change = fn([f32; 3]) -> [f32; 3];
+    let sources: [(&str, Change); 7] = [
+        ("cut at 1: LDR", |rgb| rgb.map(|x| x.min(1.0))),
+        ("cut at 10", |rgb| rgb.map(|x| x.min(10.0))),
+        ("cut at 10 with its hue", |rgb| rgb.map(|x| x * (10.0 / rgb.into_iter().fold(10.0, f32::max)))),
+        ("cut at 10; times pi", |rgb| rgb.map(|x| x.min(10.0) * PI as f32)),
+        ("decoded with gamma 2.2 though linear", |rgb| rgb.map(|x| x.powf(2.2))),
+        ("tone-mapped by Reinhard", |rgb| rgb.map(|x| x / (1.0 + x))),
+        ("cut at 1 and encoded as sRGB", |rgb| rgb.map(|x| srgb(x.min(1.0)))),
     ];
     for (words, change) in sources {
-        let source = Environment::from_image("source", light.image.map(|texel| texel.map(change)));
+        let source = Environment::from_image("source", light.image.map(change));
         let of_source = Truth::new(&source, Kernel::cosine(&Ggx), &ALPHAS);
         let judged = judged(&light, cube(&of_source, &ALPHAS, |direction| direction), Some(&ALPHAS));
         assert!(judged.verdict().contains(&format!("source {words}")), "{words}: {}", judged.verdict());
@@ -241,6 +255,15 @@ fn chains_of_other_levels_are_named() {
     assert!(!noisy.contains("missing"), "{noisy}");
     let bent = of((0..5).map(|k| quadratic(k, 5)).collect());
     assert!(bent.contains("--level-mapping quadratic"), "{bent}");
+    let laws: [(&str, &dyn Fn(u32) -> f64); 3] = [
+        ("roughness is squared twice: --alphas 0.0000,0.0039,0.0625,0.3164,1.0000", &|k| linear(k, 5).powi(2)),
+        ("roughness is not squared", &|k| linear(k, 5).sqrt()),
+        ("each level has the width of the one before it", &|k| linear(k.saturating_sub(1), 5)),
+    ];
+    for (words, law) in laws {
+        let verdict = of((0..5).map(law).collect());
+        assert!(verdict.contains(words), "{words}: {verdict}");
+    }
     // The first width of the quadratic chain is too narrow to fit, and the linear one three times as wide.
     let alphas: Vec<f64> = (0..6).map(|k| linear(k, 6)).collect();
     let truth = Truth::new(&light, Kernel::cosine(&Ggx), &alphas);

@@ -17,7 +17,6 @@ impl Mutator {
         Self(Rng::with_seed(seed))
     }
 
-    /// A pseudo-random number below `end`.
     fn below(&mut self, end: usize) -> usize {
         self.0.usize(..end.max(1))
     }

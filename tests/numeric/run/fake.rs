@@ -139,15 +139,14 @@ impl Renderer for Fake {
         };
         let n_dot_v = GrayImage::from_fn(width, height, |x, y| n_z(x, y).unwrap_or(0.0));
         let mask = GrayImage::from_fn(width, height, |x, y| if n_z(x, y).is_some() { 1.0 } else { 0.0 });
-        let mut radiance = RgbImage::from_fn(width, height, |x, y| {
-            n_z(x, y).map_or([0.0; 3], |n_z| [0.2, 0.5, 1.0].map(|c: f32| factor * c * (alpha + n_z)))
+        let factor = |at: [u32; 2], k: usize| match log.is_scrambled {
+            true => scrambled(request, factor - 1.0, at, k),
+            false => factor,
+        };
+        let radiance = RgbImage::from_fn(width, height, |x, y| {
+            let of = |n_z: f32| [0, 1, 2].map(|k| factor([x, y], k) * [0.2, 0.5, 1.0][k] * (alpha + n_z));
+            n_z(x, y).map_or([0.0; 3], of)
         });
-        if log.is_scrambled {
-            radiance = RgbImage::from_fn(width, height, |x, y| {
-                let of = |k: usize| radiance.get(x, y)[k] / factor * scrambled(request, factor - 1.0, [x, y], k);
-                [of(0), of(1), of(2)]
-            });
-        }
         let standard_error =
             (request.shading.method.name == "reference").then(|| radiance.map(|texel| texel.map(|c| c * NOISE)));
         let without_noise = radiance.map(|texel| texel.map(|c| 0.5 * c));
@@ -235,12 +234,11 @@ impl Renderer for Fake {
             let rounds = rounds as usize;
             return Ok(TimingSamples { passes: vec![("dfg", vec![3.0; rounds])], wall_ms: vec![10.0; rounds] });
         }
-        let log_is_scrambled = log.is_scrambled;
+        let scramble = if log.is_scrambled { 0.5 + dice(request, "time") } else { 1.0 };
         let frame = log
             .frames
             .entry((request.shading.brdf.name(), request.shading.method.name, request.shading.samples))
             .or_default();
-        let scramble = if log_is_scrambled { 0.5 + dice(request, "time") } else { 1.0 };
         let ms: Vec<f64> = (0..rounds as usize)
             .map(|round| scramble * f64::from(request.shading.samples) + ((*frame + round + 4) % 5) as f64)
             .collect();

@@ -16,7 +16,6 @@ use std::path::{Path, PathBuf};
 use std::rc::Rc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// The log of a fake without faults.
 pub fn log() -> Rc<RefCell<Log>> {
     Rc::new(RefCell::new(Log::default()))
 }
@@ -65,7 +64,6 @@ impl<F: FnMut(&str, Ahead)> Progress for Each<F> {
 /// Method and sample count of each render.
 type Renders = Vec<(String, u32)>;
 
-/// A folder for runs of a plan.
 pub struct Bench {
     pub dir: tempfile::TempDir,
     pub plan: Plan,
@@ -136,7 +134,6 @@ fn answered(outcome: Result<Outcome, RunError>) -> Result<Outcome, RunError> {
     Ok(outcome)
 }
 
-/// The answers of the run in a folder.
 pub fn written(dir: &Path) -> Written {
     let run = Finished::read(dir).unwrap();
     Written::new(&run, &answers(&run, None)).unwrap()

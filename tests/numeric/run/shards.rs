@@ -54,7 +54,6 @@ impl Bench {
         run(&self.plan, &mut fakes(log) as &mut MakeRenderer, &options, &mut Silent)
     }
 
-    /// Runs a shard and counts the renders.
     fn done(&self, shard: &str) -> usize {
         let log = log("fake");
         let outcome = self.shard(shard, &log).unwrap_or_else(|error| panic!("{error}"));
@@ -71,7 +70,6 @@ impl Bench {
         merge(&self.plan, &options(&self.dir(), &AtomicBool::new(false)))
     }
 
-    /// Merges a complete folder.
     fn merge_whole(&self) {
         let merged = self.merge().unwrap_or_else(|error| panic!("{error}"));
         assert_eq!(merged.missing, Default::default());

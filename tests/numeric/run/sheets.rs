@@ -25,7 +25,6 @@ fn sheet(rows: usize, group: usize) -> ContactSheet {
     }
 }
 
-/// The numbers of an attribute in every element of a kind.
 fn all(svg: &str, element: &str, attribute: &str) -> Vec<f64> {
     let number = |element: &str| {
         let start = element.find(&format!(" {attribute}=\""))? + attribute.len() + 3;

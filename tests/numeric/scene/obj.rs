@@ -32,7 +32,6 @@ fn of_material(lines: &str) -> Result<Scene, String> {
     load(&[("scene.obj", obj.as_bytes()), ("m.mtl", format!("newmtl m\n{lines}\n").as_bytes())])
 }
 
-/// The area vector of every triangle.
 fn areas(mesh: &Mesh) -> Vec<DVec3> {
     let corners: Vec<DVec3> = mesh.corners().collect();
     corners.chunks_exact(3).map(|p| 0.5 * (p[1] - p[0]).cross(p[2] - p[0])).collect()

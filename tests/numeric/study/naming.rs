@@ -16,7 +16,6 @@ fn made(point: &Point) -> Option<Made> {
 
 const METHODS: &str = "method = [\"split-sum\", \"split-sum-one\"]\nalbedo = [0]\n";
 
-/// The answer of a run that asks one question.
 fn answered(head: &str, axes: &str) -> (Finished, Finding) {
     let text = format!(
         "{head}name = \"made\"\nsize = [16, 16]\nreference = {{ samples = 32 }}\n[axes]\ndiffuse = [\"none\"]\n{METHODS}{axes}"

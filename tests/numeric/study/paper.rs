@@ -15,7 +15,6 @@ use splitsum::table::csv::Cell;
 /// f64 arithmetic of a few logarithms.
 pub const F64: f64 = 1e-9;
 
-/// A run without cells.
 fn empty(name: &str) -> Finished {
     Finished {
         dir: name.into(),
@@ -69,7 +68,6 @@ pub fn finished(axes: &str, cell: impl Fn(&Point) -> Option<Made>) -> Finished {
     finished_of(&format!("{HEAD}{axes}"), cell)
 }
 
-/// The same of a whole experiment.
 pub fn finished_of(text: &str, cell: impl Fn(&Point) -> Option<Made>) -> Finished {
     let plan: Plan = runs::plan(text);
     let of = |planned: &splitsum::experiment::Cell| {
@@ -150,7 +148,6 @@ pub fn bins(metric: &str, values: &[f64]) -> Vec<Bin> {
     values.iter().enumerate().map(of).collect()
 }
 
-/// A bin of 100 pixels with these scores.
 pub fn bin([lo, hi]: [f64; 2], scores: impl Fn(&'static str) -> Option<f64>) -> Bin {
     Bin {
         lo,
@@ -184,7 +181,6 @@ pub fn numbers(table: &Table, name: &str) -> Vec<f64> {
     cells(table, name).map(number).collect()
 }
 
-/// The rows with these texts in these columns.
 pub fn only(table: &Table, wanted: &[(&str, &str)]) -> Table {
     let columns: Vec<Vec<String>> = wanted.iter().map(|(name, _)| column(table, name)).collect();
     let is_it = |i: &usize| columns.iter().zip(wanted).all(|(column, (_, text))| column[*i] == *text);

@@ -162,7 +162,6 @@ fn factor(point: &Point) -> f64 {
     }
 }
 
-/// Every question that a run serves, with its answer.
 fn asked(run: &Finished) -> Vec<(&'static Question, Finding)> {
     let frame = Frame::new(run, None);
     let serves = QUESTIONS.iter().filter(|question| (question.lacks)(&frame.shape).is_none());

@@ -19,7 +19,6 @@ fn judged_by(method: &str) -> Paper {
     paper
 }
 
-/// Columns of the digest in the row of an alpha.
 fn shown<const N: usize>(finding: &Finding, alpha: &str, names: [&str; N]) -> [String; N] {
     let row = only(finding.digest.as_ref().unwrap(), &[("alpha", alpha)]);
     names.map(|name| column(&row, name).concat())

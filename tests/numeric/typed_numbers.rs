@@ -2,7 +2,6 @@
 
 use std::path::{Path, PathBuf};
 
-/// The documents, relative to the repository.
 fn documents() -> Vec<PathBuf> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let docs = std::fs::read_dir(root.join("docs")).unwrap().map(|entry| entry.unwrap().path());
