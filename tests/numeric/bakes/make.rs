@@ -50,7 +50,7 @@ const LOOKUPS: &[Lookup] = &[
 
 pub fn making<'a>(engine: &str, environment: &'a Environment) -> Making<'a> {
     let preset = Preset::listed(engine);
-    let level_count = preset.convention().mapping.engine_levels.unwrap_or(4);
+    let level_count = preset.convention().mapping.engine_levels.unwrap_or(6);
     Making { irradiance_side: 16, table_side: 8, level_count, ..Making::new(preset, environment, 64) }
 }
 
@@ -116,7 +116,6 @@ fn taps_are_for_the_levels_of_the_engine() {
         ("three", "quadratic", 6, "taps.glsl"),
         ("babylon", "linear", 4, "taps.glsl"),
         ("godot", "unity", 7, "taps.glsl"),
-        ("playcanvas", "linear", 4, "taps.glsl"),
         ("unity", "unity", 7, "taps.hlsl"),
     ] {
         let dir = tempfile::tempdir().unwrap();
