@@ -92,8 +92,8 @@ box() { # name, machine
     done
     cp "$scripts/test.sh" "$scripts/demo.sh" "$scripts/bare.sh" "$scripts/setup.sh" "$1/scripts/"
     files="bin/apt-get bin/sudo bin/id bin/ldconfig bin/cargo bin/rustfmt target/release/splitsum
-        scripts/test-scripts.sh scripts/check-commits.sh scripts/check-words.sh scripts/check-page.sh scripts/check-clients.sh
-        scripts/check-package.sh scripts/check-python.sh scripts/check-shaders.sh scripts/cluster-test.sh
+        scripts/test-scripts.sh scripts/check-commits.sh scripts/check-words.sh scripts/check-numbers.sh scripts/check-page.sh
+        scripts/check-clients.sh scripts/check-package.sh scripts/check-python.sh scripts/check-shaders.sh scripts/cluster-test.sh
         scripts/second-driver.sh scripts/examples.sh
         target/lib target/main target/browser target/cli target/device target/numeric target/view"
     if [ "$2" = full ]; then
@@ -169,6 +169,7 @@ parts() { # user or ci
     part "$bare $full" test-scripts.sh 1 scripts/test-scripts.sh
     part "$bare $full" check-commits.sh 1 scripts/check-commits.sh
     part "$bare $full" check-words.sh 1 scripts/check-words.sh
+    part "$bare $full" check-numbers.sh 1 scripts/check-numbers.sh
     part "$bare" "apt-get install*libvulkan1*" 100 "setup$stops"
     part "$bare" "apt-get install*vulkan-validationlayers*" success "setup$stops"
     part "$bare" "apt-get update*" 100 "setup$stops"
@@ -376,9 +377,31 @@ EOF
     [ "$(grep -c "$box" "$box/output")" -eq 8 ] || complain "finds other phrases"
 )
 
+numbers() (
+    box=$WORK/numbers
+    run="check-numbers.sh"
+    mkdir -p "$box/scripts" "$box/docs"
+    cp "$scripts/check-numbers.sh" "$scripts/setup.sh" "$box/scripts/"
+    cat >"$box/README.md" <<'EOF'
+# A
+
+At alpha 0.1, 0.25 and 0.5 it is 0.12. A share of 53 %, with 95 % <!-- csv a/b.csv x=0.5 -->0.7<!-- /csv -->, `0.4`.
+<!-- csv a/b.csv -->
+| 0.3 |
+<!-- /csv -->
+## B
+1.5 times
+EOF
+    cp "$box/README.md" "$box/docs/glossary.md"
+    printf '## Files\n\n0.1\n\n## Others\n\n0.2\n' >"$box/docs/bakes.md"
+    sh "$box/scripts/check-numbers.sh" >"$box/output" 2>&1 && complain "passes"
+    printf '%s\n' README.md:3:\ 0.12 README.md:3:\ 53 README.md:8:\ 1.5 docs/bakes.md:7:\ 0.2 >"$box/right"
+    sed 1d "$box/output" | cmp -s - "$box/right" || complain "finds other numbers: $(cat "$box/output")"
+)
+
 # Two at a time.
 parts user >"$WORK/user.log" 2>&1 &
-(parts ci && passes && demo && bare && python && variables && commits && words) >"$WORK/ci.log" 2>&1 || : >"$WORK/wrong"
+(parts ci && passes && demo && bare && python && variables && commits && words && numbers) >"$WORK/ci.log" 2>&1 || : >"$WORK/wrong"
 wait $! || : >"$WORK/wrong"
 cat "$WORK/user.log" "$WORK/ci.log"
 [ ! -e "$WORK/wrong" ]

@@ -146,6 +146,7 @@ await() { # name
 check scripts/test-scripts.sh sh scripts/test-scripts.sh
 check scripts/check-commits.sh sh scripts/check-commits.sh
 check scripts/check-words.sh sh scripts/check-words.sh
+check scripts/check-numbers.sh sh scripts/check-numbers.sh
 need setup setup
 check_with "cargo fmt" "rustup component add rustfmt" "cargo fmt" cargo fmt --check
 # cargo fmt does not see files that a macro declares.

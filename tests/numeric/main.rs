@@ -52,7 +52,6 @@ mod study;
 mod table;
 mod taps;
 mod tonemap;
-mod typed_numbers;
 
 /// CPU time of this thread, independent of other processes.
 pub fn cpu_time() -> std::time::Duration {
