@@ -156,7 +156,6 @@ pub struct Preset {
 }
 
 impl Default for Preset {
-    /// The most common values.
     fn default() -> Self {
         Self {
             name: "",

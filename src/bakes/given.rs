@@ -40,7 +40,6 @@ pub struct GivenTable {
     pub texels: Vec<[f32; 4]>,
 }
 
-/// Tables that replace the program's own.
 #[derive(Clone, Debug, Default)]
 pub struct Given {
     pub prefiltered: Option<Arc<GivenMap>>,

@@ -47,7 +47,6 @@ pub const TABLE_SIDE: u32 = 64;
 /// 128x128); [`chebyshev`] adds at most 1e-4.
 const TABLE_WITHIN: f64 = 1e-2;
 
-/// A level as its file has it.
 #[derive(Clone, Debug)]
 pub struct Written {
     pub name: String,

@@ -20,7 +20,6 @@ pub struct Product {
     /// Irradiance map; `None` if the engine uses SH.
     #[serde(borrow = "'static")]
     pub irradiance: Option<&'static str>,
-    /// Files of the DFG table.
     #[serde(borrow = "'static")]
     pub tables: Vec<&'static str>,
     /// Shading language of the lines to paste.
@@ -45,7 +44,6 @@ pub(super) const SIDE: u32 = 256;
 pub const LAST_SIDE: u32 = 8;
 
 impl Default for Product {
-    /// The most common values.
     fn default() -> Self {
         Self {
             engine: "",

@@ -25,7 +25,6 @@ pub enum Part {
 pub const PARTS: &[(&str, Part)] =
     &[("specular", Part::Specular), ("irradiance", Part::Irradiance), ("dfg", Part::Dfg), ("sh", Part::Sh)];
 
-/// How [`read`] takes ambiguous files.
 #[derive(Clone, Copy, Debug)]
 pub struct Reading<'a> {
     /// Layout of images that are neither a cube nor a table.
@@ -183,7 +182,6 @@ fn add_faces(bake: &mut Bake, path: &Path, part: Option<Part>) -> Result<(), Pix
     once(place, map, what, path)
 }
 
-/// Names of faces in cube order.
 pub const FACES: [&str; FACE_COUNT] = ["px", "nx", "py", "ny", "pz", "nz"];
 
 /// Parses level and face of cmgen's `mL_px.exr`, or of `px.exr`.

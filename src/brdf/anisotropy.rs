@@ -95,7 +95,6 @@ impl Widths {
         }
     }
 
-    /// Returns the masking G1 of a direction.
     pub fn g1(self, model: &dyn Brdf, w_local: DVec3, masking: MaskingShadowing) -> f64 {
         g1(model, w_local.z, self.along(w_local), masking)
     }

@@ -30,7 +30,6 @@ pub use sheen::{SHEEN_ALPHA_MIN, SheenVisibility};
 pub trait Brdf: Sync + std::fmt::Debug {
     /// Name in configs, tables and shader files.
     fn name(&self) -> &'static str;
-    /// One sentence for `splitsum list`.
     fn about(&self) -> &'static str;
     /// Whether stretched slopes are the slopes of other widths ([`Widths`]).
     fn is_stretchable(&self) -> bool {

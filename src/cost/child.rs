@@ -32,7 +32,6 @@ impl Job {
     }
 }
 
-/// The child's device.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Compiler {
     pub driver: String,

@@ -6,7 +6,6 @@ use super::pass::Pass;
 use crate::table::csv::{Cell, to_text};
 use crate::table::markdown::{Align, MarkdownTable};
 
-/// A shading pass on a family.
 #[derive(Debug)]
 pub struct Shaded {
     pub family: &'static Family,

@@ -15,7 +15,6 @@ pub struct Format {
     pub name: &'static str,
     /// Lower-case file name extension.
     pub extension: &'static str,
-    /// One sentence for `splitsum list`.
     pub about: &'static str,
     read: Reader,
 }

@@ -39,7 +39,6 @@ pub struct Ask {
     pub by: Option<(usize, Place)>,
 }
 
-/// Axes that vary together.
 #[derive(Clone, Debug)]
 pub struct Zip {
     /// Indices into [`AXES`].
@@ -58,9 +57,7 @@ pub struct Exclusion {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Timing {
-    /// Executions before the first timed one.
     pub warmup: u32,
-    /// Timed executions.
     pub rounds: u32,
 }
 

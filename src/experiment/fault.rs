@@ -31,7 +31,6 @@ impl fmt::Display for Fault {
 pub struct ConfigError {
     /// At most [`FAULTS_SHOWN`].
     pub faults: Vec<Fault>,
-    /// Number of further faults.
     pub more: usize,
 }
 
@@ -43,7 +42,6 @@ impl ConfigError {
     }
 }
 
-/// Where a value was written.
 #[derive(Clone, Debug, Default, Eq, Hash, PartialEq)]
 pub enum Place {
     /// Byte offset in the experiment file.
@@ -95,7 +93,6 @@ pub struct Faults<'a> {
     found: Vec<Fault>,
     /// Hashes of known faults: many combinations have the same one.
     seen: HashSet<u64>,
-    /// Number of faults beyond `found`.
     more: usize,
 }
 

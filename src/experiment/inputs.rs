@@ -41,7 +41,6 @@ fn stem(name: &str) -> String {
     stem.map_or_else(|| name.to_owned(), |stem| stem.to_string_lossy().into_owned() + layer)
 }
 
-/// Loads each value of an axis.
 fn each<T, E: Display>(
     config: &Config,
     axis: usize,
@@ -58,7 +57,6 @@ fn each<T, E: Display>(
     loaded
 }
 
-/// Compiles the experiment's methods in files.
 pub fn load_methods(config: &Config, faults: &mut Faults) -> BTreeMap<String, &'static Method> {
     let load = |name: &str, dir: &Path| name.starts_with(FILE_PREFIX).then(|| own::load(name, dir)).transpose();
     let loaded = each(config, METHOD, faults, load).into_iter();

@@ -38,7 +38,6 @@ pub struct Cell {
     pub reference: String,
 }
 
-/// A checked experiment.
 #[derive(Debug)]
 pub struct Plan {
     pub config: Config,
@@ -94,7 +93,6 @@ impl Plan {
         Self::from_source(&Source::new(path, text, overrides), &LoadOptions::default())
     }
 
-    /// Checks and expands an experiment.
     pub fn from_source(source: &Source, options: &LoadOptions) -> Result<Self, ConfigError> {
         let Source { path, text, overrides, file_dir, set_dir, check } = *source;
         let mut faults = Faults::new(path, text);

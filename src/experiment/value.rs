@@ -67,7 +67,6 @@ impl fmt::Display for Value {
 }
 
 impl Value {
-    /// Whether it is 0 or black.
     pub fn is_zero(&self) -> bool {
         [Self::Number(0.0), Self::Color([0.0; 3])].contains(self)
     }
@@ -161,7 +160,6 @@ pub(super) fn number(raw: &Raw) -> Option<f64> {
     raw.as_float().or(raw.as_integer().map(|n| n as f64))
 }
 
-/// The values that a parameter accepts.
 #[derive(Clone, Copy, Debug)]
 pub enum Kind {
     Number(Range),
@@ -309,7 +307,6 @@ impl Kind {
         }
     }
 
-    /// Describes accepted values for help texts.
     pub fn describe(&self) -> String {
         match self {
             Self::Number(range) => format!("number in {range}"),

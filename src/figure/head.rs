@@ -22,7 +22,6 @@ impl Layout {
         self.legend(figure);
     }
 
-    /// Text over the whole width.
     pub fn paragraph(&mut self, text: &str, font: Font, most: usize) {
         let lines = font.wrap(text, self.width - 2.0 * PAD, most);
         let at = [PAD, self.height + font.line() - 0.25 * font.size];

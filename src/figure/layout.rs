@@ -24,7 +24,6 @@ const HEIGHTS: [f64; 2] = [140.0, 320.0];
 /// Least height and margin of a row, pixels.
 const ROW: f64 = 20.0;
 const ROW_MARGIN: f64 = 7.0;
-/// Most lines of a title.
 const LINES: usize = 3;
 /// With more rows of panels, each has its own labels.
 const ROWS_AT_ONCE: usize = 3;
@@ -32,7 +31,6 @@ const ROWS_AT_ONCE: usize = 3;
 /// Largest share of the width that names at the ends of lines take.
 const ENDS_SHARE: f64 = 0.27;
 
-/// A placed panel.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Frame {
     pub x: Axis,

@@ -72,7 +72,6 @@ impl Axis {
     }
 }
 
-/// A value and its label.
 pub type Tick = (f64, String);
 
 /// About the most labels.

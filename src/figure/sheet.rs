@@ -36,7 +36,6 @@ pub struct Head {
 pub struct ContactSheet {
     pub title: String,
     pub caption: String,
-    /// Size of every image, pixels.
     pub tile: [u32; 2],
     pub columns: Vec<Head>,
     /// One tile per column.
@@ -59,7 +58,6 @@ const LINES_MAX: usize = 6;
 const BAR: [f64; 2] = [256.0, 12.0];
 
 impl ContactSheet {
-    /// The file's text.
     pub fn svg(&self) -> String {
         let [tile_width, tile_height] = self.tile.map(f64::from);
         let gap = |head: &Head| if head.starts_group { GROUP_GAP } else { GAP };

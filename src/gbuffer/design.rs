@@ -8,7 +8,6 @@ use crate::pixels::Pixels;
 use crate::scene::{Anisotropy, Scene};
 use glam::Vec3;
 
-/// Fills the attachments.
 pub fn gbuffer(scene: &Scene, [width, height]: [u32; 2]) -> Gbuffer<f32> {
     let material = &scene.materials[0];
     let rgb = |values: [f32; 3]| Vec3::from_array(values);

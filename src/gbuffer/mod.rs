@@ -94,7 +94,6 @@ pub fn params(camera: &Camera, size: [u32; 2], material: usize) -> GbufferParams
     }
 }
 
-/// Packs the spheres for the pass.
 pub fn sphere_data(scene: &Scene) -> Vec<SphereData> {
     let data = |sphere: &Sphere| SphereData {
         center_radius: sphere.center.extend(sphere.radius).as_vec4().to_array(),
@@ -103,7 +102,6 @@ pub fn sphere_data(scene: &Scene) -> Vec<SphereData> {
     scene.spheres.iter().map(data).collect()
 }
 
-/// Packs the materials for the pass.
 pub fn material_data(scene: &Scene) -> Vec<MaterialData> {
     let with = |[r, g, b]: [f32; 3], a: f32| [r, g, b, a];
     let data = |material: &Material| MaterialData {

@@ -18,10 +18,8 @@ const MESHES: GraphicsDescription = GraphicsDescription {
     strip: false,
 };
 
-/// All draws of the pass.
 const PIPELINES: [GraphicsDescription; 2] = [SPHERES, MESHES];
 
-/// Lists the shaders of the pass.
 pub fn shaders() -> impl Iterator<Item = &'static str> {
     PIPELINES.into_iter().flat_map(|description| description.shaders)
 }
@@ -47,7 +45,6 @@ struct MeshData {
     is_one_sided: bool,
 }
 
-/// The attachments on the device.
 #[derive(Clone)]
 pub struct GbufferImages {
     /// In the order of [`ATTACHMENT_NAMES`].
@@ -56,7 +53,6 @@ pub struct GbufferImages {
     pub size: [u32; 2],
 }
 
-/// Draws `scene` as `camera` sees it.
 pub fn record(
     recorder: &mut Recorder,
     scene: &SceneData,
@@ -166,14 +162,12 @@ impl GbufferImages {
         })
     }
 
-    /// Fills the attachments.
     pub fn write(&self, gpu: &Gpu, texels: &Gbuffer<f32>) -> Result<(), GpuError> {
         let Gbuffer { position_mask, normal_alpha, albedo_metallic, f0_material } = texels;
         let all = [position_mask, normal_alpha, albedo_metallic, f0_material];
         self.attachments.iter().zip(all).try_for_each(|(image, texels)| gpu.write_image(image, 0, &texels.data))
     }
 
-    /// Reads the attachments.
     pub fn read(&self, gpu: &Gpu) -> Result<Gbuffer<f32>, GpuError> {
         let [width, height] = self.size;
         let read = |image| Ok(Pixels::new(width, height, gpu.read_image(image, 0)?));

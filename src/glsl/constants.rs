@@ -3,7 +3,6 @@
 /// Prefix of shader names for files of the user; other names are paths below `shaders/`.
 pub const FILE_PREFIX: &str = "file:";
 
-/// A shared number.
 #[derive(Clone, Copy, Debug)]
 pub enum Value {
     Float(f32),
@@ -123,7 +122,6 @@ constants! {
     /// Visibilities of sheen; in the order of `brdf::SheenVisibility`.
     SHEEN_VISIBILITY_CHARLIE: u32 = 0;
     SHEEN_VISIBILITY_ASHIKHMIN: u32 = 1;
-    /// Smallest width of sheen.
     SHEEN_ALPHA_MIN: f32 = 0.01;
     /// Lookups of sheen; in the order of `shade::sheen`.
     SHEEN_TOWARD_NORMAL: u32 = 0;

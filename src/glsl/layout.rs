@@ -54,14 +54,12 @@ shared_structs! {
         height: uint,
         first_row: uint,
     }
-    /// Push constants of the SH9 projection.
     Sh9Params {
         width: uint,
         height: uint,
         group_count: uint,
         pad: uint,
     }
-    /// Push constants of both irradiance-map passes.
     IrradianceParams {
         width: uint,
         height: uint,
@@ -74,7 +72,6 @@ shared_structs! {
         first_row: uint,
         pad0: uint,
     }
-    /// Push constants of one prefiltered level.
     PrefilterParams {
         width: uint,
         height: uint,
@@ -89,7 +86,6 @@ shared_structs! {
         first_point: uint,
         point_count: uint,
     }
-    /// Push constants of the DFG table.
     DfgParams {
         width: uint,
         height: uint,
@@ -166,14 +162,12 @@ shared_structs! {
         first_row: uint,
         environment_scale: float,
     }
-    /// Push constants of every probe.
     ProbeParams {
         count: uint,
         pad0: uint,
         pad1: uint,
         pad2: uint,
     }
-    /// Push constants of the tone curve.
     TonemapParams {
         width: uint,
         height: uint,

@@ -48,7 +48,6 @@ pub enum Language {
 /// The file behind each `selected/` include in one permutation.
 pub type Choice = BTreeMap<String, String>;
 
-/// Shader texts by path.
 pub struct Sources(pub BTreeMap<String, String>);
 
 impl Sources {
@@ -164,12 +163,10 @@ impl Expansion<'_> {
     }
 }
 
-/// Formats a path for messages.
 fn shown(path: &str) -> String {
     path.strip_prefix(FILE_PREFIX).map_or_else(|| format!("shaders/{path}"), str::to_owned)
 }
 
-/// Parses an `#include "path"` line.
 fn included(line: &str) -> Option<&str> {
     line.trim_start().strip_prefix("#include")?.trim().strip_prefix('"')?.strip_suffix('"')
 }
@@ -196,7 +193,6 @@ pub fn compile(entry: &str, text: &str) -> Result<Vec<u32>, String> {
     program.compile(stage).map_err(|e| e.to_string())
 }
 
-/// Parses and checks a text.
 pub fn parse(
     entry: &str,
     text: &str,

@@ -74,7 +74,6 @@ impl Image {
         self.inner.face_count
     }
 
-    /// Memory of the image, bytes.
     pub fn bytes(&self) -> u64 {
         self.inner.memory.as_ref().map_or(0, |memory| memory.allocation.size())
     }
@@ -130,7 +129,6 @@ impl Drop for Inner {
 }
 
 impl Gpu {
-    /// Makes an image with undefined contents.
     pub fn image(&self, name: &str, size: [u32; 2], mip_count: u32, format: Format) -> Result<Image, GpuError> {
         self.faced_image(name, size, 1, mip_count, format)
     }
@@ -236,7 +234,6 @@ impl Gpu {
     }
 }
 
-/// Interpolation within and between levels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Filter {
     Nearest,

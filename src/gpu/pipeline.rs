@@ -10,7 +10,6 @@ use std::sync::Arc;
 /// A draw: opaque triangles, front counter-clockwise, depth test (less); viewport of the targets, culling of the call.
 #[derive(Clone, Copy, Debug)]
 pub struct GraphicsDescription<'a> {
-    /// The vertex and the fragment shader.
     pub shaders: [&'a str; 2],
     /// Floats per vertex of each attribute; each attribute has its own tightly packed buffer.
     pub attributes: &'a [u32],

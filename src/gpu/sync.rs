@@ -61,7 +61,6 @@ pub(super) struct State {
     read_accesses: Kind,
 }
 
-/// Source and destination of one barrier.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Barrier {
     pub(super) src_stage: Stage,

@@ -35,7 +35,6 @@ pub struct StepNumbers {
 /// The error of a term over some pixels, by steps.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Attribution {
-    /// Range of n·v.
     pub seen_at: [f64; 2],
     pub pixel_count: usize,
     /// `relmse` of all approximations together.

@@ -44,7 +44,6 @@ pub struct Setting<'a> {
     pub scale: f64,
     /// Degrees of the environment, up to the degree of the narrowest lobe.
     pub harmonics: &'a Harmonics,
-    /// The prefilter's input.
     pub filtered: &'a FilteredMap,
     /// (A, B) from the DFG table, by pixel.
     pub table: Vec<DVec2>,
@@ -267,7 +266,6 @@ impl<'a> Tables<'a> {
         }
     }
 
-    /// Computes means by spherical harmonics.
     fn convolved(&self, alpha: f64, directions: &[DVec3]) -> Vec<Stored> {
         let harmonics = self.setting.harmonics;
         let degree = harmonic::degree(alpha).min(harmonics.degree());
@@ -279,7 +277,6 @@ impl<'a> Tables<'a> {
         directions.par_iter().map(|d| maps.each_ref().map(|maps| maps.each_ref().map(|map| map.value(*d)))).collect()
     }
 
-    /// Computes means by the prefilter's samples.
     fn sampled(&self, alpha: f64, directions: &[DVec3]) -> Vec<Stored> {
         let (setting, model) = (self.setting, self.setting.model);
         let count = setting.tables.prefilter_sample_count;

@@ -73,7 +73,6 @@ impl Cells {
         Self { is_in: vec![false; AREA * DEPTH], energy: vec![0.0; AREA * DEPTH], best, repulsion }
     }
 
-    /// Adds a cell, or removes it.
     fn flip(&mut self, cell: usize) {
         self.is_in[cell] = !self.is_in[cell];
         let sign = if self.is_in[cell] { 1.0 } else { -1.0 };

@@ -83,7 +83,6 @@ impl EquirectQuadrature {
         quadrature
     }
 
-    /// Looks up the bilinear map.
     pub fn radiance(&self, direction: DVec3) -> DVec3 {
         let place = uv_from_direction(direction) * DVec2::new(self.width as f64, self.height as f64) - 0.5;
         let (corner, t) = (place.floor(), place - place.floor());

@@ -76,7 +76,6 @@ pub struct Bounded {
     pub error: DVec3,
 }
 
-/// Stopping rule of an adaptive integration.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tolerance {
     /// Error of each number relative to it, or to [`SCALE_FLOOR`] times the largest number if that is more.

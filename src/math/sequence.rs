@@ -12,13 +12,11 @@ use glam::{DVec2, DVec3};
 #[derive(Clone, Copy, Debug)]
 pub struct Sequence {
     pub name: &'static str,
-    /// One phrase for `splitsum list sequences`.
     pub about: &'static str,
     /// Returns point `i` of `count` of a set.
     pub point: fn(i: u32, count: u32, set: u32) -> DVec2,
 }
 
-/// Every sequence, the default first.
 pub static SEQUENCES: &[Sequence] = &[
     Sequence {
         name: "hammersley",

@@ -96,7 +96,6 @@ impl<'a> Comparison<'a> {
         self.evaluate(METRICS)
     }
 
-    /// Evaluates metrics over all masked pixels.
     pub fn evaluate(&self, metrics: &[&Metric]) -> Vec<(&'static str, f64)> {
         self.evaluate_pixels(metrics, &self.pixels)
     }
@@ -170,7 +169,6 @@ impl<'a> Comparison<'a> {
         self.epsilon
     }
 
-    /// Returns the tone-mapped reference.
     pub fn reference_display(&self) -> &Arc<Displayed> {
         self.reference_display.get_or_init(|| Arc::new(Displayed::new(self.reference, &self.pixels, self.curve)))
     }
@@ -222,7 +220,6 @@ pub(super) fn check_values(image: &'static str, values: &RgbImage, pixels: &[usi
     Err(MetricsError::Value { image, count: pixels.iter().filter(is_bad).count(), x, y, value: values.data[first] })
 }
 
-/// Converts a row-major index.
 pub(super) fn column_and_row(pixel: usize, width: u32) -> [u32; 2] {
     let width = width as usize;
     [(pixel % width) as u32, (pixel / width) as u32]

@@ -8,7 +8,6 @@ pub(super) struct Plane {
 }
 
 impl Plane {
-    /// Computes each pixel from its index.
     pub fn from_fn(width: usize, len: usize, value: impl FnMut(usize) -> f32) -> Self {
         Self { width, data: (0..len).map(value).collect() }
     }

@@ -56,7 +56,6 @@ pub struct Metric {
     pub version: u32,
     /// Constants of the formula.
     pub parameters: &'static [(&'static str, f64)],
-    /// One sentence for `splitsum list metrics`.
     pub formula: &'static str,
     /// 2 for a mean square, 1 for its root; [`verdict`] compares scores and floors in units of the difference.
     pub power: f64,
@@ -101,10 +100,8 @@ impl Metric {
     }
 }
 
-/// Every metric, in column order.
 pub static METRICS: &[&Metric] = &[&rmse::RMSE, &relmse::RELMSE, &tone_mapped::TONE_MAPPED, &bias::BIAS, &flip::FLIP];
 
-/// Default metric of answers.
 pub const HEADLINE: &str = "relmse";
 
 /// Names of the scores of a picture: radiance, display values, visible difference, and mean brightness.

@@ -35,7 +35,6 @@ pub enum Kind {
     Dfg,
     /// One texel of a prefiltered map.
     Prefilter,
-    /// Irradiance for a normal.
     Irradiance,
     /// The nine spherical-harmonic coefficients of a map.
     Sh9,
@@ -116,7 +115,6 @@ impl Kind {
         }
     }
 
-    /// Names the results that are colours.
     pub fn colors(self) -> Vec<String> {
         match self {
             Self::Ladder => rungs().map(|method| method.name.replace('-', "_")).collect(),
@@ -149,7 +147,6 @@ struct Sheen {
 /// Results of tables with a layer by the column that asks for it: the layer's radiance, and the share that what lies below keeps.
 const LAYERS: [(&str, &str, &str); 2] = [("coat", "coat", "base_share"), ("sheen_color", "sheen", "sheen_base_share")];
 
-/// A checked row.
 #[derive(Clone, Debug)]
 struct Query {
     /// Index into the table's environments; `None` for [`Kind::Dfg`].

@@ -94,7 +94,6 @@ struct Named {
     loaded: Result<Environment, String>,
 }
 
-/// A table while it is read.
 struct Reader<'a> {
     folder: &'a Path,
     kind: Kind,

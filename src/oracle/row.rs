@@ -20,7 +20,6 @@ pub(super) struct Fault {
 
 const LEVELS: std::ops::RangeInclusive<u32> = 2..=12;
 
-/// A row while it is checked.
 pub(super) struct Row<'a> {
     pub(super) line: u64,
     pub(super) columns: &'a [String],

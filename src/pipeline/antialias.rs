@@ -65,7 +65,6 @@ impl Edges {
         Frame { radiance, mask: Arc::new(mask), ..frame }
     }
 
-    /// Memory, bytes.
     pub(super) fn bytes(&self) -> u64 {
         size_of_val(&self.0[..]) as u64
     }

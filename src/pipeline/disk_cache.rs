@@ -30,7 +30,6 @@ const KEPT_SHARE: f64 = 0.8;
 /// Half-written files of this age are abandoned.
 const PART_AGE: Duration = Duration::from_secs(24 * 3600);
 
-/// A folder of entries.
 #[derive(Debug)]
 pub struct DiskCache {
     dir: PathBuf,
@@ -44,7 +43,6 @@ pub struct DiskCache {
     is_read_only: bool,
 }
 
-/// The folder cannot be used.
 #[derive(Debug, thiserror::Error)]
 #[error("{}: {what}; choose a folder that you may write to", dir.display())]
 pub struct DiskCacheError {

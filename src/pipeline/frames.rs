@@ -36,7 +36,6 @@ const REFLECTION_MISS: f64 = 1e-3;
 /// Smallest divisor of a demodulated signal.
 const SCALE_MIN: f64 = 1e-3;
 
-/// What one frame sees.
 #[derive(Debug)]
 pub struct View {
     pub camera: Camera,
@@ -143,7 +142,6 @@ impl View {
 }
 
 impl Sums {
-    /// Adds a frame to the history.
     pub fn added(before: Option<&Self>, frames: &Frames, view: &Arc<View>, signal: &[DVec3]) -> Self {
         let kept = frames.kept();
         let pixel = |index: usize| {
@@ -158,7 +156,6 @@ impl Sums {
         Self { view: view.clone(), pixels: (0..signal.len()).into_par_iter().map(pixel).collect() }
     }
 
-    /// The result of each pixel.
     pub fn means(&self) -> impl Iterator<Item = DVec3> + '_ {
         self.pixels.iter().map(|(sum, weight)| sum / weight)
     }

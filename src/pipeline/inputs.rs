@@ -42,7 +42,6 @@ impl SharedKey {
     }
 }
 
-/// Key of the environment's mip chain.
 pub(super) fn mips_key(environment: &Environment) -> SharedKey {
     let inputs = format!("environment={}\n", environment.hash);
     SharedKey { kind: "mips", inputs, shaders: vec![mips::pass::SHADER.to_owned()] }
@@ -170,7 +169,6 @@ impl<'a> DfgInputs<'a> {
 /// Inputs of a table of taps, which is made on the host.
 pub(super) struct TapTableInputs {
     pub(super) count: TapCount,
-    /// The kernel of the prefiltered map.
     pub(super) kernel: Kernel,
     pub(super) masking: MaskingShadowing,
     pub(super) mapping: &'static LevelMapping,
@@ -194,7 +192,6 @@ impl TapTableInputs {
         SharedKey { kind: "taps", inputs, shaders: vec![dfg::pass::shader(*brdf)] }
     }
 
-    /// Makes the table.
     pub(super) fn texels(&self) -> Pixels<[f32; 4]> {
         let chain = Chain::new(self.kernel, self.mapping, self.level_count);
         TapTable::fit(&chain, self.kernel.brdf, self.masking, self.count).texels

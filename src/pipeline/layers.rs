@@ -38,7 +38,6 @@ pub(super) struct LayerPixel {
 }
 
 impl Pipeline {
-    /// Renders `request` with its layers.
     pub(super) fn render_layers(&mut self, request: &RenderRequest) -> Result<Frame, PipelineError> {
         if let Some(layers) = request.coat_layers() {
             return self.render_coated(request, &layers);

@@ -108,7 +108,6 @@ pub fn shaders_of_kept(request: &RenderRequest) -> Option<Vec<String>> {
     Some(keys.into_iter().flat_map(|key| key.shaders).collect())
 }
 
-/// An open device with cached results.
 pub struct Pipeline {
     gpu: Gpu,
     resources: Resources,

@@ -24,7 +24,6 @@ use crate::shade::reference_pass::{DistributionBuffers, Sums, pair_count};
 use std::sync::Arc;
 
 impl Resources {
-    /// Makes the missing inputs of `request`.
     pub(super) fn prepare(
         &mut self,
         gpu: &Gpu,

@@ -136,7 +136,6 @@ pub struct Steadiness {
     pub flicker: f64,
 }
 
-/// A rendered radiance image.
 #[derive(Clone, Debug)]
 pub struct Frame {
     /// Linear radiance; 0 if nothing is hit, unless the background is shown.
@@ -162,7 +161,6 @@ impl Frame {
     }
 }
 
-/// Device times of one frame.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct FrameTimings {
     /// Precompute passes that ran: `mips`, `sh9`, `irradiance`, `prefilter`, `dfg`. Empty if all tables existed.
@@ -174,7 +172,6 @@ pub struct FrameTimings {
 }
 
 impl FrameTimings {
-    /// Adds the times of another frame.
     pub(super) fn and(mut self, other: Self) -> Self {
         self.precompute.extend(other.precompute);
         self.frame.extend(other.frame);
@@ -192,7 +189,6 @@ pub struct TimingSamples {
 }
 
 impl TimingSamples {
-    /// Appends the rounds of `more`.
     pub fn append(&mut self, more: Self) {
         for (pass, ms) in more.passes {
             match self.passes.iter_mut().find(|(known, _)| *known == pass) {

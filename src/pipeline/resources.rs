@@ -22,7 +22,6 @@ use crate::shade::reference_pass::{DistributionBuffers, Lobe, Sums};
 use std::convert::Infallible;
 use std::sync::Arc;
 
-/// Recently used tables.
 pub(super) struct Shelves {
     /// Radiance with its mips.
     pub(super) environments: Recent<String, Levels>,
@@ -58,7 +57,6 @@ impl Shelves {
 /// Scene hash, camera and size.
 type View = (String, Camera, [u32; 2]);
 
-/// Recently used results.
 pub(super) struct Resources {
     pub(super) tables: Shelves,
     pub(super) distributions: Recent<String, DistributionBuffers>,
@@ -78,7 +76,6 @@ pub(super) struct Resources {
     pub(super) blank_buffer: Buffer,
 }
 
-/// Inputs of references only.
 pub(super) struct ReferenceData {
     pub(super) distribution: DistributionBuffers,
     pub(super) sums: Sums,

@@ -18,7 +18,6 @@ pub(super) struct Kept {
 }
 
 impl Kept {
-    /// Reads the entry of a key.
     pub(super) fn load(&mut self, key: &SharedKey) -> Option<Vec<u8>> {
         let payload = self.disk.as_mut()?.load(&key.shaders, &key.text())?;
         self.work.entry(key.kind.to_owned()).or_default()[1] += 1;
@@ -39,7 +38,6 @@ impl Kept {
     }
 }
 
-/// The result of a precompute pass.
 pub(super) trait Table: Clone {
     /// Reads the f32 that passes write, as bytes.
     fn download(&self, gpu: &Gpu) -> Result<Vec<u8>, GpuError>;

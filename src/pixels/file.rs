@@ -44,7 +44,6 @@ impl Fault {
     }
 }
 
-/// Reads a whole regular file.
 pub(crate) fn read_bounded(path: &Path) -> Result<Vec<u8>, PixelsError> {
     read_regular(path, MAX_FILE_BYTES)
         .map_err(|error| Fault::new(format!("cannot be read ({error})"), "a readable image file").at(path))

@@ -20,7 +20,6 @@ pub struct Wrap(pub Edge, pub Edge);
 
 impl Wrap {
     pub const CLAMP: Self = Self(Edge::Clamp, Edge::Clamp);
-    /// For an equirectangular map.
     pub const EQUIRECT: Self = Self(Edge::Repeat, Edge::Clamp);
     pub const REPEAT: Self = Self(Edge::Repeat, Edge::Repeat);
 

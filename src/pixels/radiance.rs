@@ -139,7 +139,6 @@ fn read_header(input: &mut Input) -> Result<Header, Fault> {
     Ok(Header { exposure, primaries, layout })
 }
 
-/// Parses `N` finite numbers above 0.
 fn factors<const N: usize>(name: &str, text: &str) -> Result<[f64; N], Fault> {
     let expected = if N == 1 { "a number above 0".to_owned() } else { format!("{N} numbers above 0") };
     let fault = || Fault::new(format!("{name} is {:?}", shorten(text.trim())), expected.as_str());
@@ -206,7 +205,6 @@ impl Input<'_> {
 /// Fault of a scanline; `None` if the file ends in it.
 type ScanlineProblem = Option<String>;
 
-/// Reads a scanline of either form.
 fn read_scanline(input: &mut Input, scanline: &mut [[u8; 4]]) -> Result<(), ScanlineProblem> {
     match input.rest {
         // In the old form (2, 2) has a blue mantissa of at least 128: one of three mantissas is.

@@ -24,7 +24,6 @@ pub fn table(count: u32, sequence: &Sequence, set: u32, of_pixel: PixelPoints) -
     (0..count).map(point).collect()
 }
 
-/// The table on the device.
 #[derive(Clone)]
 pub struct Points {
     count: u32,

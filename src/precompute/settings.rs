@@ -48,7 +48,6 @@ pub struct PrecomputeSettings {
     /// Added to the level of each lookup that the pass makes.
     pub prefilter_lod_bias: f32,
     pub dfg_size: u32,
-    /// Quadrature nodes per texel.
     pub dfg_sample_count: u32,
     /// Positions of its texels.
     pub dfg_axes: DfgAxes,

@@ -25,7 +25,6 @@ use std::path::Path;
 const SHELL: &str = include_str!("../../assets/report/gallery.html");
 const INDEX: &str = include_str!("../../assets/report/gallery.md");
 pub const INDEX_FILE: &str = "index.html";
-/// Largest site, bytes.
 pub const BYTES_MAX: u64 = 30_000_000;
 /// Pictures of the index, in the folder `docs` beside the published runs.
 const PICTURES: [&str; 2] = ["effect.png", "front.png"];
@@ -35,7 +34,6 @@ struct Site<'a> {
     out: &'a Path,
 }
 
-/// A published run in the index.
 #[derive(Serialize)]
 struct Entry {
     folder: String,

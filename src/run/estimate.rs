@@ -56,11 +56,9 @@ fn stated(what: &str, of: &str, amount: Amount) -> f64 {
 pub struct Ahead {
     /// Finished share of the work, from 0 to 1.
     pub share: f64,
-    /// Predicted seconds until the end.
     pub seconds: f64,
 }
 
-/// The open steps of a run.
 #[derive(Clone, Debug)]
 pub struct Forecast {
     /// Stated seconds by the id of the cell or timed configuration.

@@ -9,7 +9,6 @@ use crate::files::read_given;
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 
-/// Largest experiment file, bytes.
 const FILE_BYTES_MAX: u64 = 1 << 22;
 /// The copy of the experiment in the folder of a run.
 pub const EXPERIMENT_FILE: &str = "experiment.toml";

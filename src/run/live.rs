@@ -23,7 +23,6 @@ const ENVIRONMENT_COUNT: usize = 4;
 /// Larger levels of an environment are left out: this size is as sharp as a screen.
 const ENVIRONMENT_TEXELS: u32 = 1 << 19;
 
-/// The content of [`LIVE_FILE`].
 #[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
 pub struct LiveRecord {
     pub environments: Vec<LiveEnvironment>,
@@ -35,7 +34,6 @@ pub struct LiveRecord {
     pub methods: Vec<LiveShader>,
 }
 
-/// A method in a file.
 #[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
 pub struct LiveShader {
     pub name: String,
@@ -57,7 +55,6 @@ pub struct LiveEnvironment {
     /// Power of two; 1 unless the radiance exceeds the range of half floats.
     pub scale: f32,
     pub mean_luminance: f64,
-    /// Name of the map layout.
     pub layout: String,
     /// b of `precompute::prefilter::LevelMapping`.
     pub level_bend: f64,

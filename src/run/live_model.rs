@@ -53,14 +53,10 @@ pub struct LiveSurface {
     pub metallic: f32,
     pub roughness: f32,
     pub f0: [f32; 3],
-    /// Strength.
     pub anisotropy: f32,
-    /// Turn of the tangent, degrees.
     pub anisotropy_turn: f32,
-    /// Weight.
     pub coat: f32,
     pub coat_roughness: f32,
-    /// Colour.
     pub sheen: [f32; 3],
     pub sheen_roughness: f32,
 }

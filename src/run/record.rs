@@ -28,7 +28,6 @@ impl TryFrom<String> for Exact {
     }
 }
 
-/// Numbers by column name.
 pub type Scores = BTreeMap<String, Exact>;
 
 /// Where the least certain term of a reference stopped.

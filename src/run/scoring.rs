@@ -158,7 +158,6 @@ pub struct Linear {
     bins: Vec<BinRecord>,
 }
 
-/// Why a cell has no record.
 #[derive(Debug)]
 pub enum CellFault {
     /// Only this cell fails.

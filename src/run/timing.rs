@@ -12,7 +12,6 @@ use indexmap::IndexSet;
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Raw samples of one configuration.
 #[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
 pub struct TimingRecord {
     /// A cell with this configuration.

@@ -44,7 +44,6 @@ pub enum Normal {
     Cap = code::BEND_NORMAL_CAP,
 }
 
-/// The direction of the lookup.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u32)]
 pub enum Toward {
@@ -123,7 +122,6 @@ bends! {
 listed!(Bend, "bend", BENDS);
 
 impl Bend {
-    /// Returns the specialization constant.
     pub fn code(&self) -> u32 {
         self.parameters as u32 | (self.normal as u32) << 4 | (self.toward as u32) << 8 | (self.dfg as u32) << 12
     }

@@ -31,7 +31,6 @@ listed!(Motion, "motion", { "still": Still, "light": Light, "orbit": Orbit });
 /// What a pixel does with its history.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum History {
-    /// Adds the frame.
     #[default]
     Plain,
     /// Clamps the history to the range of the 3x3 pixels of the frame first.

@@ -23,7 +23,6 @@ macro_rules! of_a_term {
                 self.lobe.is_some()
             }
 
-            /// Whether it omits the term.
             pub fn is_none(&self) -> bool {
                 self.name == NONE
             }

@@ -11,7 +11,6 @@ use crate::precompute::points::{PointRange, Points};
 use crate::scene::{Camera, Projection};
 use glam::DVec3;
 
-/// An environment's tables on the device.
 #[derive(Clone)]
 pub struct Tables {
     pub environment: Image,
@@ -49,7 +48,6 @@ fn eye(camera: &Camera) -> [f32; 4] {
     }
 }
 
-/// Sampler of the DFG table.
 pub(super) const TABLE: Sampler = Sampler(Filter::Linear, Wrap::CLAMP);
 
 pub const BACKGROUND_SHADER: &str = "shade/background.comp";
@@ -139,7 +137,6 @@ impl<'a> Passes<'a> {
         recorder.dispatch(&shader, &constants, &self.binds(&binds), &params.to_bytes(), part.groups)
     }
 
-    /// Adds the diffuse image-based radiance.
     pub fn diffuse(&self, recorder: &mut Recorder, part: Part) -> Result<(), GpuError> {
         let Shading { diffuse, precompute, .. } = *self.shading;
         let Tables { irradiance_map, dfg, sh9, .. } = self.tables;

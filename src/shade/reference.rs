@@ -42,7 +42,6 @@ pub struct Surface {
     /// Reflectance at normal incidence, linear RGB.
     pub f0: DVec3,
     pub n: DVec3,
-    /// Direction to the viewer.
     pub v: DVec3,
 }
 
@@ -76,7 +75,6 @@ impl Surface {
         integrate(Focus { direction: reflect(self.v, self.n), radius: alpha * v.z.max(alpha), place: Some(&place) })
     }
 
-    /// Returns the frame of the lobe.
     pub fn frame(&self) -> Frame {
         self.stretch.map_or_else(|| Frame::from_normal(self.n), |stretch| Frame::from_tangent(self.n, stretch.tangent))
     }
@@ -85,9 +83,7 @@ impl Surface {
 /// The exact answers for one [`Surface`]: outgoing radiance, linear RGB.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Answer {
-    /// Specular with F = 1.
     pub specular_white: Bounded,
-    /// Specular with Schlick's F.
     pub specular: Bounded,
     /// Diffuse of albedo 1: irradiance over π.
     pub diffuse: Bounded,
@@ -98,7 +94,6 @@ pub struct Answer {
 /// A relative error bound of 1e-5. True errors are a tenth to a thousandth of the bound.
 pub const TOLERANCE: Tolerance = Tolerance { relative: 1e-5, max_part_count: 100_000 };
 
-/// Integrates one point.
 pub fn integrate(environment: &EquirectQuadrature, surface: &Surface, tolerance: Tolerance) -> Answer {
     let Surface { f0, n, v, .. } = *surface;
     let specular = specular(environment, surface, tolerance);

@@ -152,7 +152,6 @@ impl Sums {
     }
 }
 
-/// An environment's distribution on the device.
 #[derive(Clone)]
 pub struct DistributionBuffers {
     words: Buffer,

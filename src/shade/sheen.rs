@@ -22,7 +22,6 @@ pub enum SheenMap {
     Irradiance,
 }
 
-/// The direction of the lookup.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u32)]
 pub enum SheenToward {
@@ -185,7 +184,6 @@ impl SheenLookup {
         if is_plain { self } else { &SHEEN_LOOKUPS[0] }
     }
 
-    /// Returns the specialization constant.
     pub fn code(&self) -> u32 {
         self.toward as u32 | (self.level as u32) << 4
     }

@@ -9,7 +9,6 @@ use crate::table::csv::{self, Cell};
 use crate::table::markdown::{Align, MarkdownTable, significant};
 use indexmap::IndexSet;
 
-/// Rows under named columns.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Table {
     pub columns: Vec<String>,

@@ -10,7 +10,6 @@ use std::fs::File;
 use std::io::{Read, Seek};
 use std::path::{Path, PathBuf};
 
-/// One value of a row.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Cell {
     Text(String),
@@ -56,7 +55,6 @@ impl Cell {
     }
 }
 
-/// Rounds to significant digits.
 pub fn rounded(number: f64, digits: usize) -> f64 {
     format!("{number:.*e}", digits - 1).parse().expect("a number reads back")
 }
@@ -107,7 +105,6 @@ impl TableError {
     }
 }
 
-/// A whole table as text.
 pub fn to_text<'r>(columns: &[String], rows: impl IntoIterator<Item = &'r [Cell]>) -> Vec<u8> {
     let mut writer = ::csv::Writer::from_writer(Vec::new());
     writer.write_record(columns).expect("memory takes rows of equal length");
@@ -198,7 +195,6 @@ impl TableRows {
         &self.columns
     }
 
-    /// Fails without this column.
     pub fn needs(&self, name: &str) -> Result<(), TableError> {
         let error = || TableError::no_column(&self.path, name, &self.columns);
         self.places.contains_key(name).then_some(()).ok_or_else(error)

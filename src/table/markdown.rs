@@ -78,7 +78,6 @@ pub fn link(label: &str, target: &str) -> String {
     format!("[{}]({})", link_label(label), percent_escaped(target))
 }
 
-/// Escapes a path for links.
 pub fn percent_escaped(path: &str) -> String {
     let is_plain = |byte: u8| byte.is_ascii_alphanumeric() || b"/-_.~".contains(&byte);
     path.bytes()

@@ -215,7 +215,6 @@ impl Controls {
         });
     }
 
-    /// Shows a value; ignores invalid input.
     fn value(&mut self, ui: &mut Ui, named: Named, is_set: bool, value: &mut Value) {
         ui.spacing_mut().slider_width = SLIDER_WIDTH;
         let (name, shown) = (named.name(), named.shown(value));

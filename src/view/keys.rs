@@ -11,10 +11,8 @@ use egui::{Key, Ui};
 const KEY_DEG: f64 = 5.0;
 const KEY_ZOOM: f64 = 1.15;
 
-/// Actions of keys.
 #[derive(Default)]
 pub struct Pressed {
-    /// Whether the other half is shown.
     pub is_flipped: bool,
     pub save: bool,
     pub fullscreen: bool,

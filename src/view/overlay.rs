@@ -175,7 +175,6 @@ pub fn wipe_line(ui: &Ui, line: Rect) {
     }
 }
 
-/// Lists linear values at a pixel.
 pub fn probe(shown: &Shown, probed: Option<[u32; 2]>) -> String {
     let place = probed.map_or_else(|| "Point at a pixel".to_owned(), |[x, y]| format!("Pixel {x}, {y}"));
     let mut text = format!("{place:<18} red     green   blue      standard error\n");

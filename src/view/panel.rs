@@ -47,7 +47,6 @@ pub struct Panel {
 }
 
 impl Panel {
-    /// Records an update from the renderer.
     pub fn arrive(&mut self, shown: &Shown) {
         if shown.generation > self.seen {
             (self.seen, self.outdated) = (shown.generation, Some(Instant::now()));

@@ -31,7 +31,6 @@ use winit::window::{Fullscreen, Window, WindowId};
 #[derive(Debug, PartialEq, Eq)]
 pub enum Windowed {
     Closed,
-    /// No window can be opened here.
     NoDisplay(String),
     /// The device was lost; a new process may work.
     Lost(String),
@@ -127,7 +126,6 @@ struct App {
     /// Whether the surface was created again since it last worked.
     is_renewed: bool,
     wakes_at: Option<Instant>,
-    /// Start of the last pass.
     painted: Instant,
     /// Whether no pass has seen a pressed button yet.
     is_press_unseen: bool,

@@ -48,14 +48,12 @@ pub enum Status {
     Refused(String),
     /// The renderer ended, but a new process may work.
     Lost(String),
-    /// The renderer ended.
     Failed(String),
 }
 
 #[derive(Clone, Debug, Default)]
 pub struct Shown {
     pub generation: u64,
-    /// Left and right.
     pub halves: [Option<Shot>; 2],
     pub truth: Option<Shot>,
     pub status: Status,
@@ -89,7 +87,6 @@ struct Post {
     is_overdue: Arc<AtomicBool>,
 }
 
-/// The window's side of the thread.
 pub struct Worker {
     post: Arc<Post>,
     thread: Option<JoinHandle<()>>,

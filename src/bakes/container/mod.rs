@@ -23,7 +23,6 @@ pub struct Texture {
     /// Largest level first, each with one image or the faces +x, -x, +y, -y, +z, -z.
     pub levels: Vec<Vec<RgbImage>>,
     pub texel: &'static str,
-    /// Metadata of a KTX file.
     pub keys: Vec<(String, String)>,
 }
 

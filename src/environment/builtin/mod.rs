@@ -30,11 +30,9 @@ const fn parameter(name: &'static str, about: &'static str, default: f64, [min, 
     Parameter { name, about, default, min, max }
 }
 
-/// An environment computed by a formula.
 #[derive(Debug)]
 pub struct Builtin {
     pub name: &'static str,
-    /// One sentence for `splitsum list`.
     pub about: &'static str,
     pub parameters: &'static [Parameter],
     make: fn(&Values, [u32; 2]) -> RgbImage,

@@ -13,7 +13,6 @@ use glam::{DVec2, DVec3};
 #[derive(Debug)]
 pub struct MapLayout {
     pub name: &'static str,
-    /// One sentence for `splitsum list layouts`.
     pub about: &'static str,
     /// Positions of the texels, for readers of files.
     pub mapping: &'static str,

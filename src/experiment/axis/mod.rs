@@ -36,7 +36,6 @@ pub enum Part {
     Case,
     /// Ways to compute a term.
     Method,
-    /// Samples per pixel.
     Count,
     /// Equally good sets of points.
     Luck,
@@ -98,14 +97,12 @@ impl Symbol {
     }
 }
 
-/// A sweepable parameter.
 #[derive(Clone, Copy)]
 pub struct Axis {
     /// Name in files, on the command line and in tables.
     pub name: &'static str,
     /// Label of its control, with the unit; empty if the name in words does.
     pub label: &'static str,
-    /// One phrase for help texts.
     pub about: &'static str,
     /// Plural: "environments"; empty if the name in words takes an s.
     pub plural: &'static str,
@@ -148,13 +145,11 @@ pub struct Used {
     pub has_dielectric: bool,
     /// Whether a surface may have a coat.
     pub has_coat: bool,
-    /// Whether a surface may have sheen.
     pub has_sheen: bool,
     /// Whether a lobe may have two widths.
     pub has_anisotropy: bool,
     /// Of an image that ends a sequence, the sequence.
     pub frames: Option<Frames>,
-    /// Whether the filtered tables are sampled.
     pub has_sampled_tables: bool,
     /// Whether the prefiltered map and the DFG table are made by splitsum.
     pub has_own: [bool; 2],

@@ -101,7 +101,6 @@ impl Named {
         self.kind().parse(raw).map(|value| self.of_axis(value))
     }
 
-    /// Parses command-line text.
     pub fn parse_text(self, text: &str) -> Result<Value, String> {
         self.kind().parse_text(text).map(|value| self.of_axis(value))
     }

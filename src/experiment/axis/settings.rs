@@ -112,7 +112,6 @@ pub struct Reference {
 /// Terms of a cell's reference.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Terms {
-    /// The terms that the cell has.
     #[default]
     Cell,
     /// Always specular and diffuse, so the score of a cell includes a term that it lacks.

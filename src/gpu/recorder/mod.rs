@@ -24,7 +24,6 @@ pub struct PassTime {
     pub ms: f64,
 }
 
-/// Times and shaders of a submission.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Report {
     /// In the order of recording.
@@ -48,7 +47,6 @@ impl Report {
     }
 }
 
-/// Records one command buffer.
 pub struct Recorder {
     /// Dropped before the device.
     slot: Arc<Slot>,

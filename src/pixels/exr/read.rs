@@ -162,7 +162,6 @@ fn check_dwa_counters(chunk: &Chunk, header: &Header) -> Result<(), Fault> {
     }
 }
 
-/// Decodes samples into `targets`.
 fn put<'t>(targets: impl Iterator<Item = &'t mut f32>, bytes: &[u8], kind: SampleType) {
     fn each<'t, const N: usize>(
         targets: impl Iterator<Item = &'t mut f32>,

@@ -20,7 +20,6 @@ impl Albedos {
     /// Relative error of a node: a tenth of the interpolation error.
     const WITHIN: f64 = 5e-6;
 
-    /// Integrates by adaptive quadrature.
     pub fn new(kernel: Kernel, masking: MaskingShadowing, alpha: f64) -> Self {
         let node = |i: usize| {
             let s = Self::S_MIN + (1.0 - Self::S_MIN) * i as f64 / (Self::COUNT - 1) as f64;

@@ -122,7 +122,6 @@ pub fn texels(harmonics: &Harmonics, factors: &[f64], layout: &MapLayout, size: 
     rows.par_iter().flat_map_iter(row).collect()
 }
 
-/// Computes the texels of a level.
 pub fn level(harmonics: &Harmonics, kernel: Kernel, alpha: f64, layout: &MapLayout, size: [u32; 2]) -> Vec<[f32; 4]> {
     texels(harmonics, &factors(kernel, alpha, degree(alpha).min(harmonics.degree())), layout, size)
 }

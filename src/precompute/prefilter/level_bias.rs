@@ -8,7 +8,6 @@
 #[derive(Clone, Copy, Debug)]
 pub struct LevelBias {
     pub name: &'static str,
-    /// One phrase for `splitsum list level-biases`.
     pub about: &'static str,
     pub levels: f64,
 }
@@ -17,7 +16,6 @@ const fn bias(name: &'static str, levels: f64, about: &'static str) -> LevelBias
     LevelBias { name, about, levels }
 }
 
-/// Every bias, by value.
 pub static LEVEL_BIASES: &[LevelBias] = &[
     bias("unbiased", 0.0, "the texel covers the sample's solid angle"),
     bias("filament", 1.0, "K = 4 times the solid angle: 1/2 log2 4; Babylon.js has the same"),

@@ -13,7 +13,6 @@ use crate::spelling::listed;
 #[derive(Debug)]
 pub struct LevelMapping {
     pub name: &'static str,
-    /// One sentence for `splitsum list level-mappings`.
     pub about: &'static str,
     /// b, in [0, 1].
     pub bend: f64,

@@ -7,11 +7,8 @@ use crate::spelling::listed;
 #[derive(Debug)]
 pub struct Weight {
     pub name: &'static str,
-    /// One sentence for `splitsum list prefilter-weights`.
     pub about: &'static str,
-    /// Value of the specialization constant.
     pub code: u32,
-    /// Whether it depends on the masking-shadowing.
     pub uses_masking: bool,
     /// Weight of a direction above the horizon, by kernel, alpha and n·l.
     value: fn(&Kernel, f64, f64) -> f64,

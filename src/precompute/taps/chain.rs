@@ -25,7 +25,6 @@ pub struct Chain {
 struct LevelKernel {
     level: f64,
     alpha2: f64,
-    /// Normalised densities.
     values: Vec<f64>,
 }
 

@@ -59,7 +59,6 @@ impl TapCount {
 pub struct Tap {
     /// From the normal towards the mirror direction, radians.
     pub angle: f64,
-    /// Real level of the map.
     pub level: f64,
     pub weight: f64,
 }

@@ -8,7 +8,6 @@ use crate::brdf::{Brdf, MaskingShadowing, alpha_from_perceptual_roughness};
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
-/// Nodes along each axis.
 pub const SIDE: usize = 17;
 
 /// Rows of a smaller level are not fitted.

@@ -13,7 +13,6 @@ use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet, HashSet};
 use std::path::Path;
 
-/// The embedded images.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Choice {
     /// As many as fit the budget.
@@ -37,7 +36,6 @@ pub struct EmbeddedImage {
     pub reference: usize,
     /// [`Epsilon::mean`] of its light.
     pub light_mean: f64,
-    /// Size in texels.
     pub size: [u32; 2],
     /// Index into the payloads.
     pub payload: Option<usize>,
@@ -50,7 +48,6 @@ pub struct EmbeddedImage {
 #[derive(Debug, Default)]
 pub struct ImageSet {
     pub images: Vec<EmbeddedImage>,
-    /// Base64 texts.
     pub payloads: Vec<String>,
     /// Omissions, one sentence each.
     pub notes: Vec<String>,
@@ -171,7 +168,6 @@ impl ImageSet {
         }
     }
 
-    /// Reads and encodes an image.
     fn prepare(&self, runs: &[PageRun], index: usize) -> Result<Prepared, String> {
         let mut image = self.images[index].clone();
         let decoded = read(&runs[image.run].finished.dir, &image.file)?;

@@ -104,7 +104,6 @@ fn words(row: &Row, axes: &[PageAxis]) -> String {
     named.filter_map(word).collect::<Vec<_>>().join(" · ")
 }
 
-/// A picture as a data URL.
 fn shot(label: &str, image: &Rgb8Image) -> Option<Json> {
     let factor = f64::from(image.width.max(image.height)) / f64::from(SIDE);
     let side = |length: u32| ((f64::from(length) / factor).round() as u32).max(1);

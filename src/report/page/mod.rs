@@ -24,7 +24,6 @@ pub struct PageOptions {
     /// Whether the page leaves the folder of its run: then links lead to `answers/` beside it, and none to other files.
     pub is_alone: bool,
     pub images: Choice,
-    /// Largest page, bytes.
     pub budget: usize,
     /// Replaces the experiment's own metric.
     pub metric: Option<String>,

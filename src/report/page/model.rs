@@ -147,7 +147,6 @@ pub fn shared(axes: &[PageAxis]) -> String {
     axes.iter().filter(says).map(word).collect::<Vec<_>>().join(", ")
 }
 
-/// Column names of `Model::row`.
 pub fn columns(axes: &[PageAxis], metrics: &[&'static Metric]) -> Vec<&'static str> {
     let own = ["run", "cell", "image", "reference", "verdict", "noise_floor"];
     let axes = axes.iter().filter(|axis| !axis.is_constant).map(|axis| axis.name);
@@ -246,7 +245,6 @@ pub fn metrics(runs: &[PageRun]) -> Vec<&'static Metric> {
     METRICS.iter().copied().filter(|metric| cells.clone().any(|cell| score(cell, metric).is_some())).collect()
 }
 
-/// Palettes and ranges of error maps.
 pub fn colors() -> Json {
     let table = |palette: Palette| (0..256).map(|i| palette.color(f64::from(i) / 255.0)).collect::<Vec<_>>();
     let range = |range: Range| match range {

@@ -12,7 +12,6 @@ use serde_json::{Value as Json, json};
 use std::collections::BTreeSet;
 use std::path::Path;
 
-/// A finished run with its answers.
 #[derive(Clone)]
 pub struct PageRun<'a> {
     /// Short and unique in the page.

@@ -14,13 +14,11 @@ use glam::DVec3;
 #[derive(Clone, Copy, Debug)]
 pub struct Diffuse {
     pub name: &'static str,
-    /// One sentence for `splitsum list`.
     pub about: &'static str,
     /// Twin that device tests compare its frames with.
     pub twin: DiffuseTwin,
     /// Whether the size and sample count of the irradiance map change its result.
     pub uses_irradiance_map: bool,
-    /// Whether it reads spherical-harmonic coefficients.
     pub uses_sh9: bool,
     /// The integrand if the passes of the reference estimate the term without bias: a file of `shaders/shade/lobe/`.
     pub lobe: Option<&'static str>,

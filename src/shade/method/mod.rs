@@ -32,7 +32,6 @@ pub struct Method {
     pub name: &'static str,
     /// Its name for readers.
     pub title: &'static str,
-    /// One sentence for `splitsum list`.
     pub about: &'static str,
     /// Twin that device tests compare its frames with.
     pub twin: SpecularTwin,
@@ -40,7 +39,6 @@ pub struct Method {
     /// Reads the points of a sequence and set (`math::sequence`).
     pub uses_point_set: bool,
     pub uses_lod_bias: bool,
-    /// Reads the axis `bend`.
     pub uses_bend: bool,
     /// Lookups of the prefiltered map per pixel.
     pub lookups: u32,
@@ -166,7 +164,6 @@ impl Method {
         }
     }
 
-    /// Whether it reads the prefiltered map.
     pub fn uses_prefiltered(&self) -> bool {
         self.lookups > 0
     }

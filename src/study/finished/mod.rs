@@ -88,7 +88,6 @@ pub struct FinishedCell {
     pub images: Option<CellImages>,
 }
 
-/// The light of an environment.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Light {
     pub environment: String,
@@ -100,9 +99,7 @@ pub struct Light {
 #[derive(Clone, Debug)]
 pub struct Finished {
     pub dir: PathBuf,
-    /// `provenance.json`.
     pub provenance: Json,
-    /// Text of the experiment file.
     pub experiment: String,
     /// With the overrides of the run; `None` if this program does not understand it.
     pub config: Option<Config>,
@@ -145,7 +142,6 @@ impl Finished {
         self.light(point).map_or(Epsilon::ABSOLUTE, |light| Epsilon::of_light(light.mean * scale))
     }
 
-    /// Each device with its driver.
     pub fn devices(&self) -> Vec<String> {
         let sessions = 0..self.provenance["sessions"].as_array().map_or(0, Vec::len);
         let device = |session: usize| {
@@ -155,7 +151,6 @@ impl Finished {
         sessions.map(device).collect::<IndexSet<_>>().into_iter().collect()
     }
 
-    /// Cells without scores.
     pub fn failed_count(&self) -> usize {
         self.cells.iter().filter(|cell| cell.scores.is_none()).count()
     }

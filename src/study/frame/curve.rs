@@ -33,7 +33,6 @@ impl<'r, 'f> Curve<'r, 'f> {
         self.points[0].rows[0]
     }
 
-    /// Smallest and largest count.
     pub fn tried(&self) -> [u32; 2] {
         [&self.points[0], &self.points[self.points.len() - 1]].map(|point| point.count)
     }
@@ -78,7 +77,6 @@ pub struct Beside<'r, 'f> {
     pub key: Key,
     pub curve: Curve<'r, 'f>,
     pub fixed: &'r Row<'f>,
-    /// Error of the method without samples.
     pub error: f64,
 }
 
