@@ -163,8 +163,9 @@ fn files_that_are_not_bakes_are_refused() {
     let commands = commands.map(|line| format!("check-bake {line} --environment builtin:constant"));
     assert_refusals("commands_of_check_bake_that_are_refused", dir.path(), &commands.each_ref().map(String::as_str));
     // A constant map is its own prefiltered map, at any width.
-    let found =
-        ok(dir.path(), &["check-bake", "x.exr", "--alphas", "0.3", "--environment", "builtin:constant", "--json"]);
-    let found: Value = serde_json::from_str(&found).unwrap();
-    assert!(found["levels"][0]["relmse"].as_f64().unwrap() < 1e-12, "{found}");
+    std::fs::write(dir.path().join("own.toml"), "alphas = [0.3]\n").unwrap();
+    let own = ["check-bake", "x.exr", "--preset", "own.toml", "--environment", "builtin:constant", "--json"];
+    let found: Value = serde_json::from_str(&ok(dir.path(), &own)).unwrap();
+    let level = &found["levels"][0];
+    assert!(level["alpha"] == 0.3 && level["relmse"].as_f64().unwrap() < 1e-12, "{found}");
 }

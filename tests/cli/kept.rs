@@ -10,7 +10,8 @@ fn golden() -> PathBuf {
 
 /// Compares two texts word by word, numbers within a share of themselves. Ids of cells, which are hexadecimal, do not count.
 fn assert_near(what: &str, found: &str, kept: &str, within: f64) {
-    let words = |text| str::split(text, |c: char| c.is_whitespace() || ",:\"|;()%".contains(c)).filter(|w| !w.is_empty());
+    let words =
+        |text| str::split(text, |c: char| c.is_whitespace() || ",:\"|;()%".contains(c)).filter(|w| !w.is_empty());
     assert_eq!(words(found).count(), words(kept).count(), "{what}: {found}");
     for (found, kept) in words(found).zip(words(kept)) {
         let is_near = match (found.parse::<f64>(), kept.parse::<f64>()) {

@@ -22,7 +22,7 @@ fn digest(text: &str) -> String {
     format!("{count} {sum:.2} {}", &words.finalize().to_hex()[..6])
 }
 
-/// The digest of each column of the folder's CSV files, and of its figures and pages.
+/// The digest of each column of the folder's CSV files, of its figures, and of its sentences.
 pub fn folder(dir: &Path) -> String {
     let mut kept = String::new();
     for (name, (bytes, _)) in snapshot(dir) {
@@ -33,7 +33,7 @@ pub fn folder(dir: &Path) -> String {
                 let values: Vec<&str> = table.rows.iter().map(|row| row[place].as_str()).collect();
                 kept += &format!("  {column}: {}\n", digest(&values.join(" ")));
             }
-        } else if name.ends_with(".svg") {
+        } else if name.ends_with(".svg") || name == "summary.md" {
             // Without the pictures of a sheet.
             let text = String::from_utf8(bytes).unwrap();
             let parts = text.split("base64,").enumerate();

@@ -12,7 +12,7 @@ use splitsum::bakes::make::{GOOD, Making, make};
 use splitsum::bakes::plain::Baking;
 use splitsum::bakes::sh;
 use splitsum::bakes::source::{Reading, read};
-use splitsum::brdf::{Ggx, MaskingShadowing};
+use splitsum::brdf::{Beckmann, Brdf, Ggx, MaskingShadowing};
 use splitsum::environment::layout::LAYOUTS;
 use splitsum::environment::{Environment, LoadOptions};
 use splitsum::math::spherical_harmonics::{basis, irradiance};
@@ -116,14 +116,16 @@ fn taps_are_for_the_levels_of_the_engine() {
         ("three", "quadratic", 6, "taps.glsl"),
         ("babylon", "linear", 4, "taps.glsl"),
         ("godot", "unity", 7, "taps.glsl"),
+        ("playcanvas", "linear", 6, "taps.glsl"),
         ("unity", "unity", 7, "taps.hlsl"),
     ] {
         let dir = tempfile::tempdir().unwrap();
-        make(&Making { level_count, ..making(engine, &light) }, dir.path()).unwrap();
+        let brdf: &'static dyn Brdf = if engine == "playcanvas" { &Beckmann } else { &Ggx };
+        make(&Making { level_count, brdf, ..making(engine, &light) }, dir.path()).unwrap();
         let weight = Preset::listed(engine).convention().weight;
-        let kernel = Kernel::new(&Ggx, weight, MaskingShadowing::Correlated);
+        let kernel = Kernel::new(brdf, weight, MaskingShadowing::Correlated);
         let levels = taps::Chain::new(kernel, LevelMapping::listed(mapping), level_count);
-        let table = taps::TapTable::fit(&levels, &Ggx, MaskingShadowing::Correlated, taps::TapCount::Two).texels;
+        let table = taps::TapTable::fit(&levels, brdf, MaskingShadowing::Correlated, taps::TapCount::Two).texels;
         let found = read_texture(&dir.path().join("taps.ktx2")).unwrap();
         for (own, found) in table.data.iter().zip(&found.levels[0][0].data) {
             assert_eq!(own.map(|value| f16::from_f32(value).to_f32())[..3], found[..], "{engine}");

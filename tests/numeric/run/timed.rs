@@ -37,7 +37,8 @@ fn timings_are_taken_once_a_configuration_and_kept() {
 #[test]
 fn compared_configurations_are_timed_in_the_same_rounds_in_changing_order() {
     let (dir, log) = (tempfile::tempdir().unwrap(), log());
-    let plan = plan(&format!("{EXPERIMENT}[timing]\nwarmup = 1\nrounds = 20\n"));
+    let lights = EXPERIMENT.replace("constant\"", "constant\", \"tests/golden/exr/dwa-decoded.exr\"");
+    let plan = plan(&format!("{lights}[timing]\nwarmup = 1\nrounds = 20\n"));
     invoke(&plan, dir.path(), &log, usize::MAX).unwrap();
     let mut blocks: BTreeMap<String, Vec<Vec<u64>>> = BTreeMap::new();
     for (name, (bytes, _)) in snapshot(&dir.path().join("timings")) {
@@ -47,7 +48,7 @@ fn compared_configurations_are_timed_in_the_same_rounds_in_changing_order() {
             blocks.entry(record["block"].as_str().unwrap().to_owned()).or_default().push(orders.collect());
         }
     }
-    assert_eq!(blocks.len(), 2, "one for each model");
+    assert_eq!(blocks.len(), 4, "one for each model and size of a map");
     for orders in blocks.values() {
         assert_eq!(orders.len(), 4, "three sample counts and split-sum");
         for round in 0..20 {

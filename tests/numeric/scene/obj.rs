@@ -300,10 +300,12 @@ fn sphere_text(rings: usize) -> String {
             let _ = writeln!(text, "v {} {} {}", theta.sin() * phi.sin(), theta.cos(), theta.sin() * phi.cos());
         }
     }
-    text.push_str("v 0 -1 0\n");
+    // The upper pole twice, with both zeros.
+    text.push_str("v 0 -1 0\nv -0 1 0\n");
     let index = |ring: usize, segment: usize| 2 + (ring - 1) * segments + segment % segments;
     for segment in 0..segments {
-        let _ = writeln!(text, "f 1 {} {}", index(1, segment), index(1, segment + 1));
+        let pole = if segment < rings { 1 } else { 3 + (rings - 1) * segments };
+        let _ = writeln!(text, "f {pole} {} {}", index(1, segment), index(1, segment + 1));
         for ring in 1..rings - 1 {
             let [a, b] = [index(ring, segment), index(ring + 1, segment)];
             let _ = writeln!(text, "usemtl m{}", ring % 2);
