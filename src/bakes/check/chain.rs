@@ -21,14 +21,13 @@ pub struct Chain {
 /// widths are given.
 pub fn slip(convention: &Convention, scores: &[LevelScore]) -> Option<Chain> {
     // A chain explains every level, or none.
-    let is_unexplained = |score: &LevelScore| {
-        let is_fitted = score.slip.is_some() || score.fit.is_some_and(|fit| fit.explains(score.errors.relmse));
-        score.alpha >= fit::ALPHA_MIN && score.errors.relmse > GOOD && !is_fitted
-    };
+    let is_of = |score: &LevelScore, kind: &str| score.causes.iter().any(|cause| cause.kind == kind);
+    let is_unexplained = |score: &LevelScore| score.alpha >= fit::ALPHA_MIN && is_of(score, "unknown");
     if convention.alphas.is_some() || scores.iter().any(is_unexplained) {
         return None;
     }
     let width = |score: &LevelScore| match score.fit {
+        _ if is_of(score, "mips") => None,
         Some(fit) if !fit.explains(score.errors.relmse) || score.slip.is_some() || fit.is_at_end(score.alpha) => None,
         Some(fit) => Some(fit.alpha),
         None => (has_width(score.alpha) && score.errors.relmse <= GOOD).then_some(score.alpha),
@@ -70,10 +69,12 @@ pub fn slip(convention: &Convention, scores: &[LevelScore]) -> Option<Chain> {
         })
     });
     let own = |level: usize| scores[level].alpha;
-    let others: [(&str, &dyn Fn(usize) -> f64); 3] = [
+    let spread = |level: usize| convention.mapping.alpha_from_mip(level as f64, count as u32);
+    let others: [(&str, &dyn Fn(usize) -> f64); 4] = [
         ("each level has the width of the one before it", &|level| own(level.saturating_sub(1))),
         ("roughness is squared twice", &|level| own(level).powi(2)),
         ("roughness is not squared", &|level| own(level).sqrt()),
+        ("the mapping covers every level of the file", &spread),
     ];
     let is_like = |alpha: &dyn Fn(usize) -> f64| found.iter().all(|(level, found)| is_same(alpha(*level), *found));
     let other = others.iter().find(|(_, alpha)| found.len() > 1 && is_like(alpha));

@@ -94,6 +94,7 @@ pub fn gain_in_words(gain: f64) -> (String, f64) {
     match KNOWN.iter().position(|factor| is_near(*factor)) {
         Some(i) => (format!("times {}", NAMES[i]), KNOWN[i]),
         None if power != 1.0 && is_near(power) => (format!("times {power}"), power),
+        None if gain > 2.0 => (format!("{:.0} % too bright", 100.0 * (gain - 1.0)), gain),
         None if gain > 1.0 => (format!("{:.1} % too bright", 100.0 * (gain - 1.0)), gain),
         None => (format!("{:.1} % too dark", 100.0 * (1.0 - gain)), gain),
     }

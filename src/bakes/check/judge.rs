@@ -2,7 +2,7 @@
 
 use super::chain::{self, Chain};
 use super::guess::{self, AxesFit};
-use super::level::{self, GOOD_WORDS, LevelScore};
+use super::level::{self, GOOD_WORDS, LevelScore, UNEXPLAINED};
 use super::sh::{self, ShScore};
 use super::table::{self, TableScore};
 use super::{Cause, GOOD, Truth};
@@ -12,6 +12,7 @@ use crate::brdf::{Brdf, Ggx, MaskingShadowing};
 use crate::environment::Environment;
 use crate::precompute::prefilter::{Kernel, Weight};
 use crate::spelling::Listed;
+use glam::{DQuat, DVec3};
 
 #[derive(Clone, Debug)]
 pub struct Judging {
@@ -44,6 +45,9 @@ pub struct Doubt {
     /// The axes that fit; `None` for another map.
     pub axes: Option<Axes>,
 }
+
+/// Before the name of a part that is judged by the axes or the chain that fit.
+const IF_FIXED: &str = "if fixed, ";
 
 /// Name of the irradiance map in [`Judged::axes`].
 pub const IRRADIANCE: &str = "irradiance map";
@@ -136,6 +140,9 @@ impl Judged {
             doing("looking for further slips");
             let mut fixed = scored(truth, brdf, bake, convention)?;
             fixed.axes.clone_from(&self.axes);
+            // A part that is good as it is needs no mending.
+            fixed.irradiance = fixed.irradiance.filter(|_| self.irradiance.iter().all(|own| own.errors.relmse > GOOD));
+            fixed.sh = fixed.sh.filter(|_| self.sh.iter().all(|own| own.errors.relmse > GOOD));
             fixed.fix_convention(truth, brdf, bake, doing)?;
             self.fixed = Some(Box::new(fixed));
         }
@@ -159,7 +166,7 @@ impl Judged {
             if what == IRRADIANCE { "; a cube of one level that holds the map itself is specular=FILE" } else { "" };
         // A good level proves the light, as does one that a slip explains. With a constant light nothing correlates.
         let mut levels = self.levels.iter().chain(&self.irradiance);
-        let is_wrong = levels.all(|score| score.errors.relmse > GOOD && score.slip.is_none());
+        let is_wrong = levels.all(|score| !score.is_explained());
         let best: Vec<String> =
             fits.iter().filter(|fit| !guess::is_clear(fits[0], **fit)).map(|fit| fit.axes.to_string()).collect();
         let is_sure = fits[0].correlation >= guess::SURE;
@@ -171,15 +178,23 @@ impl Judged {
             return Some(Doubt { words, more: hint.to_owned(), axes: None });
         }
         let own = *fits.iter().find(|fit| fit.axes == used)?;
-        let is_slip = |score: &LevelScore| score.errors.relmse <= GOOD || score.slip.is_some();
-        let is_explained = !is_sure && (self.levels.iter().all(is_slip) || !is_like && !is_wrong);
+        let is_explained = !is_sure && (self.levels.iter().all(LevelScore::is_explained) || !is_like && !is_wrong);
         let is_doubtful = fits[0].axes != used && guess::is_clear(fits[0], own) && !is_explained;
         let (AxesFit { axes, correlation }, of_own) = (fits[0], own.correlation);
         let presets = PRESETS.iter().filter(|preset| preset.convention().axes == axes);
         let presets: String = presets.map(|preset| format!(", --preset {}", preset.name)).collect();
         let alike = if best.len() > 1 { format!("; as good: {}", best[1..].join(", ")) } else { String::new() };
+        let turns_by = |degrees: &f64| {
+            let turn = DQuat::from_rotation_y(degrees.to_radians());
+            DVec3::AXES.iter().all(|d| axes.to_world(used.to_file(*d)).distance(turn * *d) < 1e-6)
+        };
+        let turn = [90.0, 180.0, -90.0].iter().find(|degrees| turns_by(degrees));
+        let words = turn.map_or_else(
+            || format!("axes {axes} fit far better than {used}"),
+            |degrees| format!("turned by {degrees}° about y"),
+        );
         is_doubtful.then(|| Doubt {
-            words: format!("axes {axes} fit far better than {used}: --axes={axes}"),
+            words: format!("{words}: --axes={axes}"),
             more: format!("{presets}; correlation {correlation:.4}, not {of_own:.4}{alike}{hint}"),
             axes: Some(axes),
         })
@@ -207,25 +222,37 @@ impl Judged {
         seen
     }
 
-    /// Lists each part with its verdict, then by the axes or the chain that fit; neighbouring levels of one verdict share a line.
-    pub fn parts(&self) -> Vec<(String, &str)> {
-        let mut parts: Vec<(String, &str)> = Vec::new();
+    /// Lists each part with its verdict; neighbouring levels of one verdict share a line. Levels of other axes or another chain are
+    /// listed as they are if that is fixed.
+    pub fn parts(&self) -> Vec<(String, String)> {
+        let mut parts: Vec<(String, String)> = Vec::new();
         let mut first = 0;
-        for (level, score) in self.levels.iter().enumerate() {
+        for (level, score) in self.levels.iter().enumerate().filter(|_| self.fixed.is_none()) {
             if level > 0 && self.levels[level - 1].verdict == score.verdict {
                 parts.pop();
             } else {
                 first = level;
             }
             let name = if first == level { format!("level {level}") } else { format!("levels {first} to {level}") };
-            parts.push((name, &score.verdict));
+            parts.push((name, score.verdict.clone()));
         }
-        let one = |name: &str, verdict| (name.to_owned(), verdict);
-        parts.extend(self.irradiance.iter().map(|score| one("irradiance", score.verdict.as_str())));
-        parts.extend(self.sh.iter().map(|score| one("SH", score.verdict.as_str())));
-        parts.extend(self.dfg.iter().map(|score| one("DFG table", score.verdict.as_str())));
-        let fixed = self.fixed.iter().flat_map(|fixed| fixed.parts());
-        parts.extend(fixed.map(|(name, verdict)| (format!("fixed, {name}"), verdict)));
+        let is_listed = |relmse: f64| self.fixed.is_none() || relmse <= GOOD;
+        let irradiance = self.irradiance.iter().filter(|own| is_listed(own.errors.relmse));
+        parts.extend(irradiance.map(|own| ("irradiance".to_owned(), own.verdict.clone())));
+        let sh = self.sh.iter().filter(|own| is_listed(own.errors.relmse));
+        parts.extend(sh.map(|own| ("SH".to_owned(), own.verdict.clone())));
+        let Some(fixed) = &self.fixed else {
+            parts.extend(self.dfg.iter().map(|own| ("DFG table".to_owned(), own.verdict.clone())));
+            return parts;
+        };
+        let chain = self.chain.iter().map(|chain| ("widths", chain.words.clone()));
+        let cause = self.first_doubt().map(|doubt| (self.axes[0].0, doubt.words)).into_iter().chain(chain).next();
+        let named = |(name, verdict): (String, String)| match name.starts_with(IF_FIXED) || name == "DFG table" {
+            true => (name, verdict),
+            false => (format!("{IF_FIXED}{name}"), verdict),
+        };
+        parts.extend(cause.map(|(name, words)| (name.to_owned(), words)));
+        parts.extend(fixed.parts().into_iter().map(named));
         parts
     }
 
@@ -245,7 +272,7 @@ impl Judged {
         }
         let wrong = self.parts().into_iter().filter(|(_, verdict)| !verdict.starts_with(GOOD_WORDS));
         let mut said: Vec<String> = wrong.map(|(name, verdict)| format!("{name}: {verdict}")).collect();
-        said.sort_by_key(|said| !said.starts_with("levels"));
+        said.sort_by_key(|said| [said.ends_with(UNEXPLAINED), !said.starts_with("levels")]);
         let maps = self.levels.iter().chain(&self.irradiance);
         let is_known = self.causes().iter().all(|cause| cause.kind != "unknown");
         let left = maps.filter_map(LevelScore::left).max_by(f64::total_cmp).filter(|_| is_known);

@@ -4,7 +4,7 @@ use super::directions::{Directions, texels};
 use super::exact::exact;
 use super::fit::{self, Fit};
 use super::slip::{self, Level, Slip};
-use super::{Cause, Errors, GOOD, Truth, errors, has_width, relative_square, words};
+use super::{Cause, Errors, GOOD, Truth, errors, faces, has_width, relative_square, words};
 use crate::bakes::convention::{Axes, Convention};
 use crate::bakes::parts::Map;
 use crate::environment::Environment;
@@ -60,8 +60,7 @@ pub fn score(truth: &Truth, map: &Map, convention: &Convention) -> Result<Vec<Le
         let (faces, alpha) = (&map.levels[k], alphas[k]);
         let scale = ("--scale", convention.scale);
         let own = Level { truth, kernel: truth.kernel, sources: &|| &sources, directions, found, alpha, scale };
-        let fit = || fit::fit(truth, directions, found, alpha);
-        let mut score = own.score(fit, |alpha| level_of(convention, alphas.len(), alpha));
+        let mut score = own.score(true, |alpha| level_of(convention, alphas.len(), alpha));
         if let Some(before) = k.checked_sub(1).filter(|_| score.errors.relmse > GOOD)
             && is_mip(&map.levels[before], faces)
         {
@@ -100,24 +99,70 @@ fn mean(directions: &Directions, texels: &[DVec3]) -> DVec3 {
     sum / directions.weights.iter().sum::<f64>()
 }
 
-impl Level<'_> {
-    fn score(&self, fit: impl FnOnce() -> Option<Fit>, level_of: impl Fn(f64) -> Option<f64>) -> LevelScore {
+impl Level<'_, '_> {
+    /// Irradiance has no width to fit.
+    fn score(&self, has_width: bool, level_of: impl Fn(f64) -> Option<f64>) -> LevelScore {
         let Self { truth, directions, found, alpha, .. } = *self;
         let exact = exact(truth, self.kernel, directions, alpha);
-        let errors = errors(directions, found, &exact, truth.epsilon(), 1.0);
-        let worst = worst(truth, directions, found, &exact);
-        let is_wrong = errors.relmse > GOOD;
-        let fit = is_wrong.then(fit).flatten();
-        let fit_left = fit.map_or(f64::INFINITY, |fit| fit.left);
-        let slip = is_wrong.then(|| self.slip(fit_left)).flatten();
-        let causes = match (&slip, fit) {
-            _ if !is_wrong => Vec::new(),
-            (Some(slip), _) => slip.causes.clone(),
-            (None, Some(fit)) if fit.explains(errors.relmse) => self.fitted(fit, level_of),
-            _ => vec![Cause { kind: "unknown", words: UNEXPLAINED.to_owned() }],
+        let off = |directions: &Directions, found: &[DVec3], exact: &[DVec3]| {
+            errors(directions, found, exact, truth.epsilon(), 1.0)
         };
-        let verdict = if is_wrong { words(&causes) } else { GOOD_WORDS.to_owned() };
-        LevelScore { size: directions.size, alpha, errors, between: None, worst, fit, slip, causes, verdict }
+        let errors = off(directions, found, &exact);
+        let worst = worst(truth, directions, found, &exact);
+        let (size, verdict) = (directions.size, GOOD_WORDS.to_owned());
+        let mut score = LevelScore {
+            size,
+            alpha,
+            errors,
+            between: None,
+            worst,
+            fit: None,
+            slip: None,
+            causes: Vec::new(),
+            verdict,
+        };
+        if errors.relmse <= GOOD {
+            return score;
+        }
+        // What is wrong besides black faces.
+        let (black, seen) = faces::black(directions, found, &exact);
+        let of_seen = |texels: &[DVec3]| seen.iter().map(|index| texels[*index]).collect::<Vec<_>>();
+        let (directions, found, exact) = (&directions.only(&seen), &of_seen(found)[..], &of_seen(&exact)[..]);
+        let own = Level { directions, found, ..*self };
+        let relmse = off(directions, found, exact).relmse;
+        score.fit = (has_width && relmse > GOOD).then(|| fit::fit(truth, directions, found, alpha)).flatten();
+        score.slip = if relmse <= GOOD {
+            Some(Slip { causes: Vec::new(), left: relmse / errors.relmse, relmse })
+        } else {
+            own.slip(score.fit.map_or(f64::INFINITY, |fit| fit.left))
+        };
+        let one = |kind, words: &str| vec![Cause { kind, words: words.to_owned() }];
+        let rest = match (&score.slip, score.fit) {
+            (Some(slip), _) => slip.causes.clone(),
+            (None, Some(fit)) if fit.explains(relmse) => own.fitted(fit, level_of),
+            _ if own.is_noisy(exact) => one("noise", "noise from texel to texel: too few samples"),
+            _ => one("unknown", UNEXPLAINED),
+        };
+        score.causes = black.into_iter().chain(rest).collect();
+        score.verdict = words(&score.causes);
+        if let Some(slip) = &mut score.slip {
+            slip.causes.clone_from(&score.causes);
+        }
+        score
+    }
+
+    /// Whether errors of neighbours in a row differ as if by chance: then half of their squares, else far less.
+    fn is_noisy(&self, exact: &[DVec3]) -> bool {
+        let (width, epsilon) = (self.directions.size[0] as usize, self.truth.epsilon());
+        let error = |index: usize| {
+            let scale = exact[index].to_array().map(|exact| epsilon.relative(1.0, exact).sqrt());
+            (self.found[index] - exact[index]) * DVec3::from_array(scale)
+        };
+        let pairs = (1..exact.len()).filter(|index| index % width > 0).map(|index| [error(index - 1), error(index)]);
+        let [apart, whole] = pairs.fold([0.0; 2], |[apart, whole], [a, b]| {
+            [apart + a.distance_squared(b), whole + a.length_squared() + b.length_squared()]
+        });
+        has_width(self.alpha) && apart > 0.5 * whole
     }
 
     fn fitted(&self, fit: Fit, level_of: impl Fn(f64) -> Option<f64>) -> Vec<Cause> {
@@ -163,8 +208,7 @@ pub fn score_irradiance(truth: &Truth, map: &Map, convention: &Convention) -> Le
     let sources = LazyCell::new(|| of_lights(truth, &lights, &[]));
     let scale = ("--irradiance-scale", convention.irradiance_scale);
     let (sources, directions, found) = (&|| &sources[..], &directions, &found);
-    // Irradiance has no width to fit.
-    Level { truth, kernel, sources, directions, found, alpha, scale }.score(|| None, |_| None)
+    Level { truth, kernel, sources, directions, found, alpha, scale }.score(false, |_| None)
 }
 
 fn level_texels(map: &Map, faces: &[RgbImage], axes: Axes, scale: f64) -> (Directions, Vec<DVec3>) {
@@ -189,7 +233,7 @@ const SHIFT: f64 = 0.05;
 pub(super) const DOUBT: &str = "its axes or its light do not fit";
 /// Start of the verdict of a part within [`GOOD`].
 pub(super) const GOOD_WORDS: &str = "good";
-const UNEXPLAINED: &str = "no known slip explains it";
+pub(super) const UNEXPLAINED: &str = "no known slip explains it";
 
 impl LevelScore {
     /// Returns relMSE between its good texels where it is not good: the level has few texels for its width.
@@ -206,9 +250,15 @@ impl LevelScore {
         own.or_else(|| of_fit().filter(|_| !is_mip && !self.causes.is_empty()))
     }
 
+    /// Whether it is good, or a slip explains it. A fit alone does not, because it says nothing of the axes or the light.
+    pub fn is_explained(&self) -> bool {
+        let is_of = |kind| self.causes.iter().any(|cause| cause.kind == kind);
+        self.errors.relmse <= GOOD || self.slip.is_some() || is_of("black") && !is_of("unknown")
+    }
+
     /// Removes width and gain from the verdict because the axes or the light do not fit.
     pub fn doubt(&mut self) {
-        if self.errors.relmse > GOOD && self.slip.is_none() {
+        if !self.is_explained() {
             self.set(Cause { kind: "unknown", words: DOUBT.to_owned() });
         }
     }

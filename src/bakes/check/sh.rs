@@ -3,19 +3,22 @@
 use super::directions::Directions;
 use super::fit;
 use super::level::{DOUBT, GOOD_WORDS};
-use super::slip::BETTER;
+use super::slip::{self, BETTER};
 use super::texel::{Change, ORDERS};
 use super::{Cause, EXPLAINED, Errors, GOOD, Truth, errors, words};
 use crate::bakes::convention::Axes;
 use crate::bakes::sh::{Coefficients, prescaled, turned};
+use crate::environment::Environment;
 use crate::environment::layout::LAYOUTS;
 use crate::math::equirect_quadrature::EquirectQuadrature;
-use crate::math::spherical_harmonics::{COSINE_LOBE, COUNT, DEGREE, irradiance};
+use crate::math::spherical_harmonics::{COSINE_LOBE, COUNT, DEGREE, basis, irradiance};
 use crate::precompute::sh9::reference::{Sh9, project_bilinear};
 use glam::DVec3;
 use std::f64::consts::PI;
 
 const SIDE: u32 = 16;
+/// Share of the squared coefficients that another light may leave.
+const SAME_LIGHT: f64 = 1e-3;
 /// Share of the error below which a rest is rounding.
 const LEAST: f64 = 1e-6;
 
@@ -45,8 +48,11 @@ pub struct ShScore {
 
 /// Scores coefficients; `axes` are the axes of the bake's maps.
 pub fn score(truth: &Truth, found: &Coefficients, axes: Axes) -> ShScore {
-    let image = &truth.environment.image;
-    let exact = project_bilinear(&EquirectQuadrature::new(image.width, image.height, |x, y| image.get(x, y)));
+    let quadrature = |light: &Environment| {
+        let image = &light.image;
+        EquirectQuadrature::new(image.width, image.height, |x, y| image.get(x, y))
+    };
+    let exact = project_bilinear(&quadrature(truth.environment));
     let directions = Directions::new(&LAYOUTS[0], Axes::SAME, [SIDE; 2]);
     let of = |sh: &Sh9| -> Vec<DVec3> { directions.world.iter().map(|normal| irradiance(sh, *normal) / PI).collect() };
     let own = turned(&found.radiance, |world| axes.to_file(world));
@@ -55,6 +61,23 @@ pub fn score(truth: &Truth, found: &Coefficients, axes: Axes) -> ShScore {
     let largest_error = own.iter().zip(&exact).map(|(own, exact)| (*own - *exact).abs().max_element());
     let max_error = largest_error.fold(0.0, f64::max) / largest.max(f64::MIN_POSITIVE);
     let causes = if errors.relmse <= GOOD { Vec::new() } else { causes(found, &own, &exact, axes) };
+    // Other light, up to a gain.
+    let off =
+        |exact: &Sh9, gain: f64| -> f64 { own.iter().zip(exact).map(|(a, b)| (*a - gain * *b).length_squared()).sum() };
+    let fits = |(_, light): &(Cause, Environment)| {
+        let other = project_bilinear(&quadrature(light));
+        let [product, square] =
+            own.iter().zip(&other).fold([0.0; 2], |[p, s], (a, b)| [p + a.dot(*b), s + b.length_squared()]);
+        off(&other, product / square) <= SAME_LIGHT * off(&[DVec3::ZERO; COUNT], 0.0)
+    };
+    let mean = own[0] * basis(DVec3::Y)[0];
+    let lights = || {
+        slip::sources(truth.environment, mean, &[1.0])
+            .into_iter()
+            .chain([slip::without_solid_angles(truth.environment)])
+    };
+    let other = (errors.relmse > GOOD).then(|| lights().find(fits)).flatten();
+    let causes = other.map_or(causes, |(cause, _)| vec![cause]);
     let verdict = if errors.relmse <= GOOD { GOOD_WORDS.to_owned() } else { words(&causes) };
     ShScore { errors, max_error, causes, verdict }
 }

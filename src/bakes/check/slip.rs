@@ -9,7 +9,8 @@ use super::texel::{COPIES, CURVES, CUTS, Change, Cut, ORDERS, PACKINGS, RGBM, rg
 use super::{Cause, EXPLAINED, Truth, errors, faces, fit, has_width};
 use crate::brdf::MODELS;
 use crate::environment::Environment;
-use crate::precompute::prefilter::{Kernel, WEIGHTS};
+use crate::pixels::RgbImage;
+use crate::precompute::prefilter::{Kernel, WEIGHTS, harmonic};
 use glam::{DQuat, DVec3};
 use std::f64::consts::PI;
 
@@ -113,15 +114,24 @@ pub fn sources(environment: &Environment, mean: DVec3, gains: &[f64]) -> Vec<(Ca
     cuts.chain(alike).map(source).collect()
 }
 
+/// A map whose mean over the sphere is the sum over the pixels of another one, without their solid angles.
+pub fn without_solid_angles(environment: &Environment) -> (Cause, Environment) {
+    let (image, name) = (&environment.image, environment.name.clone());
+    let sin = |y: u32| (PI * (f64::from(y) + 0.5) / f64::from(image.height)).sin() as f32;
+    let over_sin = RgbImage::from_fn(image.width, image.height, |x, y| image.get(x, y).map(|value| value / sin(y)));
+    let words = "source summed without the solid angle of its pixels, sin θ".to_owned();
+    (Cause { kind: "source", words }, Environment::from_image(name, over_sin))
+}
+
 /// A level as its file has it.
 #[derive(Clone, Copy)]
-pub struct Level<'a> {
-    pub truth: &'a Truth<'a>,
+pub struct Level<'t, 'd> {
+    pub truth: &'t Truth<'t>,
     pub kernel: Kernel,
     /// Returns truths of other sources with the same mean.
-    pub sources: &'a dyn Fn() -> &'a [(Cause, Truth<'a>)],
-    pub directions: &'a Directions,
-    pub found: &'a [DVec3],
+    pub sources: &'t dyn Fn() -> &'t [(Cause, Truth<'t>)],
+    pub directions: &'d Directions,
+    pub found: &'d [DVec3],
     pub alpha: f64,
     /// The flag that scales the file, and its value.
     pub scale: (&'static str, f64),
@@ -146,9 +156,16 @@ impl Slipped {
     }
 }
 
-impl Level<'_> {
+impl Level<'_, '_> {
     /// Describes a gain with the flag that fixes it.
     pub fn gain_in_words(&self, gain: f64) -> String {
+        // Half vectors of density D n·h give l of density D/4 at n = v.
+        let Kernel { brdf, .. } = self.kernel;
+        let weight = |n_dot_l| self.kernel.weight(self.alpha, n_dot_l);
+        let mean = if has_width(self.alpha) { 0.25 * harmonic::integrals(brdf, self.alpha, 1, weight)[0] } else { 1.0 };
+        if mean < UNCUT && (gain / mean - 1.0).abs() < SAME_MEAN {
+            return "times the mean weight: divide by the sum of the weights, not by their number".to_owned();
+        }
         let ((flag, scale), (words, gain)) = (self.scale, fit::gain_in_words(gain));
         format!("{words}: {flag} {}", rounded(scale / gain))
     }
@@ -190,16 +207,16 @@ impl Level<'_> {
     }
 }
 
-struct Sample<'a, 'l> {
-    level: &'a Level<'l>,
+struct Sample<'a, 't> {
+    level: &'a Level<'t, 'a>,
     directions: Directions,
     found: Vec<DVec3>,
     /// Largest value of the level.
     most: f64,
 }
 
-impl<'a, 'l> Sample<'a, 'l> {
-    fn new(level: &'a Level<'l>) -> Self {
+impl<'a, 't> Sample<'a, 't> {
+    fn new(level: &'a Level<'t, 'a>) -> Self {
         let chosen = level.directions.grid(TEXELS);
         let found = chosen.iter().map(|index| level.found[*index]).collect();
         let most = level.found.iter().map(|texel| texel.max_element()).fold(0.0, f64::max);
@@ -215,13 +232,17 @@ impl<'a, 'l> Sample<'a, 'l> {
         errors(&self.directions, found, slipped, self.level.truth.epsilon(), 1.0).relmse
     }
 
+    fn is_irradiance(&self) -> bool {
+        self.level.kernel.brdf.name() != self.level.truth.kernel.brdf.name()
+    }
+
     /// Other weights and models; for irradiance, the mean over the hemisphere.
     fn other_kernels(&self) -> Vec<(Cause, Kernel)> {
         let Kernel { brdf, weight, masking } = self.level.kernel;
         if !has_width(self.level.alpha) {
             return Vec::new();
         }
-        let is_irradiance = brdf.name() != self.level.truth.kernel.brdf.name();
+        let is_irradiance = self.is_irradiance();
         let others = WEIGHTS.iter().filter(|other| other.name != weight.name);
         let weights = others.filter(|other| !is_irradiance || other.name == "none").map(|other| {
             let words = format!("weighted otherwise: --weight {}", other.name);
@@ -237,14 +258,41 @@ impl<'a, 'l> Sample<'a, 'l> {
 
     /// Levels by another kernel, and the map itself at the level's size.
     fn kernels(&self) -> Vec<Slipped> {
+        if self.is_irradiance() {
+            return [self.by_other_kernels(), self.without_solid_angles()].concat();
+        }
+        if !has_width(self.level.alpha) {
+            return Vec::new();
+        }
+        let plain = mirror(self.level.truth.environment, &self.directions);
+        let plain = Slipped::one("mips", "plain mips: not prefiltered".to_owned(), plain);
+        let words = "half vectors taken as l: reflect v about them".to_owned();
+        [self.by_other_kernels(), vec![plain, Slipped::one("model", words, self.by_half_vectors())]].concat()
+    }
+
+    fn by_other_kernels(&self) -> Vec<Slipped> {
+        let of = |(cause, other)| Slipped { causes: vec![cause], values: self.of(self.level.truth, other) };
+        self.other_kernels().into_iter().map(of).collect()
+    }
+
+    /// Irradiance of a plain sum over pixels, and of that sum over the sum of the cosines.
+    fn without_solid_angles(&self) -> Vec<Slipped> {
         let Level { truth, kernel, .. } = *self.level;
-        let others = self.other_kernels().into_iter();
-        let others = others.map(|(cause, other)| Slipped { causes: vec![cause], values: self.of(truth, other) });
-        let is_level = has_width(self.level.alpha) && kernel.brdf.name() == truth.kernel.brdf.name();
-        let plain = is_level.then(|| mirror(truth.environment, &self.directions));
-        others
-            .chain(plain.map(|values| Slipped::one("mips", "plain mips: not prefiltered".to_owned(), values)))
-            .collect()
+        let even = Environment::from_image("even", truth.environment.image.map(|_| [1.0; 3]));
+        let [(cause, summed), (_, whole)] = [truth.environment, &even].map(without_solid_angles);
+        let [summed, whole] = [summed, whole].map(|light| self.of(&Truth::new(&light, kernel, &[]), kernel));
+        let mean = summed.iter().zip(&whole).map(|(sum, whole)| *sum / *whole).collect();
+        [summed, mean].map(|values| Slipped { causes: vec![cause.clone()], values }).to_vec()
+    }
+
+    /// The level with density `D(l) n·l` for `D(h)/4`.
+    fn by_half_vectors(&self) -> Vec<DVec3> {
+        let Level { truth, kernel, alpha, .. } = *self.level;
+        let d = |cos: f64| kernel.brdf.d(DVec3::new((1.0 - cos * cos).max(0.0).sqrt(), 0.0, cos), alpha);
+        let weight = |cos: f64| kernel.weight(alpha, cos) * cos * d(cos) / d((0.5 * (1.0 + cos)).sqrt());
+        let map =
+            truth.harmonics.convolved(&harmonic::factors_of(kernel.brdf, alpha, truth.harmonics.degree(), weight));
+        self.directions.world.iter().map(|world| map.value(*world)).collect()
     }
 
     /// Levels of another source.

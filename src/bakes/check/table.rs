@@ -6,7 +6,7 @@ use crate::brdf::{Brdf, MaskingShadowing, alpha_from_perceptual_roughness};
 use crate::color::{srgb_curve, srgb_decode};
 use crate::glsl::constants::ALPHA_MIN;
 use crate::pixels::RgbImage;
-use crate::precompute::dfg::reference::dfg_within;
+use crate::precompute::dfg::reference::{dfg_masked_by, dfg_within};
 use crate::spelling::Listed;
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
@@ -42,6 +42,9 @@ pub struct TableScore {
 const SCORED_WITHIN: f64 = 1e-5;
 const SEARCHED_WITHIN: f64 = 1e-3;
 
+/// Narrowest lobe that is integrated.
+const NARROWEST: f64 = 1e-6;
+
 /// Largest error of a good table: a step of 8 bits.
 const GOOD: f64 = 1.0 / 255.0;
 
@@ -54,7 +57,15 @@ pub fn score(table: &RgbImage, brdf: &'static dyn Brdf, convention: &Convention)
         .par_iter()
         .map(|place| {
             let at = table_axes.parameters(place.uv);
-            let d = (table_channels.pair)(place.texel) - exact(brdf, *masking, at, SCORED_WITHIN);
+            let found = (table_channels.pair)(place.texel);
+            let d = found - exact(brdf, *masking, at, SCORED_WITHIN);
+            // Programs clamp narrow lobes at different widths, or not at all.
+            let narrow = alpha_from_perceptual_roughness(at.y);
+            let unclamped = (narrow < width(at.y)).then(|| {
+                let pair = dfg_within(brdf, *masking, at.x, narrow.max(NARROWEST), SCORED_WITHIN);
+                found - DVec2::new(pair.f0_scale, pair.f90_scale)
+            });
+            let d = unclamped.filter(|other| other.abs().max_element() < d.abs().max_element()).unwrap_or(d);
             (at, d.abs().max_element(), 0.5 * d.length_squared())
         })
         .collect();
@@ -115,6 +126,17 @@ fn explained(table: &RgbImage, brdf: &'static dyn Brdf, convention: &Convention,
             .map(|(flag, found, _)| format!(" {flag} {found}"))
             .collect();
         return Cause { kind, words: format!("fits{other}; {words}") };
+    }
+    // Karis' `k = (r + 1)²/8` for direct light, twice as a width.
+    let direct = |place: &Place| {
+        let at = table_axes.parameters(place.uv);
+        let widths = [width(at.y), 0.25 * (at.y + 1.0).powi(2)];
+        let found = dfg_masked_by(brdf, MaskingShadowing::Schlick, at.x, widths, SEARCHED_WITHIN);
+        ((table_channels.pair)(place.texel) - DVec2::new(found.f0_scale, found.f90_scale)).length_squared()
+    };
+    if (0.5 * places.iter().map(direct).sum::<f64>() / places.len() as f64).sqrt() < FITS {
+        let words = "Schlick's masking of direct light, k = (r + 1)^2/8; expected k = alpha/2".to_owned();
+        return Cause { kind: "convention", words };
     }
     let words = if rms > NOISE {
         "no convention fits: not a DFG table of this model, or encoded".to_owned()
@@ -228,8 +250,13 @@ fn places(table: &RgbImage, lines: u32) -> Vec<Place> {
     pick(table.height).iter().flat_map(|y| columns.iter().map(|x| place(table, [*x, *y]))).collect()
 }
 
+/// Returns the width of a perceptual roughness, no narrower than the device shades.
+fn width(roughness: f64) -> f64 {
+    alpha_from_perceptual_roughness(roughness).max(ALPHA_MIN.into())
+}
+
 /// Integrates A and B at n·v and perceptual roughness, no narrower than the device shades.
 pub fn exact(brdf: &'static dyn Brdf, masking: MaskingShadowing, at: DVec2, within: f64) -> DVec2 {
-    let found = dfg_within(brdf, masking, at.x, alpha_from_perceptual_roughness(at.y).max(ALPHA_MIN.into()), within);
+    let found = dfg_within(brdf, masking, at.x, width(at.y), within);
     DVec2::new(found.f0_scale, found.f90_scale)
 }

@@ -39,7 +39,6 @@ impl Dfg {
 /// Half vectors nearer to the normal than `alpha exp(-12)` are 4e-11 of a lobe.
 const LOG_WIDTH_BELOW: f64 = 12.0;
 
-/// Relative error of [`dfg`].
 pub const EXACT: f64 = 5e-7;
 
 /// Integrates A and B for `n_dot_v` in (0, 1] and `alpha` in (0, 1].
@@ -49,9 +48,20 @@ pub fn dfg(model: &'static dyn Brdf, masking: MaskingShadowing, n_dot_v: f64, al
 
 /// Integrates A and B within a relative error.
 pub fn dfg_within(model: &'static dyn Brdf, masking: MaskingShadowing, n_dot_v: f64, alpha: f64, relative: f64) -> Dfg {
-    let g1_v = g1(model, n_dot_v, alpha, masking);
+    dfg_masked_by(model, masking, n_dot_v, [alpha, alpha], relative)
+}
+
+/// Integrates A and B of a distribution and a masking of different widths.
+pub fn dfg_masked_by(
+    model: &'static dyn Brdf,
+    masking: MaskingShadowing,
+    n_dot_v: f64,
+    [alpha, of_masking]: [f64; 2],
+    relative: f64,
+) -> Dfg {
+    let g1_v = g1(model, n_dot_v, of_masking, masking);
     let integral = mean_over_facets(model, n_dot_v, alpha, relative, |h, v_dot_h, n_dot_l| {
-        let g1_l = if n_dot_l > 0.0 { g1(model, n_dot_l, alpha, masking) } else { 0.0 };
+        let g1_l = if n_dot_l > 0.0 { g1(model, n_dot_l, of_masking, masking) } else { 0.0 };
         let weight = g2_from_g1(g1_v, g1_l, masking) * v_dot_h / (n_dot_v * h.z);
         DVec3::new(weight, weight * schlick_weight(v_dot_h), 0.0)
     });

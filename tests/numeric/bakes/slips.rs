@@ -5,10 +5,11 @@ use super::scores::marked_light;
 use glam::{DVec3, Vec3Swizzles};
 use splitsum::bakes::check::{Judged, Judging, Truth};
 use splitsum::bakes::convention::{Axes, Preset};
-use splitsum::bakes::{Bake, Map, Stated};
+use splitsum::bakes::{Bake, Map, Stated, sh};
 use splitsum::brdf::{Beckmann, Brdf, Ggx, Phong};
 use splitsum::environment::Environment;
 use splitsum::environment::layout::LAYOUTS;
+use splitsum::math::equirect::direction_from_uv;
 use splitsum::pixels::RgbImage;
 use splitsum::precompute::prefilter::{Kernel, WEIGHTS};
 use splitsum::spelling::Listed;
@@ -92,13 +93,13 @@ fn slips_of_faces_and_texels_are_named() {
             let mean = |face: &RgbImage| face.area_means(SIDE / 2, SIDE / 2, |rgb| rgb.map(f64::from));
             map.levels[2] = map.levels[1].iter().map(|face| mean(face).map(|rgb| rgb.map(|x| x as f32))).collect();
         }),
+        ("face +x is black; face -z is black; times 2: --scale 0.5", |map| {
+            each_face(map, |faces| [0, 5].iter().for_each(|face| faces[*face].data.fill([0.0; 3])));
+            each_texel(map, |rgb| rgb.map(|x| 2.0 * x));
+        }),
         ("times 8: --scale 0.125", |map| each_texel(map, |rgb| rgb.map(|x| 8.0 * x))),
-        ("in the order G, B, R", |map| each_texel(map, |[r, g, b]| [g, b, r])),
-        ("encoded with gamma 2.2", |map| each_texel(map, |rgb| rgb.map(|x| x.powf(1.0 / 2.2)))),
         ("decoded with gamma 2.2", |map| each_texel(map, |rgb| rgb.map(|x| x.powf(2.2)))),
-        ("levels 0 to 2: times pi", |map| each_texel(map, |rgb| rgb.map(|x| x * PI as f32))),
         ("red, green and blue times 2.00, 1.00 and 0.00", |map| each_texel(map, |[r, g, _]| [2.0 * r, g, 0.0])),
-        ("every face is flipped left to right", |map| each_place(map, |x, y| [SIDE - 1 - x, y])),
         ("levels 0 to 2: cut at 1; ", |map| each_texel(map, |rgb| rgb.map(|x| x.min(1.0)))),
         ("RGBM read", |map| {
             each_texel(map, |rgb| {
@@ -222,6 +223,60 @@ fn slips_of_the_light_and_of_the_kernel_are_named() {
     let another = Environment::from_image("another", image);
     let verdict = judged(&another, cube(&truth, &ALPHAS, |direction| direction), Some(&ALPHAS)).verdict();
     assert!(verdict.contains("another map"), "{verdict}");
+}
+
+/// GGX by the cosine of a half vector.
+fn d(alpha: f64, cos: f64) -> f64 {
+    (alpha / (1.0 + cos * cos * (alpha * alpha - 1.0))).powi(2) / PI
+}
+
+/// Bakes that are sums over the texels of a map, with a weight left out or another direction.
+#[test]
+fn slips_of_sums_are_named() {
+    let light = marked_light();
+    let (width, height) = (light.image.width, light.image.height);
+    let texel = |index: u32| {
+        let (x, y) = (index % width, index / width);
+        let uv = (glam::DVec2::new(x.into(), y.into()) + 0.5) / glam::DVec2::new(width.into(), height.into());
+        (direction_from_uv(uv), (PI * uv.y).sin(), DVec3::from_array(light.image.get(x, y).map(f64::from)))
+    };
+    let texels: Vec<(DVec3, f64, DVec3)> = (0..width * height).map(texel).collect();
+    // By alpha, the cosine to the normal and the sine of the polar angle.
+    type Weight = fn(f64, f64, f64) -> f64;
+    let sums = |side: u32, alpha: f64, weight: Weight, whole: Weight| {
+        faces(&LAYOUTS[0], [side; 2], |n| {
+            let (sum, whole) = texels.iter().fold((DVec3::ZERO, 0.0), |(sum, all), (l, sin, radiance)| {
+                let cos = n.dot(*l);
+                (sum + weight(alpha, cos, *sin) * *radiance, all + whole(alpha, cos, *sin))
+            });
+            sum / whole
+        })
+    };
+    let half: Weight = |alpha, cos, sin| sin * d(alpha, cos) * cos.max(0.0).powi(2);
+    let drawn: Weight = |alpha, cos, sin| sin * d(alpha, (0.5 + 0.5 * cos).sqrt());
+    let kernels: [(&str, Weight, Weight); 2] = [
+        ("half vectors taken as l", half, half),
+        ("times the mean weight", |alpha, cos, sin| cos.max(0.0) * sin * d(alpha, (0.5 + 0.5 * cos).sqrt()), drawn),
+    ];
+    for (words, weight, whole) in kernels {
+        let levels = [0.3, 0.7].map(|alpha| sums(12, alpha, weight, whole)).to_vec();
+        let verdict = judged(&light, Map { layout: &LAYOUTS[0], levels }, Some(&[0.3, 0.7])).verdict();
+        assert!(verdict.contains(&format!("levels 0 to 1: {words}")), "{words}: {verdict}");
+    }
+    let cosine: Weight = |_, cos, _| cos.max(0.0);
+    let irradiance = Some(Map { layout: &LAYOUTS[0], levels: vec![sums(8, 1.0, cosine, cosine)] });
+    let radiance = texels.iter().fold([DVec3::ZERO; 9], |sh, (l, _, radiance)| {
+        let y = splitsum::math::spherical_harmonics::basis(*l);
+        std::array::from_fn(|k| sh[k] + y[k] * *radiance * (4.0 * PI / texels.len() as f64))
+    });
+    let sh = sh::parse(std::path::Path::new("sh.txt"), &sh::to_cmgen(&radiance)).unwrap();
+    let bake = Bake { irradiance, sh: Some(sh), ..Bake::default() };
+    let verdict = Judging::stated(&Stated::default()).unwrap().judge(&light, &bake, |_| ()).unwrap();
+    assert!(
+        verdict.parts().iter().all(|(_, words)| words.contains("without the solid angle")),
+        "{:?}",
+        verdict.parts()
+    );
 }
 
 /// Linear chains have the widths `(k/(n - 1))²`, quadratic ones `(1 - √(1 - k/(n - 1)))²`.
