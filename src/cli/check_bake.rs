@@ -231,5 +231,7 @@ fn shortened(verdict: &str) -> String {
     let more = |count: usize| if clauses[count..].iter().any(is_cause) { "; ..." } else { "" };
     let kept = |count: usize| clauses[..count].join("; ") + more(count);
     let narrow = (1..=clauses.len()).rev().map(kept).find(|line| line.chars().count() <= WIDTH);
-    narrow.unwrap_or_else(|| clauses[0].to_owned())
+    // The flag of a long list is in a line above.
+    let cause = clauses[0].rsplit_once(": ").map_or(clauses[0], |(cause, _)| cause);
+    narrow.unwrap_or_else(|| cause.to_owned() + "; ...")
 }
