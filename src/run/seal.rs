@@ -5,7 +5,6 @@
 /// Text before and after the hash.
 const BEFORE: &str = ",\n  \"checksum\": \"";
 const AFTER: &str = "\"\n}\n";
-/// End of an indented object.
 const END: &str = "\n}\n";
 
 /// Appends the checksum to an indented, non-empty JSON object.

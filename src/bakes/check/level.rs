@@ -3,6 +3,7 @@
 use super::directions::{Directions, texels};
 use super::exact::exact;
 use super::fit::{self, Fit};
+use super::light;
 use super::slip::{self, Level, Slip};
 use super::{Cause, Errors, GOOD, Truth, errors, faces, has_width, relative_square, words};
 use crate::bakes::convention::{Axes, Convention};
@@ -52,8 +53,8 @@ pub fn score(truth: &Truth, map: &Map, convention: &Convention) -> Result<Vec<Le
     means.sort_by(|a, b| a.element_sum().total_cmp(&b.element_sum()));
     let lights = LazyCell::new(|| {
         let gain = slip::usual_gain(truth, &sheets[0].0, &sheets[0].1, alphas[0]);
-        let gains = if (gain - 1.0).abs() > slip::SAME_MEAN { &[1.0, gain][..] } else { &[1.0] };
-        slip::sources(truth.environment, means[means.len() / 2], gains)
+        let gains = if (gain - 1.0).abs() > light::SAME_MEAN { &[1.0, gain][..] } else { &[1.0] };
+        light::sources(truth.environment, means[means.len() / 2], gains)
     });
     let sources = LazyCell::new(|| of_lights(truth, &lights, &alphas));
     let of = |(k, (directions, found)): (usize, &(Directions, Vec<DVec3>))| {
@@ -204,7 +205,7 @@ pub fn score_irradiance(truth: &Truth, map: &Map, convention: &Convention) -> Le
     let (kernel, alpha) = Truth::of_irradiance();
     // Irradiance alone does not tell a gain from a cut, so only usual gains are tried.
     let gains = [&[1.0], &fit::KNOWN[..]].concat();
-    let lights = LazyCell::new(|| slip::sources(truth.environment, mean(&directions, &found), &gains));
+    let lights = LazyCell::new(|| light::sources(truth.environment, mean(&directions, &found), &gains));
     let sources = LazyCell::new(|| of_lights(truth, &lights, &[]));
     let scale = ("--irradiance-scale", convention.irradiance_scale);
     let (sources, directions, found) = (&|| &sources[..], &directions, &found);

@@ -11,6 +11,7 @@ mod fit;
 pub mod guess;
 mod judge;
 pub mod level;
+mod light;
 mod scores;
 pub mod sh;
 pub mod slip;

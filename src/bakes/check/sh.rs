@@ -3,7 +3,8 @@
 use super::directions::Directions;
 use super::fit;
 use super::level::{DOUBT, GOOD_WORDS};
-use super::slip::{self, BETTER};
+use super::light;
+use super::slip::BETTER;
 use super::texel::{Change, ORDERS};
 use super::{Cause, EXPLAINED, Errors, GOOD, Truth, errors, words};
 use crate::bakes::convention::Axes;
@@ -72,9 +73,9 @@ pub fn score(truth: &Truth, found: &Coefficients, axes: Axes) -> ShScore {
     };
     let mean = own[0] * basis(DVec3::Y)[0];
     let lights = || {
-        slip::sources(truth.environment, mean, &[1.0])
+        light::sources(truth.environment, mean, &[1.0])
             .into_iter()
-            .chain([slip::without_solid_angles(truth.environment)])
+            .chain([light::without_solid_angles(truth.environment)])
     };
     let other = (errors.relmse > GOOD).then(|| lights().find(fits)).flatten();
     let causes = other.map_or(causes, |(cause, _)| vec![cause]);

@@ -49,7 +49,6 @@ pub struct EmbeddedImage {
 pub struct ImageSet {
     pub images: Vec<EmbeddedImage>,
     pub payloads: Vec<String>,
-    /// Omissions, one sentence each.
     pub notes: Vec<String>,
     /// By run and file name.
     pub index: BTreeMap<(usize, String), usize>,
