@@ -58,7 +58,8 @@ found=$(awk -v typed="$typed" '
         if (is_skipped || FILENAME in is_typed || FILENAME "# " heading in is_typed) next
         gsub(/`[^`]*`/, "CODE")
         # Blocks within a sentence.
-        while ((at = index($0, "<!-- csv ")) && (end = index($0, "<!-- /csv -->"))) $0 = substr($0, 1, at - 1) substr($0, end + 13)
+        while ((at = index($0, "<!-- csv ")) && (end = index(substr($0, at), "<!-- /csv -->")))
+            $0 = substr($0, 1, at - 1) substr($0, at + end + 12)
         is_place = 0
         for (i = 1; i <= NF; i++) {
             bare = tolower($i)

@@ -60,7 +60,6 @@ pub struct Manifest {
     pub environment: String,
     pub environment_hash: String,
     pub brdf: String,
-    /// Masking-shadowing of the table.
     pub masking_shadowing: String,
     pub prefilter_weight: String,
     pub prefilter_alphas: Vec<f64>,

@@ -109,7 +109,6 @@ impl Widths {
     }
 }
 
-/// Two widths on a surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stretch {
     pub widths: Widths,

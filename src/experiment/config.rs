@@ -24,7 +24,6 @@ pub struct Placed {
 pub struct Sweep {
     /// Index into [`AXES`].
     pub axis: usize,
-    /// The name that the file uses.
     pub named: Named,
     pub values: Vec<Placed>,
     /// Number of values in the file; more than `values` if some are faulty.

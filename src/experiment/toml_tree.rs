@@ -71,6 +71,7 @@ pub fn checked_as<T>(
     parse(&raw(value)).map_err(|fault| faults.add(&at(value), format!("{name}: {fault}"))).ok()
 }
 
+/// Reads text; empty after a fault.
 pub fn text(name: &str, value: &Spanned<DeValue>, faults: &mut Faults) -> String {
     let text = |raw: &Raw| raw.as_str().map(str::to_owned).ok_or_else(|| format!("{raw} is not text"));
     checked_as(text, name, value, faults).unwrap_or_default()

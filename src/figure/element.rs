@@ -15,6 +15,7 @@ pub fn rectangle([x, y, width, height]: [f64; 4]) -> String {
     format!("M{x},{y}h{width}v{height}h-{width}z")
 }
 
+/// A path; `more` are further attributes.
 pub fn path(class: &str, more: &str, data: &str) -> String {
     format!("<path class=\"{class}\"{more} d=\"{data}\"/>")
 }

@@ -101,7 +101,6 @@ struct Grid<'f> {
     width: f64,
     /// Whether all panels have one scale of x and of y: then only outer panels are labelled.
     is_shared: [bool; 2],
-    /// Common titles of axes.
     titles: [Option<&'f str>; 2],
 }
 

@@ -36,6 +36,7 @@ pub struct Head {
 pub struct ContactSheet {
     pub title: String,
     pub caption: String,
+    /// Size of every image, pixels.
     pub tile: [u32; 2],
     pub columns: Vec<Head>,
     /// One tile per column.

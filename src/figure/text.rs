@@ -92,6 +92,7 @@ pub struct Words {
     pub at: [f64; 2],
     /// SVG's `text-anchor`.
     pub anchor: &'static str,
+    /// From bottom to top.
     pub is_upright: bool,
     pub class: Cow<'static, str>,
 }

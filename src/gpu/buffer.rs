@@ -25,6 +25,7 @@ pub(super) struct Inner {
 }
 
 impl Buffer {
+    /// Size in bytes.
     pub fn size(&self) -> u64 {
         self.inner.size
     }

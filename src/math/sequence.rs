@@ -17,6 +17,7 @@ pub struct Sequence {
     pub point: fn(i: u32, count: u32, set: u32) -> DVec2,
 }
 
+/// Every sequence, the default first.
 pub static SEQUENCES: &[Sequence] = &[
     Sequence {
         name: "hammersley",

@@ -100,6 +100,7 @@ impl Metric {
     }
 }
 
+/// Every metric, in column order.
 pub static METRICS: &[&Metric] = &[&rmse::RMSE, &relmse::RELMSE, &tone_mapped::TONE_MAPPED, &bias::BIAS, &flip::FLIP];
 
 pub const HEADLINE: &str = "relmse";

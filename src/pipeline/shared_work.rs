@@ -108,7 +108,6 @@ impl Table for Buffer {
 pub(super) struct Maker<'a> {
     pub(super) gpu: &'a Gpu,
     pub(super) kept: &'a mut Kept,
-    /// Times of the passes that ran.
     pub(super) total: Report,
 }
 

@@ -42,6 +42,7 @@ pub struct Pixels<T> {
 pub type RgbImage = Pixels<[f32; 3]>;
 /// One float per pixel; masks hold 0 or 1.
 pub type GrayImage = Pixels<f32>;
+/// Display-referred 8-bit RGB.
 pub type Rgb8Image = Pixels<[u8; 3]>;
 
 impl<T: Copy> Pixels<T> {

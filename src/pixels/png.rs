@@ -9,7 +9,6 @@ use std::path::Path;
 /// Deflate expands at most 1032 times and a texel takes at least one bit.
 const MAX_TEXELS_PER_BYTE: u64 = 1 << 14;
 
-/// Writes a picture in one step.
 pub fn write_rgb8(path: &Path, image: &Rgb8Image) -> Result<(), PixelsError> {
     write_atomically(path, |writer| encode(writer, image, Compression::Fast))
 }

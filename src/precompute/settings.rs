@@ -48,6 +48,7 @@ pub struct PrecomputeSettings {
     /// Added to the level of each lookup that the pass makes.
     pub prefilter_lod_bias: f32,
     pub dfg_size: u32,
+    /// Quadrature nodes per texel.
     pub dfg_sample_count: u32,
     /// Positions of its texels.
     pub dfg_axes: DfgAxes,
@@ -97,11 +98,9 @@ impl Default for PrecomputeSettings {
     }
 }
 
-/// Settings that no pass can use.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{field} is {what}")]
 pub struct SettingsError {
-    /// Name of the setting to change.
     pub field: &'static str,
     what: String,
 }

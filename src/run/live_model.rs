@@ -54,6 +54,7 @@ pub struct LiveSurface {
     pub roughness: f32,
     pub f0: [f32; 3],
     pub anisotropy: f32,
+    /// Turn of the tangent, degrees.
     pub anisotropy_turn: f32,
     pub coat: f32,
     pub coat_roughness: f32,

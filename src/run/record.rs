@@ -67,7 +67,6 @@ impl ReferenceStop {
 #[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
 pub struct CellRecord {
     pub cell: String,
-    /// Every axis by name.
     pub axes: BTreeMap<String, String>,
     pub scores: Scores,
     /// Expected scores of an exact image, if the reference's standard error is known.

@@ -76,7 +76,6 @@ fn tile_size([width, height]: [u32; 2], columns: usize) -> [u32; 2] {
     [side, (height * side / width).max(1)]
 }
 
-/// The pictures in a row.
 #[derive(Clone, Copy)]
 enum Kind {
     Display,

@@ -83,7 +83,9 @@ impl Surface {
 /// The exact answers for one [`Surface`]: outgoing radiance, linear RGB.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Answer {
+    /// Specular with F = 1.
     pub specular_white: Bounded,
+    /// Specular with Schlick's F.
     pub specular: Bounded,
     /// Diffuse of albedo 1: irradiance over π.
     pub diffuse: Bounded,

@@ -3,6 +3,7 @@
 use crate::pixels::{GrayImage, Rgb8Image};
 use std::sync::LazyLock;
 
+/// Colours over [0, 1].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Palette {
     /// Black, purple, pale yellow, perceptually uniform: `magma` of Smith and van der Walt (matplotlib, CC0), in the 8-bit codes of d3. FLIP's

@@ -195,6 +195,7 @@ impl TableRows {
         &self.columns
     }
 
+    /// Fails without this column.
     pub fn needs(&self, name: &str) -> Result<(), TableError> {
         let error = || TableError::no_column(&self.path, name, &self.columns);
         self.places.contains_key(name).then_some(()).ok_or_else(error)

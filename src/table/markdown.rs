@@ -85,7 +85,6 @@ pub fn percent_escaped(path: &str) -> String {
         .collect()
 }
 
-/// The label of a [`link`].
 pub fn link_label(label: &str) -> String {
     printable(label).replace('\\', "\\\\").replace('[', "\\[").replace(']', "\\]").replace('<', "\\<")
 }

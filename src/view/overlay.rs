@@ -20,7 +20,6 @@ pub struct Canvas {
     pub size: [u32; 2],
     /// Share of the width for the left half.
     pub wipe: f32,
-    /// Whether each half is out of date.
     pub is_stale: [bool; 2],
 }
 

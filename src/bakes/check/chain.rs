@@ -10,7 +10,6 @@ use crate::precompute::prefilter::{LEVEL_MAPPINGS, LevelMapping};
 const SAME: f64 = 1.06;
 const MISSING_MAX: usize = 8;
 
-/// A chain of other levels.
 #[derive(Clone, Debug)]
 pub struct Chain {
     pub words: String,
@@ -21,13 +20,12 @@ pub struct Chain {
 /// widths are given.
 pub fn slip(convention: &Convention, scores: &[LevelScore]) -> Option<Chain> {
     // A chain explains every level, or none.
-    let is_of = |score: &LevelScore, kind: &str| score.causes.iter().any(|cause| cause.kind == kind);
-    let is_unexplained = |score: &LevelScore| score.alpha >= fit::ALPHA_MIN && is_of(score, "unknown");
+    let is_unexplained = |score: &LevelScore| score.alpha >= fit::ALPHA_MIN && score.names("unknown");
     if convention.alphas.is_some() || scores.iter().any(is_unexplained) {
         return None;
     }
     let width = |score: &LevelScore| match score.fit {
-        _ if is_of(score, "mips") => None,
+        _ if score.names("mips") => None,
         Some(fit) if !fit.explains(score.errors.relmse) || score.slip.is_some() || fit.is_at_end(score.alpha) => None,
         Some(fit) => Some(fit.alpha),
         None => (has_width(score.alpha) && score.errors.relmse <= GOOD).then_some(score.alpha),

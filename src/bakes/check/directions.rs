@@ -8,7 +8,6 @@ use rayon::prelude::*;
 
 /// Texels of a level, face by face and row by row.
 pub struct Directions {
-    /// In the world.
     pub world: Vec<DVec3>,
     /// Solid angle of each, sr.
     pub weights: Vec<f64>,

@@ -91,7 +91,6 @@ pub fn slip(truth: &Truth, directions: &Directions, found: &[DVec3], exact: &[DV
     Some((cause, left / directions.weights.iter().sum::<f64>()))
 }
 
-/// Describes which face each face holds, and its turn.
 fn words(held: [(usize, usize); FACE_COUNT]) -> Option<String> {
     let moved = |face: usize| held[face] != (face, 0);
     let odd: Vec<usize> = (0..FACE_COUNT).filter(|face| moved(*face)).collect();

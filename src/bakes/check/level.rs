@@ -247,14 +247,16 @@ impl LevelScore {
         let relmse = self.errors.relmse;
         let of_fit = || self.fit.filter(|fit| fit.explains(relmse)).map(|fit| fit.left * relmse);
         let own = self.slip.as_ref().filter(|slip| slip.causes == self.causes).map(|slip| slip.relmse);
-        let is_mip = self.causes.iter().any(|cause| cause.kind == "mips");
-        own.or_else(|| of_fit().filter(|_| !is_mip && !self.causes.is_empty()))
+        own.or_else(|| of_fit().filter(|_| !self.names("mips") && !self.causes.is_empty()))
     }
 
     /// Whether it is good, or a slip explains it. A fit alone does not, because it says nothing of the axes or the light.
     pub fn is_explained(&self) -> bool {
-        let is_of = |kind| self.causes.iter().any(|cause| cause.kind == kind);
-        self.errors.relmse <= GOOD || self.slip.is_some() || is_of("black") && !is_of("unknown")
+        self.errors.relmse <= GOOD || self.slip.is_some() || self.names("black") && !self.names("unknown")
+    }
+
+    pub fn names(&self, kind: &str) -> bool {
+        self.causes.iter().any(|cause| cause.kind == kind)
     }
 
     /// Removes width and gain from the verdict because the axes or the light do not fit.

@@ -229,7 +229,6 @@ impl<'a, 't> Sample<'a, 't> {
         self.directions.world.iter().map(|world| map.value(*world)).collect()
     }
 
-    /// Levels of another source.
     fn sources(&self) -> Vec<Slipped> {
         let of = |(cause, truth): &(Cause, Truth)| Slipped {
             causes: vec![cause.clone()],

@@ -6,7 +6,7 @@ use crate::brdf::{Brdf, MaskingShadowing, alpha_from_perceptual_roughness};
 use crate::color::{srgb_curve, srgb_decode};
 use crate::glsl::constants::ALPHA_MIN;
 use crate::pixels::RgbImage;
-use crate::precompute::dfg::reference::{dfg_masked_by, dfg_within};
+use crate::precompute::dfg::reference::dfg_masked_by;
 use crate::spelling::Listed;
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
@@ -31,7 +31,6 @@ pub struct TableScore {
     pub rms: f64,
     /// n·v and perceptual roughness of the largest error.
     pub worst: DVec2,
-    /// Number of compared texels.
     pub count: usize,
     /// What the verdict names; empty if the table is good.
     pub causes: Vec<Cause>,
@@ -61,10 +60,8 @@ pub fn score(table: &RgbImage, brdf: &'static dyn Brdf, convention: &Convention)
             let d = found - exact(brdf, *masking, at, SCORED_WITHIN);
             // Programs clamp narrow lobes at different widths, or not at all.
             let narrow = alpha_from_perceptual_roughness(at.y);
-            let unclamped = (narrow < width(at.y)).then(|| {
-                let pair = dfg_within(brdf, *masking, at.x, narrow.max(NARROWEST), SCORED_WITHIN);
-                found - DVec2::new(pair.f0_scale, pair.f90_scale)
-            });
+            let widths = [narrow.max(NARROWEST); 2];
+            let unclamped = (narrow < width(at.y)).then(|| found - pair(brdf, *masking, at.x, widths, SCORED_WITHIN));
             let d = unclamped.filter(|other| other.abs().max_element() < d.abs().max_element()).unwrap_or(d);
             (at, d.abs().max_element(), 0.5 * d.length_squared())
         })
@@ -131,8 +128,8 @@ fn explained(table: &RgbImage, brdf: &'static dyn Brdf, convention: &Convention,
     let direct = |place: &Place| {
         let at = table_axes.parameters(place.uv);
         let widths = [width(at.y), 0.25 * (at.y + 1.0).powi(2)];
-        let found = dfg_masked_by(brdf, MaskingShadowing::Schlick, at.x, widths, SEARCHED_WITHIN);
-        ((table_channels.pair)(place.texel) - DVec2::new(found.f0_scale, found.f90_scale)).length_squared()
+        let exact = pair(brdf, MaskingShadowing::Schlick, at.x, widths, SEARCHED_WITHIN);
+        ((table_channels.pair)(place.texel) - exact).length_squared()
     };
     if (0.5 * places.iter().map(direct).sum::<f64>() / places.len() as f64).sqrt() < FITS {
         let words = "Schlick's masking of direct light, k = (r + 1)^2/8; expected k = alpha/2".to_owned();
@@ -257,6 +254,11 @@ fn width(roughness: f64) -> f64 {
 
 /// Integrates A and B at n·v and perceptual roughness, no narrower than the device shades.
 pub fn exact(brdf: &'static dyn Brdf, masking: MaskingShadowing, at: DVec2, within: f64) -> DVec2 {
-    let found = dfg_within(brdf, masking, at.x, width(at.y), within);
+    pair(brdf, masking, at.x, [width(at.y); 2], within)
+}
+
+/// A and B of a distribution and a masking of two widths.
+fn pair(brdf: &'static dyn Brdf, masking: MaskingShadowing, n_dot_v: f64, widths: [f64; 2], within: f64) -> DVec2 {
+    let found = dfg_masked_by(brdf, masking, n_dot_v, widths, within);
     DVec2::new(found.f0_scale, found.f90_scale)
 }

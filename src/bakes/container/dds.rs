@@ -9,6 +9,7 @@ use crate::pixels::Fault;
 const MAGIC: u32 = u32::from_le_bytes(*b"DDS ");
 /// Pixel format code of files with the second header.
 const DX10: u32 = u32::from_le_bytes(*b"DX10");
+/// Words of the headers, magic word included.
 const WORDS: usize = 32;
 const WORDS_DX10: usize = WORDS + 5;
 

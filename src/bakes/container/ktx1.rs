@@ -9,6 +9,7 @@ use crate::pixels::Fault;
 const IDENTIFIER: [u8; 12] = *b"\xabKTX 11\xbb\r\n\x1a\n";
 /// The byte order of a little-endian file.
 const LITTLE_ENDIAN: u32 = 0x0403_0201;
+/// Words of the header after the identifier.
 const WORDS: usize = 13;
 const HEADER: usize = IDENTIFIER.len() + 4 * WORDS;
 

@@ -42,7 +42,6 @@ pub struct Builtin {
 pub static BUILTINS: &[&Builtin] =
     &[&constant::CONSTANT, &gradient::GRADIENT, &sky::SKY, &studio::STUDIO, &checker::CHECKER, &cap::CAP];
 
-/// Checked values of a builtin's parameters.
 struct Values(Vec<(&'static str, f64)>);
 
 impl Values {

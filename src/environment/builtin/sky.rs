@@ -23,6 +23,7 @@ use crate::pixels::RgbImage;
 use glam::DVec3;
 use std::f64::consts::{PI, TAU};
 
+/// Radius of the solar disc, radians.
 const SUN_HALF_ANGLE: f64 = 0.265 * PI / 180.0;
 
 /// Dominant wavelengths of the Rec.709 primaries, µm.

@@ -48,7 +48,6 @@ pub enum Part {
 }
 
 impl Part {
-    /// Returns the heading above its flags.
     pub fn heading(self) -> &'static str {
         match self {
             Self::Case => "Scene and light",

@@ -9,7 +9,6 @@ use std::ops::Range;
 
 #[derive(Clone, Copy)]
 pub struct DrawCall<'a> {
-    /// One buffer per attribute.
     pub vertex_buffers: &'a [&'a Buffer],
     /// u32 indices; without them vertices are drawn in order.
     pub index_buffer: Option<&'a Buffer>,

@@ -216,7 +216,6 @@ fn sinc(x: f64) -> f64 {
 
 /// Converts the rows of a map to the rows of the quadrature.
 struct Rows {
-    /// Rows of the map.
     height: usize,
     /// Rows of the quadrature, at `π (i + 1/2)/count`.
     count: usize,

@@ -39,6 +39,7 @@ impl Dfg {
 /// Half vectors nearer to the normal than `alpha exp(-12)` are 4e-11 of a lobe.
 const LOG_WIDTH_BELOW: f64 = 12.0;
 
+/// Relative error of [`dfg`].
 pub const EXACT: f64 = 5e-7;
 
 /// Integrates A and B for `n_dot_v` in (0, 1] and `alpha` in (0, 1].

@@ -39,7 +39,6 @@ pub struct Fit<'a> {
     chain: &'a Chain,
     /// Above the plane of incidence; each counts for its mirror image too.
     directions: Vec<DVec3>,
-    /// The normalised lobe.
     pub densities: Vec<f64>,
     measures: Vec<f64>,
     /// Measure and objective's weight. Over all nodes the errors of no tap and of one along the moment add up to 1.

@@ -36,8 +36,8 @@ pub struct EmbeddedImage {
     pub reference: usize,
     /// [`Epsilon::mean`] of its light.
     pub light_mean: f64,
+    /// Size in texels.
     pub size: [u32; 2],
-    /// Index into the payloads.
     pub payload: Option<usize>,
     /// Index of the mask's payload, for references.
     pub mask: Option<usize>,

@@ -30,7 +30,6 @@ use glam::DVec3;
 #[derive(Clone, Copy, Debug)]
 pub struct Method {
     pub name: &'static str,
-    /// Its name for readers.
     pub title: &'static str,
     pub about: &'static str,
     /// Twin that device tests compare its frames with.

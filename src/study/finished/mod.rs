@@ -24,7 +24,6 @@ use std::sync::Arc;
 pub struct MetricValues(Box<[f64]>);
 
 impl MetricValues {
-    /// Calls `value` for each metric.
     pub fn of(value: impl Fn(&'static str) -> Option<f64>) -> Self {
         Self(METRICS.iter().map(|metric| value(metric.name).unwrap_or(f64::NAN)).collect())
     }

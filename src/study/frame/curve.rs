@@ -77,6 +77,7 @@ pub struct Beside<'r, 'f> {
     pub key: Key,
     pub curve: Curve<'r, 'f>,
     pub fixed: &'r Row<'f>,
+    /// Error of the method without samples.
     pub error: f64,
 }
 

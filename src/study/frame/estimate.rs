@@ -37,6 +37,7 @@ pub struct Estimate {
     pub interval: Option<[f64; 2]>,
     /// 95 % prediction interval of one new environment, if the environments are enough for an interval.
     pub prediction: Option<[f64; 2]>,
+    /// Number of environments.
     pub n: usize,
     /// Least and largest number of an environment.
     pub ends: [f64; 2],

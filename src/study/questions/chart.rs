@@ -33,7 +33,6 @@ impl<'n> Along<'n> {
     }
 }
 
-/// Panels with common scales.
 pub struct Chart<'n> {
     pub title: &'n str,
     pub note: String,

@@ -86,7 +86,6 @@ impl<'r, 'f> Numbers<'r, 'f> {
         self.part(|place| self.items[place].0.point[of] == *value)
     }
 
-    /// The images at some places.
     pub fn part(&self, is_own: impl Fn(usize) -> bool) -> Self {
         let own = self.items.iter().copied().enumerate().filter(|(place, _)| is_own(*place)).map(|(_, item)| item);
         Self { items: own.collect(), is_part: self.is_part || self.measured() >= CLUSTERS_MIN, ..*self }

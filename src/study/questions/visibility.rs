@@ -32,6 +32,7 @@ fn lacks(shape: &Shape) -> Option<&'static str> {
 
 struct Curve<'r, 'f> {
     method: String,
+    /// Exposure and contrast.
     key: Key,
     /// Mean FLIP by environment, median over its images.
     flips: Vec<f64>,
