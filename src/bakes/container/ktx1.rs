@@ -31,7 +31,9 @@ pub fn read(bytes: &[u8]) -> Result<Texture, Fault> {
     let keys = unjoined(bytes.get(HEADER..at).unwrap_or_default());
     let mut read = Vec::new();
     for level in 0..claim.levels {
-        let face_bytes = claim.face_bytes(level, texel);
+        let [width, height] = claim.size(level).map(|side| side as usize);
+        let row = width * texel.bytes;
+        let face_bytes = row.next_multiple_of(4) * height;
         let rest = bytes.get(at..).unwrap_or_default();
         let Some((length, data)) = rest.split_first_chunk() else { return Err(truncated(level, 4, rest.len())) };
         // The stated length is one face's.
@@ -44,9 +46,10 @@ pub fn read(bytes: &[u8]) -> Result<Texture, Fault> {
         }
         let needed = face_bytes * faces;
         let data = data.get(..needed).ok_or_else(|| truncated(level, needed, data.len()))?;
-        read.push(claim.faces_of(level, texel, data)?);
-        // Levels are padded to 4 bytes.
-        at += 4 + needed.next_multiple_of(4);
+        // Rows are padded to 4 bytes.
+        let rows = data.chunks(row.next_multiple_of(4)).flat_map(|padded| &padded[..row]);
+        read.push(claim.faces_of(level, texel, &rows.copied().collect::<Vec<_>>())?);
+        at += 4 + needed;
     }
     Ok(Texture { levels: read, texel: texel.name, keys })
 }
@@ -62,9 +65,14 @@ pub fn write(encoding: &Encoding) -> Vec<u8> {
     let mut file: Vec<u8> = IDENTIFIER.into_iter().chain(words.flat_map(|word| word.to_le_bytes())).collect();
     file.extend(pairs);
     for level in *levels {
-        file.extend(((level[0].data.len() * texel.bytes) as u32).to_le_bytes());
-        file.extend(level.iter().flat_map(|face| texel.bytes_of(face)));
-        file.resize(file.len().next_multiple_of(4), 0);
+        let row = level[0].width as usize * texel.bytes;
+        file.extend((row.next_multiple_of(4) as u32 * level[0].height).to_le_bytes());
+        for face in level {
+            for texels in texel.bytes_of(face).chunks(row) {
+                file.extend(texels);
+                file.resize(file.len().next_multiple_of(4), 0);
+            }
+        }
     }
     file
 }

@@ -64,10 +64,14 @@ pub fn ktx1(texel: &Texel, side: u32, levels: &[Level]) -> Vec<u8> {
     let mut bytes = b"\xabKTX 11\xbb\r\n\x1a\n".to_vec();
     bytes.extend(words.iter().flat_map(|word: &u32| word.to_le_bytes()));
     bytes.extend(&keys[..12]);
-    for level in levels {
-        bytes.extend((level[0].len() as u32).to_le_bytes());
-        bytes.extend(level.concat());
-        bytes.resize(bytes.len().next_multiple_of(4), 0);
+    // Rows are padded to 4 bytes, also in the size of a face: GL_UNPACK_ALIGNMENT is 4.
+    for (k, level) in levels.iter().enumerate() {
+        let row = (side >> k).max(1) as usize * texel.bytes;
+        let padded = |face: &Vec<u8>| {
+            face.chunks(row).flat_map(|row| [row, &vec![0; row.len() % 4]].concat()).collect::<Vec<_>>()
+        };
+        bytes.extend((padded(&level[0]).len() as u32).to_le_bytes());
+        bytes.extend(level.iter().flat_map(padded));
     }
     bytes
 }
