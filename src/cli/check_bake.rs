@@ -91,7 +91,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let reading = Reading { layout: arguments.layout, brdf: arguments.brdf.name() };
     let bake = read(&arguments.files, reading).map_err(Failure::input)?;
     let has_map = bake.specular.is_some() || bake.irradiance.is_some() || bake.sh.is_some();
-    check_limits(&arguments.limits, has_map, bake.dfg.is_some())?;
+    check_limits(&arguments.limits, [has_map, bake.specular.is_some(), bake.dfg.is_some()])?;
     // The light does not reach a DFG table.
     let light = match &arguments.environment {
         Some(light) => light,
@@ -121,12 +121,11 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
 }
 
 /// Refuses limits of which none applies to a part of the bake.
-fn check_limits(limits: &Limits, has_map: bool, has_table: bool) -> Result<(), Failure> {
-    let [of_maps, of_table] =
-        [limits.fail_above.or(limits.fail_between_above), limits.fail_table_above].map(|x| x.is_some());
-    if (of_maps || of_table) && !(of_maps && has_map || of_table && has_table) {
+fn check_limits(limits: &Limits, has: [bool; 3]) -> Result<(), Failure> {
+    let asked = [limits.fail_above, limits.fail_between_above, limits.fail_table_above].map(|limit| limit.is_some());
+    if asked.contains(&true) && asked.iter().zip(has).all(|(asked, has)| !(*asked && has)) {
         return Err(Failure::input(
-            "nothing to judge: --fail-above and --fail-between-above are for maps and SH, --fail-table-above for a DFG table",
+            "nothing to judge: --fail-above is for maps and SH, --fail-between-above for levels, --fail-table-above for a DFG table",
         ));
     }
     Ok(())
