@@ -76,6 +76,7 @@ struct Tried<'r, 'f> {
     /// Values of the parameters.
     tables: Key,
     error: f64,
+    is_resolved: bool,
     split: f64,
 }
 
@@ -111,9 +112,10 @@ fn tried<'r, 'f>(frame: &Frame, images: &[&'r Row<'f>], parameters: &[usize]) ->
 }
 
 fn seen_at<'r, 'f>(frame: &Frame, images: &[&'r Row<'f>], parameters: &[usize], seen: [f64; 2]) -> Vec<Tried<'r, 'f>> {
-    let errors: HashMap<&str, f64> =
-        frame.rows.iter().filter_map(|row| Some((row.cell.id.as_str(), frame.error(row)?))).collect();
-    let error = |row: &Row| errors.get(row.cell.id.as_str()).copied();
+    // Of these views, while `images` has the scores of all.
+    let own = |row: &Row| Some((row.cell.id.clone(), (frame.error(row)?, frame.is_resolved(row))));
+    let errors: HashMap<String, (f64, bool)> = frame.rows.iter().filter_map(own).collect();
+    let error = |row: &Row| errors.get(&row.cell.id).copied();
     let of_truth = |row: &Row, truth: &Row| {
         let is_case = |axis: &usize| AXES[*axis].part == Part::Case;
         (0..AXES.len()).filter(is_case).all(|axis| fits(&row.key(&[axis]), &truth.key(&[axis])))
@@ -121,9 +123,10 @@ fn seen_at<'r, 'f>(frame: &Frame, images: &[&'r Row<'f>], parameters: &[usize], 
     let truths: Vec<&&Row> = images.iter().filter(|row| row.text(METHOD) == REFERENCE).collect();
     let one = |&row: &&'r Row<'f>| {
         let tables = row.key(parameters);
-        let split = error(truths.iter().find(|truth| of_truth(row, truth))?)?;
+        let (split, _) = error(truths.iter().find(|truth| of_truth(row, truth))?)?;
+        let (error, is_resolved) = error(row)?;
         let is_asked = tables.iter().any(|value| *value != Value::Unset);
-        is_asked.then_some(Tried { row, seen, tables, error: error(row)?, split })
+        is_asked.then_some(Tried { row, seen, tables, error, is_resolved, split })
     };
     images.iter().filter_map(one).filter(|one| one.share().is_finite()).collect()
 }
@@ -193,7 +196,7 @@ fn answer(frame: &Frame) -> Option<Finding> {
     for one in &tried {
         let is_enough = one.share() <= enough(frame);
         let own = cells![one.seen[0], one.seen[1], one.error, one.split, one.share(), is_enough, one.texels()];
-        let own = [own, cells![frame.is_resolved(one.row)]].concat();
+        let own = [own, cells![one.is_resolved]].concat();
         table.row([one.row.cells(&axes), own].concat());
     }
     let all: Vec<&Tried> = tried.iter().collect();
@@ -226,7 +229,7 @@ fn sentence(frame: &Frame, parameters: &[usize], tails: &[Tail]) -> Option<Strin
     // A share within the reference's noise is an upper bound.
     let reached = |one: &Combination| {
         let worst = one.worst();
-        let bound = if frame.is_resolved(worst.row) { "" } else { "at most " };
+        let bound = if worst.is_resolved { "" } else { "at most " };
         let place = place(frame, worst, &distinct_in_order([ENVIRONMENT, frame.row_axis()]));
         format!("{bound}{} ({place})", share_text(enough, worst.share()))
     };
