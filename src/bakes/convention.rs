@@ -195,8 +195,7 @@ listed!(
 impl Preset {
     /// Reads a user's preset from JSON. Fails on an unknown field, name or number.
     pub fn from_json(text: String) -> Result<&'static Self, String> {
-        // The text is never freed, as listed presets are not.
-        // Its line and column are not the user's.
+        // The text is never freed, as listed presets are not. Its line and column are not the user's.
         let preset: Result<Self, _> = serde_json::from_str(text.leak());
         let preset =
             preset.map_err(|error| error.to_string().split(" at line ").next().unwrap_or_default().to_owned())?;

@@ -22,15 +22,8 @@ use std::path::{Path, PathBuf};
 
 /// The axes of an experiment that change a bake. The DFG table and the irradiance map are integrals: they have no samples.
 pub const SETTINGS: &[&str] = &[
-    "brdf",
-    "masking",
-    "layout",
-    "prefilter_size",
-    "prefilter_level_count",
-    "level_mapping",
-    "prefilter_weight",
-    "dfg_size",
-    "irradiance_size",
+    "brdf", "masking", "layout", "prefilter_size", "prefilter_level_count", "level_mapping", "prefilter_weight",
+    "dfg_size", "irradiance_size",
 ];
 
 #[derive(Clone, Copy, Debug)]

@@ -39,8 +39,7 @@ pub struct Product {
 
 /// Default side of a face, texels.
 pub(super) const SIDE: u32 = 256;
-/// Side of the last level, texels. Fewer are too few for lookups at alpha 1; more leave too few levels below alpha 0.2
-/// (docs/bakes.md).
+/// Side of the last level, texels. Fewer are too few for lookups at alpha 1; more leave too few levels below alpha 0.2 (docs/bakes.md).
 pub const LAST_SIDE: u32 = 8;
 
 impl Default for Product {

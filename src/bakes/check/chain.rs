@@ -16,8 +16,7 @@ pub struct Chain {
     pub alphas: Vec<f64>,
 }
 
-/// Finds the chain whose levels have the fitted widths; `None` if it is the assumed one, if no known one fits, or if the
-/// widths are given.
+/// Finds the chain whose levels have the fitted widths; `None` if it is the assumed one, if no known one fits, or if the widths are given.
 pub fn slip(convention: &Convention, scores: &[LevelScore]) -> Option<Chain> {
     // A chain explains every level, or none.
     let is_unexplained = |score: &LevelScore| score.alpha >= fit::ALPHA_MIN && score.names("unknown");

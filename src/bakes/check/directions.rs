@@ -16,11 +16,20 @@ pub struct Directions {
     pub(super) layout: &'static MapLayout,
     pub(super) axes: Axes,
     pub(super) size: [u32; 2],
+    grid: Grid,
+}
+
+/// Places of texels: `shift` in texels from their centres, or from edge to edge of the face.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Grid {
+    pub shift: f64,
+    pub is_stretched: bool,
 }
 
 impl Directions {
     pub fn new(layout: &'static MapLayout, axes: Axes, size: [u32; 2]) -> Self {
-        let of = |index: usize| place(layout, size, index, DVec2::splat(0.5));
+        let grid = Grid::default();
+        let of = |index: usize| place(layout, size, grid, index, DVec2::splat(0.5));
         let count = layout.face_count as usize * size[0] as usize * size[1] as usize;
         let file: Vec<DVec3> = (0..count).into_par_iter().map(of).collect();
         let weights = file.iter().map(|direction| (layout.texel_solid_angle)(*direction, size, 0.0)).collect();
@@ -31,7 +40,15 @@ impl Directions {
             layout,
             axes,
             size,
+            grid,
         }
+    }
+
+    /// The same texels at other places.
+    pub fn on(&self, grid: Grid) -> Self {
+        let of = |index: &usize| self.axes.to_world(place(self.layout, self.size, grid, *index, DVec2::splat(0.5)));
+        let world = self.indices.iter().map(of).collect();
+        Self { world, weights: self.weights.clone(), indices: self.indices.clone(), grid, ..*self }
     }
 
     /// Returns face, column and row of a texel.
@@ -47,7 +64,8 @@ impl Directions {
         let mean = |index: usize| {
             let values = points
                 .iter()
-                .map(|point| value(self.axes.to_world(place(self.layout, self.size, self.indices[index], *point))));
+                .map(|point| place(self.layout, self.size, self.grid, self.indices[index], *point))
+                .map(|place| value(self.axes.to_world(place)));
             values.sum::<DVec3>() / points.len() as f64
         };
         (0..self.world.len()).into_par_iter().map(mean).collect()
@@ -79,10 +97,11 @@ impl Directions {
 }
 
 /// Returns the file's direction at a point of a texel.
-fn place(layout: &MapLayout, [width, height]: [u32; 2], index: usize, point: DVec2) -> DVec3 {
+fn place(layout: &MapLayout, [width, height]: [u32; 2], grid: Grid, index: usize, point: DVec2) -> DVec3 {
     let (w, h) = (width as usize, height as usize);
     let (face, x, y) = (index / (w * h), index % w, index / w % h);
-    let at = (DVec2::new(x as f64, y as f64) + point) / DVec2::new(width.into(), height.into());
+    let (at, size) = (DVec2::new(x as f64, y as f64) + point, DVec2::new(width.into(), height.into()));
+    let at = if grid.is_stretched { (at - 0.5) / (size - 1.0) } else { (at + grid.shift) / size };
     (layout.direction)(face as u32, at)
 }
 

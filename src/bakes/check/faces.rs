@@ -10,14 +10,8 @@ use glam::DVec3;
 const NAMES: [&str; FACE_COUNT] = ["+x", "-x", "+y", "-y", "+z", "-z"];
 
 const TURNS: [&str; 8] = [
-    "",
-    "turned by 90° clockwise",
-    "turned by 180°",
-    "turned by 90° counter-clockwise",
-    "flipped left to right",
-    "flipped top to bottom",
-    "transposed",
-    "transposed across the other diagonal",
+    "", "turned by 90° clockwise", "turned by 180°", "turned by 90° counter-clockwise", "flipped left to right",
+    "flipped top to bottom", "transposed", "transposed across the other diagonal",
 ];
 
 /// Returns the place in the right face of the texel at (x, y) of a turned one.
@@ -41,8 +35,7 @@ pub fn black(directions: &Directions, found: &[DVec3], exact: &[DVec3]) -> (Opti
     (Some(Cause { kind: "black", words: words.join("; ") }), seen)
 }
 
-/// Names the slip in the faces of a grid of texels, with the relMSE that it leaves; `None` if all faces are right, or wrong in
-/// another way.
+/// Names the slip in the faces of a grid of texels, with the relMSE that it leaves; `None` if all faces are right, or wrong in another way.
 pub fn slip(truth: &Truth, directions: &Directions, found: &[DVec3], exact: &[DVec3]) -> Option<(Cause, f64)> {
     let [width, height] = directions.size;
     let texels = found.len() / FACE_COUNT;
@@ -101,6 +94,10 @@ fn words(held: [(usize, usize); FACE_COUNT]) -> Option<String> {
         && [held[a], held[b]] == [(b, 0), (a, 0)]
     {
         return Some(format!("faces {} and {} are swapped", NAMES[a], NAMES[b]));
+    }
+    if odd.len() > 2 && (0..FACE_COUNT).all(|face| held.contains(&(face, 0))) {
+        let order = held.map(|(of, _)| NAMES[of]).join(" ");
+        return Some(format!("faces in the order {order}; expected {}", NAMES.join(" ")));
     }
     let one = |face: &usize| match held[*face] {
         (of, turn) if of == *face => format!("face {} is {}", NAMES[*face], TURNS[turn]),

@@ -19,8 +19,7 @@ const FLOOR: f64 = 0.1;
 /// A fit is clear if it leaves this many times less variance than the next.
 const CLEAR: f64 = 4.0;
 
-/// Correlation below which a map belongs to another light: bakes of the light itself reach 0.95, of other lights at
-/// most 0.8.
+/// Correlation below which a map belongs to another light: bakes of the light itself reach 0.95, of other lights at most 0.8.
 pub const SAME_LIGHT: f64 = 0.9;
 /// Correlation from which the axes explain the whole map.
 pub const SURE: f64 = 0.99;

@@ -7,7 +7,7 @@ use super::sh::{self, ShScore};
 use super::table::{self, TableScore};
 use super::{Cause, GOOD, Truth};
 use crate::bakes::convention::{Axes, Convention, PRESETS, Preset};
-use crate::bakes::parts::{Bake, Stated};
+use crate::bakes::parts::{Bake, Map, Stated};
 use crate::brdf::{Brdf, Ggx, MaskingShadowing};
 use crate::environment::Environment;
 use crate::precompute::prefilter::{Kernel, Weight};
@@ -25,6 +25,8 @@ pub struct Judged {
     pub convention: Convention,
     /// Name of each map, and its fits, best first.
     pub axes: Vec<(&'static str, Vec<AxesFit>)>,
+    /// How the file orders its texels, if that explains why the light does not fit.
+    pub order: Option<&'static str>,
     /// Finest level first.
     pub levels: Vec<LevelScore>,
     /// The chain that the widths of all levels have, unless it is the assumed one.
@@ -95,9 +97,12 @@ impl Judging {
         if let Some(map) = &bake.irradiance {
             axes.push((IRRADIANCE, guess::irradiance_axes(truth, map)));
         }
+        let fits = |map: &Map| guess::axes(truth, map, convention).is_ok_and(|fits| fits[0].correlation >= guess::SURE);
+        let other = bake.specular.iter().filter(|_| axes[0].1[0].correlation < guess::SAME_LIGHT);
+        let order = other.flat_map(Map::reordered).find(|(_, map)| fits(map)).map(|(words, _)| words);
         doing("scoring levels");
         let mut judged = scored(truth, self.brdf, bake, convention.clone())?;
-        judged.axes = axes;
+        (judged.axes, judged.order) = (axes, order);
         judged.fix_convention(truth, self.brdf, bake, &doing)?;
         Ok(judged)
     }
@@ -116,6 +121,7 @@ fn scored(truth: &Truth, brdf: &'static dyn Brdf, bake: &Bake, convention: Conve
         fixed: None,
         convention,
         axes: Vec::new(),
+        order: None,
         levels,
     })
 }
@@ -173,8 +179,9 @@ impl Judged {
         let is_like = fits[0].correlation >= guess::SAME_LIGHT && (is_sure || best.len() < guess::ALIKE_MAX);
         if is_wrong && !is_like {
             let AxesFit { axes, correlation: c } = fits[0];
-            let words =
+            let other =
                 format!("seems to be a bake of another map: the best axes, {axes}, only have correlation {c:.2}");
+            let words = self.order.map_or(other, str::to_owned);
             return Some(Doubt { words, more: hint.to_owned(), axes: None });
         }
         let own = *fits.iter().find(|fit| fit.axes == used)?;

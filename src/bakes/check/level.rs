@@ -3,12 +3,12 @@
 use super::directions::{Directions, texels};
 use super::exact::exact;
 use super::fit::{self, Fit};
-use super::light;
-use super::slip::{self, Level, Slip};
+use super::light::{self, Lit, Source};
+use super::sample::{self, Level};
+use super::slip::Slip;
 use super::{Cause, Errors, GOOD, Truth, errors, faces, has_width, relative_square, words};
 use crate::bakes::convention::{Axes, Convention};
 use crate::bakes::parts::Map;
-use crate::environment::Environment;
 use crate::environment::layout::{FilteredMap, MapLayout};
 use crate::pixels::RgbImage;
 use glam::DVec3;
@@ -52,15 +52,19 @@ pub fn score(truth: &Truth, map: &Map, convention: &Convention) -> Result<Vec<Le
     let mut means: Vec<DVec3> = sheets.iter().map(|(directions, found)| mean(directions, found)).collect();
     means.sort_by(|a, b| a.element_sum().total_cmp(&b.element_sum()));
     let lights = LazyCell::new(|| {
-        let gain = slip::usual_gain(truth, &sheets[0].0, &sheets[0].1, alphas[0]);
+        let gain = sample::usual_gain(truth, &sheets[0].0, &sheets[0].1, alphas[0]);
         let gains = if (gain - 1.0).abs() > light::SAME_MEAN { &[1.0, gain][..] } else { &[1.0] };
         light::sources(truth.environment, means[means.len() / 2], gains)
     });
     let sources = LazyCell::new(|| of_lights(truth, &lights, &alphas));
+    let sums = LazyCell::new(|| light::summed(truth.environment));
+    let summed = LazyCell::new(|| of_lights(truth, &sums, &alphas));
     let of = |(k, (directions, found)): (usize, &(Directions, Vec<DVec3>))| {
         let (faces, alpha) = (&map.levels[k], alphas[k]);
         let scale = ("--scale", convention.scale);
-        let own = Level { truth, kernel: truth.kernel, sources: &|| &sources, directions, found, alpha, scale };
+        let lit = |kind: usize| if kind == 0 { &sources[..] } else { &summed[..] };
+        let (kernel, sources, before) = (truth.kernel, &lit, &alphas[..k]);
+        let own = Level { truth, kernel, sources, directions, found, alpha, before, scale };
         let mut score = own.score(true, |alpha| level_of(convention, alphas.len(), alpha));
         if let Some(before) = k.checked_sub(1).filter(|_| score.errors.relmse > GOOD)
             && is_mip(&map.levels[before], faces)
@@ -91,8 +95,8 @@ fn is_mip(above: &[RgbImage], level: &[RgbImage]) -> bool {
 }
 
 /// The truths of other lights by the same kernel.
-fn of_lights<'l>(truth: &Truth, lights: &'l [(Cause, Environment)], alphas: &[f64]) -> Vec<(Cause, Truth<'l>)> {
-    lights.iter().map(|(cause, light)| (cause.clone(), Truth::new(light, truth.kernel, alphas))).collect()
+fn of_lights<'l>(truth: &Truth, lights: &'l [Source], alphas: &[f64]) -> Vec<Lit<'l>> {
+    lights.iter().map(|light| light.lit(truth, alphas)).collect()
 }
 
 fn mean(directions: &Directions, texels: &[DVec3]) -> DVec3 {
@@ -207,9 +211,12 @@ pub fn score_irradiance(truth: &Truth, map: &Map, convention: &Convention) -> Le
     let gains = [&[1.0], &fit::KNOWN[..]].concat();
     let lights = LazyCell::new(|| light::sources(truth.environment, mean(&directions, &found), &gains));
     let sources = LazyCell::new(|| of_lights(truth, &lights, &[]));
+    let sums = LazyCell::new(|| light::summed(truth.environment));
+    let summed = LazyCell::new(|| of_lights(truth, &sums, &[]));
     let scale = ("--irradiance-scale", convention.irradiance_scale);
-    let (sources, directions, found) = (&|| &sources[..], &directions, &found);
-    Level { truth, kernel, sources, directions, found, alpha, scale }.score(false, |_| None)
+    let lit = |kind: usize| if kind == 0 { &sources[..] } else { &summed[..] };
+    let (sources, directions, found) = (&lit, &directions, &found);
+    Level { truth, kernel, sources, directions, found, alpha, before: &[], scale }.score(false, |_| None)
 }
 
 fn level_texels(map: &Map, faces: &[RgbImage], axes: Axes, scale: f64) -> (Directions, Vec<DVec3>) {

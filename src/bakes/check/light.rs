@@ -1,7 +1,8 @@
-//! Other sources of a bake: the light with its lamps cut, another encoding, or summed without solid angles.
+//! Other sources of a bake: the light with its lamps cut, another encoding, half of it, or summed by other weights.
 
-use super::Cause;
-use super::texel::{CURVES, CUTS, Change, Cut};
+use super::texel::{CURVES, CUTS, Change, Cut, TONES};
+use super::{Cause, Truth};
+use crate::color::luminance;
 use crate::environment::Environment;
 use crate::pixels::RgbImage;
 use glam::DVec3;
@@ -11,64 +12,115 @@ use std::f64::consts::PI;
 pub const SAME_MEAN: f64 = 0.02;
 /// Texels below this share of a cut are not cut.
 pub const UNCUT: f64 = 0.98;
+/// Rows of a map whose mean is searched.
+const ROWS: u32 = 64;
 
 pub fn rounded(x: f64) -> f64 {
     let digits = 10.0_f64.powf(2.0 - x.max(1e-9).log10().floor());
     (x * digits).round() / digits
 }
 
+/// Another source, and what its convolution is divided by.
+pub struct Source {
+    pub cause: Cause,
+    pub light: Environment,
+    pub whole: Option<Environment>,
+}
+
+/// The truths of a [`Source`].
+pub struct Lit<'l> {
+    pub cause: Cause,
+    pub truth: Truth<'l>,
+    pub whole: Option<Truth<'l>>,
+}
+
+impl Source {
+    fn new(of: &Environment, words: String, image: RgbImage, whole: Option<RgbImage>) -> Self {
+        let named = |image: RgbImage| Environment::from_image(of.name.clone(), image);
+        Self { cause: Cause { kind: "source", words }, light: named(image), whole: whole.map(named) }
+    }
+
+    pub fn lit(&self, truth: &Truth, alphas: &[f64]) -> Lit<'_> {
+        let of = |light| Truth::new(light, truth.kernel, alphas);
+        Lit { cause: self.cause.clone(), truth: of(&self.light), whole: self.whole.as_ref().map(of) }
+    }
+}
+
+/// Finds where a rising function comes nearest to a value, by its logarithm.
+pub fn solved([mut low, mut high]: [f64; 2], value: f64, of: impl Fn(f64) -> f64) -> f64 {
+    for _ in 0..24 {
+        let middle = f64::sqrt(low * high);
+        if of(middle) > value { high = middle } else { low = middle }
+    }
+    if value - of(low) < of(high) - value { low } else { high }
+}
+
+/// The words of a curve at an exposure.
+pub fn exposed(words: &str, exposure: f64) -> String {
+    if (exposure - 1.0).abs() < 0.02 { words.to_owned() } else { format!("{words}, exposed by {}", rounded(exposure)) }
+}
+
 /// Lists changed maps whose mean is a bake's over a gain: convolutions keep the mean.
-pub fn sources(environment: &Environment, mean: DVec3, gains: &[f64]) -> Vec<(Cause, Environment)> {
+pub fn sources(environment: &Environment, mean: DVec3, gains: &[f64]) -> Vec<Source> {
     let image = &environment.image;
-    let [by_channel, by_hue] = &CUTS;
-    let changed = |(cut, most): (Cut, f64), curve: Option<Change>| {
-        move |texel: [f32; 3]| {
-            let x = cut(DVec3::from_array(texel.map(f64::from)), most);
-            curve.map_or(x, |curve| curve(x))
-        }
-    };
-    let mean_of = |cut: (Cut, f64), curve: Option<Change>| {
+    let mean_of = |step: u32, change: &dyn Fn(DVec3, u32) -> DVec3| {
         let (mut sum, mut whole) = (DVec3::ZERO, 0.0);
-        let step = if curve.is_some() { image.height.div_ceil(512) as usize } else { 1 };
-        for (y, row) in image.data.chunks_exact(image.width as usize).enumerate().step_by(step) {
-            let weight = (PI * (y as f64 + 0.5) / f64::from(image.height)).sin();
-            whole += weight * row.len() as f64;
-            sum += weight * row.iter().map(|texel| changed(cut, curve)(*texel)).sum::<DVec3>();
+        for y in (0..image.height).step_by(step as usize) {
+            let weight = (PI * (f64::from(y) + 0.5) / f64::from(image.height)).sin();
+            whole += weight * f64::from(image.width);
+            let texel = |x| DVec3::from_array(image.get(x, y).map(f64::from));
+            sum += weight * (0..image.width).map(|x| change(texel(x), y)).sum::<DVec3>();
         }
         sum / whole
     };
-    let largest = image.data.iter().flatten().fold(1e-3, |most: f32, x| most.max(*x)).into();
+    let largest: f64 = image.data.iter().flatten().fold(1e-3, |most: f32, x| most.max(*x)).into();
     let is_same = |own: DVec3, mean: DVec3| (own - mean).abs().cmple(SAME_MEAN * mean).all();
-    let cut_by = |gain: f64, (hue, cut): &(&str, Cut)| {
-        let (mut low, mut high) = (1e-3, largest);
-        for _ in 0..24 {
-            let middle = f64::sqrt(low * high);
-            let is_more = mean_of((*cut, middle), None).element_sum() > mean.element_sum() / gain;
-            if is_more { high = middle } else { low = middle }
-        }
-        let ldr = if hue.is_empty() && (high - 1.0).abs() < 0.05 { ": LDR" } else { "" };
-        let is_cut = high < UNCUT * largest && is_same(mean_of((*cut, high), None), mean / gain);
-        is_cut.then(|| (format!("cut at {}{hue}{ldr}", rounded(high)), (*cut, high), None))
+    let source = |words: String, change: &dyn Fn(DVec3, u32) -> DVec3| {
+        let texel = |x, y| change(DVec3::from_array(image.get(x, y).map(f64::from)), y).as_vec3().to_array();
+        Source::new(environment, words, RgbImage::from_fn(image.width, image.height, texel), None)
     };
-    let curves = CURVES.iter().flat_map(|(words, curve)| {
-        let cut = |most: f64| (by_channel.1, most);
-        [((*words).to_owned(), cut(largest), Some(*curve)), (format!("cut at 1 and {words}"), cut(1.0), Some(*curve))]
+    let cut_by = |gain: f64, (how, cut): &(&str, Cut)| {
+        let value = mean.element_sum() / gain;
+        let most = solved([1e-3, largest], value, |most| mean_of(1, &|x, _| cut(x, most)).element_sum());
+        let ldr = if how.is_empty() && (most - 1.0).abs() < 0.05 { ": LDR" } else { "" };
+        let change = |x: DVec3, _: u32| cut(x, most);
+        let is_cut = cut(DVec3::splat(largest), most).x < UNCUT * largest && is_same(mean_of(1, &change), mean / gain);
+        is_cut.then(|| source(format!("source cut at {}{how}{ldr}", rounded(most)), &change))
+    };
+    let alike = |words: String, change: &dyn Fn(DVec3, u32) -> DVec3| {
+        is_same(mean_of(image.height.div_ceil(8 * ROWS), change), mean).then(|| source(words, change))
+    };
+    let coded = |(words, curve): &(&str, Change)| {
+        let whole = alike(format!("source {words}"), &|x, _| curve(x));
+        whole.into_iter().chain(alike(format!("source cut at 1 and {words}"), &|x, _| curve(x.min(DVec3::ONE))))
+    };
+    let toned = |(words, curve): &(&str, Change)| {
+        let of = |exposure: f64| mean_of(image.height.div_ceil(ROWS), &|x, _| curve(exposure * x)).element_sum();
+        let exposure = solved([1e-3, 1e3], mean.element_sum(), of);
+        alike(format!("source {}", exposed(words, exposure)), &|x, _| curve(exposure * x))
+    };
+    let halves = ["upper", "lower"].into_iter().enumerate().filter_map(|(side, name)| {
+        let is_black = |y: u32| usize::from(2 * y >= image.height) == side;
+        alike(format!("source without its {name} half"), &|x, y| if is_black(y) { DVec3::ZERO } else { x })
     });
-    let alike = curves.filter(|(_, cut, curve)| is_same(mean_of(*cut, *curve), mean));
-    let cuts = gains.iter().flat_map(|gain| [by_channel, by_hue].into_iter().filter_map(|cut| cut_by(*gain, cut)));
-    let source = |(words, cut, curve): (String, (Cut, f64), Option<Change>)| {
-        let image = image.map(|texel| changed(cut, curve)(texel).as_vec3().to_array());
-        let cause = Cause { kind: "source", words: format!("source {words}") };
-        (cause, Environment::from_image(environment.name.clone(), image))
-    };
-    cuts.chain(alike).map(source).collect()
+    let cuts = gains.iter().flat_map(|gain| CUTS.iter().filter_map(|cut| cut_by(*gain, cut)));
+    cuts.chain(halves).chain(CURVES.iter().flat_map(coded)).chain(TONES.iter().filter_map(toned)).collect()
 }
 
-/// A map whose mean over the sphere is the sum over the pixels of another one, without their solid angles.
-pub fn without_solid_angles(environment: &Environment) -> (Cause, Environment) {
-    let (image, name) = (&environment.image, environment.name.clone());
-    let sin = |y: u32| (PI * (f64::from(y) + 0.5) / f64::from(image.height)).sin() as f32;
-    let over_sin = RgbImage::from_fn(image.width, image.height, |x, y| image.get(x, y).map(|value| value / sin(y)));
-    let words = "source summed without the solid angle of its pixels, sin θ".to_owned();
-    (Cause { kind: "source", words }, Environment::from_image(name, over_sin))
+/// The sums over the pixels of a map without their solid angles, and by weights against bright pixels.
+pub fn summed(environment: &Environment) -> Vec<Source> {
+    let image = &environment.image;
+    let over_sin = |y: u32| 1.0 / (PI * (f64::from(y) + 0.5) / f64::from(image.height)).sin() as f32;
+    let dark = |x: u32, y: u32| (1.0 / (1.0 + luminance(image.get(x, y)))) as f32;
+    let by = |weight: &dyn Fn(u32, u32) -> f32| {
+        let of = |value: &dyn Fn(u32, u32) -> [f32; 3]| {
+            RgbImage::from_fn(image.width, image.height, |x, y| value(x, y).map(|value| weight(x, y) * value))
+        };
+        [of(&|x, y| image.get(x, y)), of(&|_, _| [1.0; 3])]
+    };
+    let ([sum, angles], [darker, weights]) = (by(&|_, y| over_sin(y)), by(&dark));
+    let words = "source summed without the solid angle of its pixels, sin θ";
+    let karis = "samples weighted by 1/(1 + luminance), as against fireflies";
+    let of = |words: &str, image: RgbImage, whole| Source::new(environment, words.to_owned(), image, whole);
+    vec![of(words, sum.clone(), None), of(words, sum, Some(angles)), of(karis, darker, Some(weights))]
 }

@@ -12,6 +12,8 @@ pub mod guess;
 mod judge;
 pub mod level;
 mod light;
+mod lobe;
+mod sample;
 mod scores;
 pub mod sh;
 pub mod slip;

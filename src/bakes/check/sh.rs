@@ -3,7 +3,7 @@
 use super::directions::Directions;
 use super::fit;
 use super::level::{DOUBT, GOOD_WORDS};
-use super::light;
+use super::light::{self, Source};
 use super::slip::BETTER;
 use super::texel::{Change, ORDERS};
 use super::{Cause, EXPLAINED, Errors, GOOD, Truth, errors, words};
@@ -26,11 +26,14 @@ const LEAST: f64 = 1e-6;
 const PLAIN: [usize; COUNT] = [0, 1, 2, 3, 4, 5, 6, 7, 8];
 /// A form without the constants of the basis, as of cmgen's `--sh-irradiance`.
 const UNSCALED: &str = "not pre-scaled by the factors of the basis";
+/// A form of nine numbers a channel, one channel after the other.
+const PLANAR: &str = "numbers of one channel after the other; expected triples";
 /// The orders of other programs: the file's number of each coefficient of ours, and the sign of odd m.
 static FORMS: &[(&str, [usize; COUNT], f64)] = &[
     ("", PLAIN, 1.0),
     ("odd m have the other sign, as by Condon and Shortley", PLAIN, -1.0),
     (UNSCALED, PLAIN, 1.0),
+    (PLANAR, PLAIN, 1.0),
     ("each degree is in the order m = l to -l", [0, 3, 2, 1, 8, 7, 6, 5, 4], 1.0),
     ("degree 1 is in the order x, y, z; expected y, z, x", [0, 2, 3, 1, 4, 5, 6, 7, 8], 1.0),
     ("degree 1 is in the order x, z, y; expected y, z, x", [0, 3, 2, 1, 4, 5, 6, 7, 8], 1.0),
@@ -65,20 +68,19 @@ pub fn score(truth: &Truth, found: &Coefficients, axes: Axes) -> ShScore {
     // Other light, up to a gain.
     let off =
         |exact: &Sh9, gain: f64| -> f64 { own.iter().zip(exact).map(|(a, b)| (*a - gain * *b).length_squared()).sum() };
-    let fits = |(_, light): &(Cause, Environment)| {
-        let other = project_bilinear(&quadrature(light));
+    let fits = |source: &Source| {
+        let other = project_bilinear(&quadrature(&source.light));
         let [product, square] =
             own.iter().zip(&other).fold([0.0; 2], |[p, s], (a, b)| [p + a.dot(*b), s + b.length_squared()]);
         off(&other, product / square) <= SAME_LIGHT * off(&[DVec3::ZERO; COUNT], 0.0)
     };
     let mean = own[0] * basis(DVec3::Y)[0];
     let lights = || {
-        light::sources(truth.environment, mean, &[1.0])
-            .into_iter()
-            .chain([light::without_solid_angles(truth.environment)])
+        let summed = light::summed(truth.environment).into_iter().filter(|source| source.whole.is_none());
+        light::sources(truth.environment, mean, &[1.0]).into_iter().chain(summed)
     };
     let other = (errors.relmse > GOOD).then(|| lights().find(fits)).flatten();
-    let causes = other.map_or(causes, |(cause, _)| vec![cause]);
+    let causes = other.map_or(causes, |source| vec![source.cause]);
     let verdict = if errors.relmse <= GOOD { GOOD_WORDS.to_owned() } else { words(&causes) };
     ShScore { errors, max_error, causes, verdict }
 }
@@ -99,6 +101,10 @@ fn causes(found: &Coefficients, own: &Sh9, exact: &Sh9, axes: Axes) -> Vec<Cause
                 // Every second one has an odd m.
                 let (from, sign) = (order[k], if k % 2 == 1 { *odd } else { 1.0 });
                 let factor = if *form == UNSCALED { scaled[k] * PI / COSINE_LOBE[DEGREE[k]] } else { 1.0 };
+                if *form == PLANAR {
+                    let number = |at: usize| found.radiance[at / 3][at % 3] * found.factors[at / 3];
+                    return DVec3::new(number(k), number(COUNT + k), number(2 * COUNT + k)) / found.factors[k];
+                }
                 factor * sign * found.radiance[from] * (found.factors[from] / found.factors[k])
             });
             let turned = turned(&radiance, |world| other.to_file(world));
@@ -141,6 +147,7 @@ fn factors(window: [f64; 3]) -> Option<Cause> {
         () if (window[0] - 1.0).abs() < 0.05 => {
             let words = match two {
                 0.0..0.005 if (one - 1.0).abs() < 0.005 => "degree 2 is missing".to_owned(),
+                _ if one.max(two) > 1.02 => format!("degree 1 times {one:.2}, degree 2 times {two:.2}"),
                 _ => format!("windowed against ringing: degree 1 times {one:.2}, degree 2 times {two:.2}"),
             };
             Cause { kind: "window", words }

@@ -3,15 +3,12 @@
 //! Each known slip is put into the exact level, and the result is compared with the file. The slip that comes nearest is
 //! named if it leaves at most `EXPLAINED` of the error, and at most `CLOSE`; two slips, if one leaves the level wrong.
 
-use super::directions::Directions;
-use super::exact::{exact, mirror};
-use super::light::{SAME_MEAN, UNCUT, rounded, without_solid_angles};
-use super::texel::{COPIES, CURVES, CUTS, Change, ORDERS, PACKINGS, RGBM, rgbm};
-use super::{Cause, EXPLAINED, Truth, errors, faces, fit, has_width};
-use crate::brdf::MODELS;
-use crate::environment::Environment;
-use crate::precompute::prefilter::{Kernel, WEIGHTS, harmonic};
-use glam::{DQuat, DVec3};
+use super::light::{SAME_MEAN, UNCUT, exposed, rounded, solved};
+use super::sample::{Level, Sample, Slipped};
+use super::texel::{COLORS, COPIES, CURVES, CUTS, Change, ORDERS, PACKINGS, RGBM, TONES, rgbm};
+use super::{Cause, EXPLAINED, GOOD, faces, fit, has_width};
+use crate::precompute::prefilter::{Kernel, harmonic};
+use glam::{DMat3, DQuat, DVec3};
 
 #[derive(Clone, Debug, PartialEq)]
 pub struct Slip {
@@ -21,14 +18,6 @@ pub struct Slip {
     pub relmse: f64,
 }
 
-impl Slip {
-    pub fn one(kind: &'static str, words: String, [left, relmse]: [f64; 2]) -> Self {
-        Self { causes: vec![Cause { kind, words }], left, relmse }
-    }
-}
-
-/// Approximate number of texels that are compared.
-const TEXELS: usize = 864;
 /// Largest relMSE that a slip may leave: 10 % rms.
 const CLOSE: f64 = 0.01;
 /// relMSE above which a second slip is tried: 1 % rms.
@@ -37,58 +26,8 @@ const ENOUGH: f64 = 1e-4;
 const SURE: f64 = 1e-6;
 /// Largest share of one slip's rest that two may leave.
 pub const BETTER: f64 = 0.3;
-/// Step of the turns about y that are tried, degrees, and the bisections around the best.
-const TURN_STEP: f64 = 5.0;
-const TURNS_REFINED: u32 = 8;
-/// Points per side of a mirror level's texel.
-const MIRROR_POINTS: u32 = 3;
 /// Smallest ratio of two channels' gains that is a slip.
 const CHANNELS_APART: f64 = 1.02;
-/// Smallest turn that is a slip, degrees.
-const TURN_MIN: f64 = 0.5;
-
-/// Returns the median ratio of a level and its integral: a gain, if only lamps were cut.
-pub fn usual_gain(truth: &Truth, directions: &Directions, found: &[DVec3], alpha: f64) -> f64 {
-    let chosen = directions.grid(TEXELS);
-    let right = exact(truth, truth.kernel, &directions.only(&chosen), alpha);
-    let ratio = |(index, right): (&usize, &DVec3)| found[*index].element_sum() / right.element_sum().max(1e-12);
-    let mut ratios: Vec<f64> = chosen.iter().zip(&right).map(ratio).collect();
-    ratios.sort_by(f64::total_cmp);
-    ratios[ratios.len() / 2].max(1e-12)
-}
-
-/// A level as its file has it.
-#[derive(Clone, Copy)]
-pub struct Level<'t, 'd> {
-    pub truth: &'t Truth<'t>,
-    pub kernel: Kernel,
-    /// Returns truths of other sources with the same mean.
-    pub sources: &'t dyn Fn() -> &'t [(Cause, Truth<'t>)],
-    pub directions: &'d Directions,
-    pub found: &'d [DVec3],
-    pub alpha: f64,
-    /// The flag that scales the file, and its value.
-    pub scale: (&'static str, f64),
-}
-
-/// Values that a file with some slips would have.
-#[derive(Clone)]
-struct Slipped {
-    causes: Vec<Cause>,
-    values: Vec<DVec3>,
-}
-
-impl Slipped {
-    fn one(kind: &'static str, words: String, values: Vec<DVec3>) -> Self {
-        Self { causes: vec![Cause { kind, words }], values }
-    }
-
-    fn with(&self, kind: &'static str, words: String, change: impl Fn(DVec3) -> DVec3) -> Self {
-        let cause = Cause { kind, words };
-        let causes = self.causes.iter().cloned().chain([cause]).collect();
-        Self { causes, values: self.values.iter().map(|x| change(*x)).collect() }
-    }
-}
 
 impl Level<'_, '_> {
     /// Describes a gain with the flag that fixes it.
@@ -107,24 +46,26 @@ impl Level<'_, '_> {
     /// Returns the slips that leave least, if they explain the level clearly better than its fit, which leaves a share.
     pub fn slip(&self, fit_left: f64) -> Option<Slip> {
         if self.found.iter().all(|texel| *texel == DVec3::ZERO) {
-            return Some(Slip::one("black", "every texel is black".to_owned(), [0.0; 2]));
+            let causes = vec![Cause { kind: "black", words: "every texel is black".to_owned() }];
+            return Some(Slip { causes, left: 0.0, relmse: 0.0 });
         }
         let sample = Sample::new(self);
-        // Without error there is nothing to explain.
-        let right = Slipped { causes: Vec::new(), values: sample.of(self.truth, self.kernel) };
+        let right = Slipped { causes: Vec::new(), values: sample.right(&sample.directions, DQuat::IDENTITY) };
         let own = sample.off(&sample.found, &right.values);
         let (mut one, mut two): (Option<Slip>, Option<Slip>) = (None, None);
-        let is_enough = |left: f64| left <= EXPLAINED && left * own <= ENOUGH;
+        let explains = |left: f64, most: f64| left <= EXPLAINED && left * own <= most;
         let left = |slip: &Option<Slip>| slip.as_ref().map_or(1.0, |slip| slip.left);
         // What takes longer is tried only if it is needed.
-        for stage in 0..3 {
-            if is_enough(left(&one)) || fit_left * own <= SURE {
+        for stage in 0..4 {
+            let known = left(&one).min(left(&two)).min(fit_left);
+            if explains(left(&one), ENOUGH) || fit_left * own <= SURE || stage == 3 && explains(known, GOOD) {
                 break;
             }
             let bases = match stage {
                 0 => vec![right.clone()],
-                1 => [sample.kernels(), sample.sources()].concat(),
-                _ => sample.turn().into_iter().chain(sample.sources_by_others()).collect(),
+                1 => [sample.kernels(), sample.grids(), sample.sources(0)].concat(),
+                2 => [sample.turns(), sample.sources_by_others()].concat(),
+                _ => sample.sources(1),
             };
             for (causes, off) in bases.into_iter().flat_map(|base| sample.finished(sample.coded(base))) {
                 let best = if causes.len() == 1 { &mut one } else { &mut two };
@@ -134,156 +75,26 @@ impl Level<'_, '_> {
             }
         }
         let known = left(&one).min(fit_left);
-        let two = two.filter(|slip| !is_enough(known) && slip.left < BETTER * known);
+        let two = two.filter(|slip| !explains(known, ENOUGH) && slip.left < BETTER * known);
         let best = two.or(one.filter(|slip| slip.left < 0.5 * fit_left))?;
         // For another map, a slip that flattens the level leaves a small part of a huge error.
-        (best.left <= EXPLAINED && best.left * own <= CLOSE).then_some(best)
+        explains(best.left, CLOSE).then_some(best)
     }
 }
 
-struct Sample<'a, 't> {
-    level: &'a Level<'t, 'a>,
-    directions: Directions,
-    found: Vec<DVec3>,
-    /// Largest value of the level.
-    most: f64,
-}
-
-impl<'a, 't> Sample<'a, 't> {
-    fn new(level: &'a Level<'t, 'a>) -> Self {
-        let chosen = level.directions.grid(TEXELS);
-        let found = chosen.iter().map(|index| level.found[*index]).collect();
-        let most = level.found.iter().map(|texel| texel.max_element()).fold(0.0, f64::max);
-        Self { level, directions: level.directions.only(&chosen), found, most }
-    }
-
-    /// The right texels by a light and a kernel.
-    fn of(&self, truth: &Truth, kernel: Kernel) -> Vec<DVec3> {
-        exact(truth, kernel, &self.directions, self.level.alpha)
-    }
-
-    fn off(&self, found: &[DVec3], slipped: &[DVec3]) -> f64 {
-        errors(&self.directions, found, slipped, self.level.truth.epsilon(), 1.0).relmse
-    }
-
-    fn is_irradiance(&self) -> bool {
-        self.level.kernel.brdf.name() != self.level.truth.kernel.brdf.name()
-    }
-
-    /// Other weights and models; for irradiance, the mean over the hemisphere.
-    fn other_kernels(&self) -> Vec<(Cause, Kernel)> {
-        let Kernel { brdf, weight, masking } = self.level.kernel;
-        if !has_width(self.level.alpha) {
-            return Vec::new();
-        }
-        let is_irradiance = self.is_irradiance();
-        let others = WEIGHTS.iter().filter(|other| other.name != weight.name);
-        let weights = others.filter(|other| !is_irradiance || other.name == "none").map(|other| {
-            let words = format!("weighted otherwise: --weight {}", other.name);
-            let words = if is_irradiance { "not weighted by the cosine".to_owned() } else { words };
-            (Cause { kind: "weight", words }, Kernel::new(brdf, other, masking))
-        });
-        let models = MODELS.iter().filter(|other| !is_irradiance && other.name() != brdf.name()).map(|other| {
-            let words = format!("of another model: --brdf {}", other.name());
-            (Cause { kind: "model", words }, Kernel::new(*other, weight, masking))
-        });
-        weights.chain(models).collect()
-    }
-
-    /// Levels by another kernel, and the map itself at the level's size.
-    fn kernels(&self) -> Vec<Slipped> {
-        if self.is_irradiance() {
-            return [self.by_other_kernels(), self.without_solid_angles()].concat();
-        }
-        if !has_width(self.level.alpha) {
-            return Vec::new();
-        }
-        let plain = mirror(self.level.truth.environment, &self.directions);
-        let plain = Slipped::one("mips", "plain mips: not prefiltered".to_owned(), plain);
-        let words = "half vectors taken as l: reflect v about them".to_owned();
-        [self.by_other_kernels(), vec![plain, Slipped::one("model", words, self.by_half_vectors())]].concat()
-    }
-
-    fn by_other_kernels(&self) -> Vec<Slipped> {
-        let of = |(cause, other)| Slipped { causes: vec![cause], values: self.of(self.level.truth, other) };
-        self.other_kernels().into_iter().map(of).collect()
-    }
-
-    /// Irradiance of a plain sum over pixels, and of that sum over the sum of the cosines.
-    fn without_solid_angles(&self) -> Vec<Slipped> {
-        let Level { truth, kernel, .. } = *self.level;
-        let even = Environment::from_image("even", truth.environment.image.map(|_| [1.0; 3]));
-        let [(cause, summed), (_, whole)] = [truth.environment, &even].map(without_solid_angles);
-        let [summed, whole] = [summed, whole].map(|light| self.of(&Truth::new(&light, kernel, &[]), kernel));
-        let mean = summed.iter().zip(&whole).map(|(sum, whole)| *sum / *whole).collect();
-        [summed, mean].map(|values| Slipped { causes: vec![cause.clone()], values }).to_vec()
-    }
-
-    /// The level with density `D(l) n·l` for `D(h)/4`.
-    fn by_half_vectors(&self) -> Vec<DVec3> {
-        let Level { truth, kernel, alpha, .. } = *self.level;
-        let d = |cos: f64| kernel.brdf.d(DVec3::new((1.0 - cos * cos).max(0.0).sqrt(), 0.0, cos), alpha);
-        let weight = |cos: f64| kernel.weight(alpha, cos) * cos * d(cos) / d((0.5 * (1.0 + cos)).sqrt());
-        let map =
-            truth.harmonics.convolved(&harmonic::factors_of(kernel.brdf, alpha, truth.harmonics.degree(), weight));
-        self.directions.world.iter().map(|world| map.value(*world)).collect()
-    }
-
-    fn sources(&self) -> Vec<Slipped> {
-        let of = |(cause, truth): &(Cause, Truth)| Slipped {
-            causes: vec![cause.clone()],
-            values: self.of(truth, self.level.kernel),
-        };
-        (self.level.sources)().iter().map(of).collect()
-    }
-
-    /// Levels of the likeliest other source by other kernels. Each further source takes a second.
-    fn sources_by_others(&self) -> Vec<Slipped> {
-        let Some((source, truth)) = (self.level.sources)().first() else { return Vec::new() };
-        let of = |(other, kernel)| Slipped { causes: vec![source.clone(), other], values: self.of(truth, kernel) };
-        self.other_kernels().into_iter().map(of).collect()
-    }
-
-    /// A turn about y that is not a quarter: the offset of a lat-long map.
-    fn turn(&self) -> Option<Slipped> {
-        let truth = self.level.truth;
-        let map = has_width(self.level.alpha).then(|| truth.prefiltered_by(self.level.kernel, self.level.alpha));
-        let turned = |degrees: f64| {
-            let turn = DQuat::from_rotation_y(degrees.to_radians());
-            match &map {
-                Some(map) => self.directions.world.iter().map(|world| map.value(turn * *world)).collect(),
-                None => self.directions.means(MIRROR_POINTS, |world| truth.environment.radiance(turn * world)),
-            }
-        };
-        let scored = |degrees: f64| {
-            let values: Vec<DVec3> = turned(degrees);
-            let gain = self.gain(&values);
-            (degrees, self.off(&self.found, &values.iter().map(|x| gain * *x).collect::<Vec<_>>()))
-        };
-        let nearer = |a: (f64, f64), b: (f64, f64)| if b.1 < a.1 { b } else { a };
-        let mut best = (0..(360.0 / TURN_STEP) as u32).map(|k| scored(TURN_STEP * f64::from(k))).reduce(nearer)?;
-        let mut step = 0.5 * TURN_STEP;
-        for _ in 0..TURNS_REFINED {
-            best = nearer(nearer(best, scored(best.0 - step)), scored(best.0 + step));
-            step *= 0.5;
-        }
-        let degrees = (best.0 + 180.0).rem_euclid(360.0) - 180.0;
-        let words = format!("turned by {degrees:.0}° about y: lat-long offset {:.3}", degrees / 360.0);
-        (degrees.abs() >= TURN_MIN).then(|| Slipped::one("turn", words, turned(best.0)))
-    }
-
+impl Sample<'_, '_> {
     /// The same with another order of channels, another encoding, or both; at most two slips.
     fn coded(&self, base: Slipped) -> Vec<Slipped> {
         let order =
             |(words, change): &(&str, Change)| base.with("channels", format!("channels in the order {words}"), change);
         let orders: Vec<Slipped> = ORDERS.iter().map(order).collect();
         let mut all: Vec<Slipped> = match base.causes.len() {
-            0 => COPIES.iter().map(|(words, change)| base.with("channels", (*words).to_owned(), change)).collect(),
+            0 => self.colors(&base),
             1 => Vec::new(),
             _ => vec![base.clone()],
         };
         for base in orders.into_iter().chain([base]).filter(|base| base.causes.len() < 2) {
-            for (words, change) in CURVES.iter().chain(PACKINGS) {
+            for (words, change) in CURVES.iter().chain(TONES).chain(PACKINGS) {
                 all.push(base.with("encoding", (*words).to_owned(), change));
             }
             for &(range, exponent) in RGBM {
@@ -296,8 +107,20 @@ impl<'a, 't> Sample<'a, 't> {
         all
     }
 
-    fn gain(&self, values: &[DVec3]) -> f64 {
-        fit::gain(&self.directions, &self.found, values, self.level.truth.epsilon())
+    /// One channel in all, other primaries, and curves of the exposure that gives the level's mean.
+    fn colors(&self, base: &Slipped) -> Vec<Slipped> {
+        let copies = COPIES.iter().map(|(words, change)| base.with("channels", (*words).to_owned(), change));
+        let colors = COLORS.iter().flat_map(|(name, rows)| {
+            let to = DMat3::from_cols_array_2d(rows).transpose();
+            [("to", to), ("from", to.inverse())]
+                .map(|(way, matrix)| base.with("colors", format!("converted {way} {name}"), |x| matrix * x))
+        });
+        let tones = TONES.iter().map(|(words, curve)| {
+            let of = |exposure: f64| self.sum(&base.values.iter().map(|x| curve(exposure * *x)).collect::<Vec<_>>());
+            let exposure = solved([1e-3, 1e3], self.sum(&self.found), of);
+            base.with("encoding", exposed(words, exposure), |x| curve(exposure * x))
+        });
+        copies.chain(colors).chain(tones).collect()
     }
 
     /// Adds a gain, gains by channel, a cut or moved faces to those with fewer than two slips. Returns what each leaves.
@@ -320,10 +143,7 @@ impl<'a, 't> Sample<'a, 't> {
                     all.extend(CUTS.map(|(_, cut)| from.with("cut", cut_words.clone(), |x| cut(x, most))));
                 }
                 // Moved faces keep the mean.
-                let sum = |texels: &[DVec3]| -> f64 {
-                    texels.iter().zip(&self.directions.weights).map(|(x, weight)| weight * x.element_sum()).sum()
-                };
-                let gain = sum(&self.found) / sum(&slipped.values).max(1e-12);
+                let gain = self.sum(&self.found) / self.sum(&slipped.values).max(1e-12);
                 let gained = slipped.causes.is_empty().then(|| with_gain(&slipped, gain));
                 for from in [Some(&slipped), gained.as_ref()].into_iter().flatten() {
                     let moved = faces::slip(self.level.truth, &self.directions, &self.found, &from.values);

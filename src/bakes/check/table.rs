@@ -6,7 +6,7 @@ use crate::brdf::{Brdf, MaskingShadowing, alpha_from_perceptual_roughness};
 use crate::color::{srgb_curve, srgb_decode};
 use crate::glsl::constants::ALPHA_MIN;
 use crate::pixels::RgbImage;
-use crate::precompute::dfg::reference::dfg_masked_by;
+use crate::precompute::dfg::reference::{dfg_by, dfg_masked_by};
 use crate::spelling::Listed;
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
@@ -44,6 +44,9 @@ const SEARCHED_WITHIN: f64 = 1e-3;
 /// Narrowest lobe that is integrated.
 const NARROWEST: f64 = 1e-6;
 
+/// Below this n·v the mean of few samples errs most.
+const GRAZING: f64 = 0.5;
+
 /// Largest error of a good table: a step of 8 bits.
 const GOOD: f64 = 1.0 / 255.0;
 
@@ -69,7 +72,14 @@ pub fn score(table: &RgbImage, brdf: &'static dyn Brdf, convention: &Convention)
     let (worst, max_error, _) =
         errors.iter().copied().max_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or((DVec2::ZERO, 0.0, 0.0));
     let rms = (errors.iter().map(|(_, _, square)| square).sum::<f64>() / errors.len() as f64).sqrt();
-    let cause = (max_error > GOOD).then(|| explained(table, brdf, convention, [rms, max_error]));
+    let is_good_beyond = errors.iter().all(|(at, error, _)| at.x < GRAZING || *error <= GOOD);
+    let cause = (max_error > GOOD).then(|| match explained(table, brdf, convention, [rms, max_error]) {
+        Cause { kind: "unknown", .. } if is_good_beyond => {
+            let words = format!("too few samples: beyond n·v {GRAZING} it is within a step of 8 bits");
+            Cause { kind: "noise", words }
+        }
+        cause => cause,
+    });
     let verdict = cause.as_ref().map_or("good: below 1/255, a step of 8 bits", |cause| &cause.words).to_owned();
     TableScore { max_error, rms, worst, count: errors.len(), causes: cause.into_iter().collect(), verdict }
 }
@@ -82,8 +92,10 @@ fn explained(table: &RgbImage, brdf: &'static dyn Brdf, convention: &Convention,
         ("--table-channels", found.channels.name, table_channels.name),
         ("--masking", found.masking.name(), masking.name()),
     ];
-    let other = flags.iter().filter(|(_, found, own)| found != own);
-    let other: String = other.map(|(flag, found, _)| format!(" {flag} {found}")).collect();
+    let others = |flags: &[(&str, &str, &str)]| -> String {
+        flags.iter().filter(|(_, found, own)| found != own).map(|(flag, found, _)| format!(" {flag} {found}")).collect()
+    };
+    let other = others(&flags);
     if !other.is_empty() && found.rms < (0.5 * rms).min(FITS) {
         return Cause { kind: "convention", words: format!("fits{other}; rms {:.1e}", found.rms) };
     }
@@ -106,6 +118,24 @@ fn explained(table: &RgbImage, brdf: &'static dyn Brdf, convention: &Convention,
     let own = rms_by(table_axes, table_channels, &(None, none, none));
     let all: Vec<f64> = readings.par_iter().map(|read| rms_by(table_axes, table_channels, read)).collect();
     let best = (0..all.len()).min_by(|a, b| all[*a].total_cmp(&all[*b])).expect("readings");
+    let most = places.iter().map(|place| place.texel.max_element()).fold(0.0, f64::max);
+    let by_integral = |(_, other, of_masking, facet): &Integral| {
+        let square = |place: &Place| {
+            let at = table_axes.parameters(place.uv).clamp(DVec2::splat(1e-3), DVec2::ONE);
+            let (widths, masking) = ([width(at.y), of_masking(at.y)], other.unwrap_or(*masking));
+            let facet = |v_dot_h, n_dot_h| facet(v_dot_h, n_dot_h, at.x);
+            let found = dfg_by(brdf, masking, at.x, widths, SEARCHED_WITHIN, facet);
+            // Other integrals may exceed 1, where an image of integers is cut.
+            let cut = DVec2::new(found.f0_scale, found.f90_scale).min(DVec2::splat(most));
+            ((table_channels.pair)(place.texel) - cut).length_squared()
+        };
+        (0.5 * places.iter().map(square).sum::<f64>() / places.len() as f64).sqrt()
+    };
+    let integrals: Vec<f64> = INTEGRALS.par_iter().map(by_integral).collect();
+    let least = (0..integrals.len()).min_by(|a, b| integrals[*a].total_cmp(&integrals[*b])).expect("integrals");
+    if integrals[least] < (0.5 * own.min(all[best])).min(FITS) {
+        return Cause { kind: "integral", words: INTEGRALS[least].0.to_owned() };
+    }
     if all[best] < 0.5 * own {
         let share = 100.0 * (all[best] / own);
         let (reading, shift, stretch) = readings[best];
@@ -117,28 +147,12 @@ fn explained(table: &RgbImage, brdf: &'static dyn Brdf, convention: &Convention,
         READINGS.iter().map(|reading| (rms_by(found.axes, found.channels, &(Some(reading), none, none)), reading));
     let (left, (kind, words, _)) = by_found.min_by(|a, b| a.0.total_cmp(&b.0)).expect("readings");
     if left < FITS {
-        let other: String = flags[..2]
-            .iter()
-            .filter(|(_, found, own)| found != own)
-            .map(|(flag, found, _)| format!(" {flag} {found}"))
-            .collect();
-        return Cause { kind, words: format!("fits{other}; {words}") };
-    }
-    // Karis' `k = (r + 1)²/8` for direct light, twice as a width.
-    let direct = |place: &Place| {
-        let at = table_axes.parameters(place.uv);
-        let widths = [width(at.y), 0.25 * (at.y + 1.0).powi(2)];
-        let exact = pair(brdf, MaskingShadowing::Schlick, at.x, widths, SEARCHED_WITHIN);
-        ((table_channels.pair)(place.texel) - exact).length_squared()
-    };
-    if (0.5 * places.iter().map(direct).sum::<f64>() / places.len() as f64).sqrt() < FITS {
-        let words = "Schlick's masking of direct light, k = (r + 1)^2/8; expected k = alpha/2".to_owned();
-        return Cause { kind: "convention", words };
+        return Cause { kind, words: format!("fits{}; {words}", others(&flags[..2])) };
     }
     let words = if rms > NOISE {
         "no convention fits: not a DFG table of this model, or encoded".to_owned()
     } else {
-        format!("no other convention fits better; the largest error is {:.0} steps of 8 bits", 255.0 * max_error)
+        format!("no other convention fits better; the largest error is {:.1} steps of 8 bits", 255.0 * max_error)
     };
     Cause { kind: "unknown", words }
 }
@@ -157,6 +171,32 @@ static READINGS: &[Reading] = &[
     ("axis", "its lines are the root of roughness", |at, texel| (DVec2::new(at.x, at.y * at.y), texel)),
     ("axis", "its lines are the root of n·v", |at, texel| (DVec2::new(at.x * at.x, at.y), texel)),
 ];
+
+/// Another integral: its masking, if it is not the expected one, the masking's width by roughness, and the factor and cosine of
+/// [`dfg_by`], by v·h, n·h and n·v.
+type Integral = (&'static str, Option<MaskingShadowing>, fn(f64) -> f64, fn(f64, f64, f64) -> [f64; 2]);
+const SCHLICK: Option<MaskingShadowing> = Some(MaskingShadowing::Schlick);
+/// Schlick's k is half of the masking's width.
+static INTEGRALS: &[Integral] = &[
+    (
+        "Schlick's masking of direct light, k = (r + 1)^2/8; expected k = alpha/2",
+        SCHLICK,
+        |r| (r + 1.0).powi(2) / 4.0,
+        USUAL,
+    ),
+    ("Schlick's masking of k = alpha^2/2; expected k = alpha/2", SCHLICK, |r| r.powi(4), USUAL),
+    ("Schlick's masking of k = alpha; expected k = alpha/2", SCHLICK, |r| 2.0 * r * r, USUAL),
+    ("Schlick's masking of k = r/2; expected k = alpha/2", SCHLICK, |r| r, USUAL),
+    ("masking by roughness; expected alpha", None, |r| r, USUAL),
+    ("masking by alpha squared; expected alpha", None, |r| r.powi(4), USUAL),
+    ("Fresnel of n·h; expected v·h", None, width, |v_dot_h, n_dot_h, _| [v_dot_h, n_dot_h]),
+    ("Fresnel of n·v; expected v·h", None, width, |v_dot_h, _, n_dot_v| [v_dot_h, n_dot_v]),
+    ("samples without the factor v·h of their weight", None, width, |v_dot_h, _, _| [1.0, v_dot_h]),
+    ("samples without the divisor n·h of their weight", None, width, |v_dot_h, n_dot_h, _| {
+        [v_dot_h * n_dot_h, v_dot_h]
+    }),
+];
+const USUAL: fn(f64, f64, f64) -> [f64; 2] = |v_dot_h, _, _| [v_dot_h; 2];
 
 fn shifted(shift: DVec2) -> String {
     let along = [(shift.x, ["far right", "far left"]), (shift.y, ["low", "high"])];

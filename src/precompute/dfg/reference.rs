@@ -1,9 +1,8 @@
 //! A and B in f64, by adaptive cubature over half vectors.
 //!
-//! Let θ, φ be the polar angles of h, φ from the plane of v. The integrand `D(h) n_dot_h W` is even in φ and ends where
-//! l meets the horizon: `n_dot_l > 0` means `cos φ > -cot(2θ) cot θ_v`. So all azimuths count up to `θ_full = (π/2 -
-//! θ_v)/2`, and none beyond `θ_none = (π/2 + θ_v)/2`. Integrating exactly up to that limit leaves no kink for GGX. The
-//! variables are
+//! Let θ, φ be the polar angles of h, φ from the plane of v. The integrand `D(h) n_dot_h W` is even in φ and ends where l meets the
+//! horizon: `n_dot_l > 0` means `cos φ > -cot(2θ) cot θ_v`. So all azimuths count up to `θ_full = (π/2 - θ_v)/2`, and none beyond `θ_none =
+//! (π/2 + θ_v)/2`. Integrating exactly up to that limit leaves no kink for GGX. The variables are
 //!
 //! - `t = ln tan θ`, in which lobes of any width have the same shape, linear below θ_full and `sin²(π x/2)` between
 //!   θ_full and θ_none, which straightens the square roots at both ends of the limit;
@@ -57,14 +56,27 @@ pub fn dfg_masked_by(
     model: &'static dyn Brdf,
     masking: MaskingShadowing,
     n_dot_v: f64,
+    widths: [f64; 2],
+    relative: f64,
+) -> Dfg {
+    dfg_by(model, masking, n_dot_v, widths, relative, |v_dot_h, _| [v_dot_h; 2])
+}
+
+/// The same with another factor for v·h in the weight of a half vector, and another cosine of Fresnel, by v·h and n·h.
+pub fn dfg_by(
+    model: &'static dyn Brdf,
+    masking: MaskingShadowing,
+    n_dot_v: f64,
     [alpha, of_masking]: [f64; 2],
     relative: f64,
+    facet: impl Fn(f64, f64) -> [f64; 2],
 ) -> Dfg {
     let g1_v = g1(model, n_dot_v, of_masking, masking);
     let integral = mean_over_facets(model, n_dot_v, alpha, relative, |h, v_dot_h, n_dot_l| {
         let g1_l = if n_dot_l > 0.0 { g1(model, n_dot_l, of_masking, masking) } else { 0.0 };
-        let weight = g2_from_g1(g1_v, g1_l, masking) * v_dot_h / (n_dot_v * h.z);
-        DVec3::new(weight, weight * schlick_weight(v_dot_h), 0.0)
+        let [factor, cos] = facet(v_dot_h, h.z);
+        let weight = g2_from_g1(g1_v, g1_l, masking) * factor / (n_dot_v * h.z);
+        DVec3::new(weight, weight * schlick_weight(cos), 0.0)
     });
     let [albedo, f90_scale, _] = integral.value.to_array();
     Dfg { f0_scale: albedo - f90_scale, f90_scale, error: integral.error.x }

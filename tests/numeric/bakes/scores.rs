@@ -15,7 +15,7 @@ use splitsum::math::quadrature::Tolerance;
 use splitsum::math::spherical_harmonics::{DEGREE, irradiance};
 use splitsum::pixels::RgbImage;
 use splitsum::precompute::dfg::chebyshev;
-use splitsum::precompute::dfg::reference::{dfg_masked_by, dfg_within};
+use splitsum::precompute::dfg::reference::{dfg_by, dfg_within};
 use splitsum::precompute::prefilter::reference::prefilter;
 use splitsum::precompute::prefilter::{Kernel, harmonic};
 use splitsum::spelling::Listed;
@@ -279,7 +279,9 @@ fn coefficients_of_the_light_itself_have_no_error_and_windows_are_named() {
     // Other orders and signs, and a lost convolution.
     let (order, unconvolved) = ([0, 3, 2, 1, 8, 7, 6, 5, 4], [1.0, 1.5, 4.0]);
     let unscaled = [0.282_095, 0.488_603, 0.488_603, 0.488_603, 1.092_548, 1.092_548, 0.315_392, 1.092_548, 0.546_274];
-    let forms: [(&str, &dyn Fn(usize) -> DVec3); 5] = [
+    let planar = |place: usize| radiance[place % 9][place / 9];
+    let forms: [(&str, &dyn Fn(usize) -> DVec3); 6] = [
+        ("one channel after the other", &|k| DVec3::from_array([0, 1, 2].map(|c| planar(3 * k + c)))),
         ("not pre-scaled by the factors of the basis", &|k| radiance[k] / unscaled[k]),
         ("order m = l to -l", &|k| radiance[order[k]]),
         ("odd m have the other sign", &|k| if k % 2 == 1 { -radiance[k] } else { radiance[k] }),
@@ -346,17 +348,30 @@ fn conventions_of_a_table_are_found() {
         let score = table::score(&table(0, 0, correlated, nodes), &Ggx, &convention);
         assert!(score.verdict.contains(words), "{words}: {score:?}");
     }
-    // Karis' masking of direct light; at other n·v the same table is nothing known.
-    let direct = |other: f64| {
+    // Other integrals; at other n·v the table of direct light is nothing known.
+    type Width = fn(f64) -> f64;
+    type Facet = fn(f64, f64) -> [f64; 2];
+    let (own, schlick): (Facet, _) = (|v_dot_h, _| [v_dot_h; 2], MaskingShadowing::Schlick);
+    let integral = |masking: MaskingShadowing, of_masking: Width, facet: Facet, other: f64| {
         let texel = |x: u32, y: u32| {
             let at = (DVec2::new(x.into(), y.into()) + 0.5) / 16.0;
-            let widths = [(at.y * at.y).max(ALPHA_MIN.into()), (at.y + 1.0).powi(2) / 4.0];
-            let pair = dfg_masked_by(&Ggx, MaskingShadowing::Schlick, at.x.powf(other), widths, 1e-3);
+            let widths = [(at.y * at.y).max(ALPHA_MIN.into()), of_masking(at.y)];
+            let pair = dfg_by(&Ggx, masking, at.x.powf(other), widths, 1e-3, facet);
             [pair.f0_scale as f32, pair.f90_scale as f32, 0.0]
         };
         table::score(&RgbImage::from_fn(16, 16, texel), &Ggx, &convention).verdict
     };
-    assert!(direct(1.0).contains("of direct light") && !direct(2.0).contains("direct"), "{}", direct(1.0));
+    let integrals: [(&str, MaskingShadowing, Width, Facet); 4] = [
+        ("of direct light", schlick, |r| (r + 1.0).powi(2) / 4.0, own),
+        ("k = alpha^2/2", schlick, |r| r.powi(4), own),
+        ("Fresnel of n·h", correlated, |r| r * r, |v_dot_h, n_dot_h| [v_dot_h, n_dot_h]),
+        ("without the factor v·h", correlated, |r| r * r, |v_dot_h, _| [1.0, v_dot_h]),
+    ];
+    for (words, masking, width, facet) in integrals {
+        let verdict = integral(masking, width, facet, 1.0);
+        assert!(verdict.contains(words), "{words}: {verdict}");
+    }
+    assert!(!integral(schlick, |r| (r + 1.0).powi(2) / 4.0, own, 2.0).contains("direct"));
     // Scale and bias the other way round, and decoded once too often.
     let decoded = table(0, 1, correlated, centres).map(|pair| pair.map(|x| x.powf(2.2)));
     let decoded = table::score(&decoded, &Ggx, &convention);

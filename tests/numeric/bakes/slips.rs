@@ -17,6 +17,7 @@ use std::f64::consts::PI;
 
 const SIDE: u32 = 24;
 const ALPHAS: [f64; 3] = [0.1, 0.2, 0.6];
+const TWO: [f64; 2] = [0.2, 0.6];
 
 /// The exact cube of these widths, along turned directions.
 fn cube(truth: &Truth, alphas: &[f64], turn: impl Fn(DVec3) -> DVec3) -> Map {
@@ -121,6 +122,29 @@ fn slips_of_faces_and_texels_are_named() {
                 [x / sum, y / sum, (2.0 * y.log2() + 127.0).floor() / 255.0]
             });
         }),
+        ("faces in the order +x +y +z -x -y -z; expected", |map| {
+            each_face(map, |faces| *faces = [0, 2, 4, 1, 3, 5].map(|face| faces[face].clone()).to_vec());
+        }),
+        ("encoded as ln(1 + x); 0.0 %", |map| each_texel(map, |rgb| rgb.map(f32::ln_1p))),
+        // The constants of SMPTE ST 2084 as it states them.
+        ("encoded as PQ with 1 at 100 nits; ", |map| {
+            each_texel(map, |rgb| {
+                rgb.map(|x| {
+                    let y = (x / 100.0).powf(2610.0 / 16384.0);
+                    let [c2, c3] = [2413.0, 2392.0].map(|c| c / 4096.0 * 32.0);
+                    ((3424.0 / 4096.0 + c2 * y) / (1.0 + c3 * y)).powf(2523.0 / 4096.0 * 128.0)
+                })
+            });
+        }),
+        ("converted to CIE XYZ", |map| {
+            each_texel(map, |[r, g, b]| {
+                [
+                    0.4124 * r + 0.3576 * g + 0.1805 * b,
+                    0.2126 * r + 0.7152 * g + 0.0722 * b,
+                    0.0193 * r + 0.1192 * g + 0.9505 * b,
+                ]
+            });
+        }),
         // Bytes of Radiance's format.
         ("RGBE read", |map| {
             each_texel(map, |rgb| {
@@ -149,13 +173,49 @@ fn srgb(x: f32) -> f32 {
 #[test]
 fn slips_of_the_light_and_of_the_kernel_are_named() {
     let light = marked_light();
-    let truth = Truth::new(&light, Kernel::cosine(&Ggx), &ALPHAS);
-    let turn = glam::DQuat::from_rotation_y(37.0_f64.to_radians());
-    let verdict = judged(&light, cube(&truth, &ALPHAS, |direction| turn * direction), Some(&ALPHAS)).verdict();
-    assert!(verdict.contains("turned by 37° about y: lat-long offset 0.103"), "{verdict}");
+    let truth = Truth::new(&light, Kernel::cosine(&Ggx), &TWO);
+    for (axis, degrees, words) in
+        [(DVec3::Y, 37.0_f64, "37° about y: lat-long offset 0.103"), (DVec3::X, -12.0, "-12° about x")]
+    {
+        let turn = glam::DQuat::from_axis_angle(axis, degrees.to_radians());
+        let verdict = judged(&light, cube(&truth, &TWO, |direction| turn * direction), Some(&TWO)).verdict();
+        assert!(verdict.contains(&format!("turned by {words}")), "{words}: {verdict}");
+    }
+    type At = fn(f64, f64) -> f64;
+    let grids: [(&str, At); 2] =
+        [("i/n; expected centres", |i, n| i / n), ("i/(n - 1), from edge to edge", |i, n| i / (n - 1.0))];
+    for (words, at) in grids {
+        let level = |alpha: &f64| {
+            let map = truth.prefiltered(*alpha);
+            let texel = |face, x: u32, y: u32| {
+                let uv = glam::DVec2::new(at(x.into(), SIDE.into()), at(y.into(), SIDE.into()));
+                map.value((LAYOUTS[0].direction)(face, uv)).as_vec3().to_array()
+            };
+            (0..6).map(|face| RgbImage::from_fn(SIDE, SIDE, |x, y| texel(face, x, y))).collect()
+        };
+        let map = Map { layout: &LAYOUTS[0], levels: TWO.iter().map(level).collect() };
+        let verdict = judged(&light, map, Some(&TWO)).verdict();
+        assert!(verdict.contains(words), "{words}: {verdict}");
+    }
+    // Levels of several sizes in the order of another format, as a reader of this one finds them.
+    let levels = TWO.iter().zip([24, 12]).map(|(alpha, side)| {
+        let map = truth.prefiltered(*alpha);
+        faces(&LAYOUTS[0], [side; 2], |d| map.value(d))
+    });
+    let right = Map { layout: &LAYOUTS[0], levels: levels.collect() };
+    for ((words, _), (_, read)) in right.reordered().iter().rev().zip(right.reordered()) {
+        let verdict = judged(&light, read, Some(&TWO)).verdict();
+        assert!(verdict.contains(words), "{words}: {verdict}");
+    }
     // Convolutions keep the mean, which tells where a source was cut.
     type Change = fn([f32; 3]) -> [f32; 3];
-    let sources: [(&str, Change); 7] = [
+    let sources: [(&str, Change); 9] = [
+        ("cut at 5: what is brighter is black", |rgb| if rgb.iter().any(|x| *x > 5.0) { [0.0; 3] } else { rgb }),
+        ("tone-mapped by Hable's curve, white at 11.2, exposed by 2", |rgb| {
+            let curve =
+                |x: f32| (x * (0.15 * x + 0.1 * 0.5) + 0.2 * 0.02) / (x * (0.15 * x + 0.5) + 0.2 * 0.3) - 0.02 / 0.3;
+            rgb.map(|x| curve(2.0 * x) / curve(11.2))
+        }),
         ("cut at 1: LDR", |rgb| rgb.map(|x| x.min(1.0))),
         ("cut at 10", |rgb| rgb.map(|x| x.min(10.0))),
         ("cut at 10 with its hue", |rgb| rgb.map(|x| x * (10.0 / rgb.into_iter().fold(10.0, f32::max)))),
@@ -166,15 +226,15 @@ fn slips_of_the_light_and_of_the_kernel_are_named() {
     ];
     for (words, change) in sources {
         let source = Environment::from_image("source", light.image.map(change));
-        let of_source = Truth::new(&source, Kernel::cosine(&Ggx), &ALPHAS);
-        let judged = judged(&light, cube(&of_source, &ALPHAS, |direction| direction), Some(&ALPHAS));
+        let of_source = Truth::new(&source, Kernel::cosine(&Ggx), &TWO);
+        let judged = judged(&light, cube(&of_source, &TWO, |direction| direction), Some(&TWO));
         assert!(judged.verdict().contains(&format!("source {words}")), "{words}: {}", judged.verdict());
         let causes = judged.causes();
         assert!(causes.iter().all(|cause| cause.kind == "source" || words.contains(&cause.words[..5])), "{causes:?}");
     }
     for brdf in [&Beckmann as &'static dyn Brdf, &Phong] {
-        let of_model = Truth::new(&light, Kernel::cosine(brdf), &ALPHAS);
-        let verdict = judged(&light, cube(&of_model, &ALPHAS, |direction| direction), Some(&ALPHAS)).verdict();
+        let of_model = Truth::new(&light, Kernel::cosine(brdf), &TWO);
+        let verdict = judged(&light, cube(&of_model, &TWO, |direction| direction), Some(&TWO)).verdict();
         assert!(verdict.contains(&format!("of another model: --brdf {}", brdf.name())), "{verdict}");
     }
     let (kernel, alpha) = Truth::of_irradiance();
@@ -197,31 +257,46 @@ fn slips_of_the_light_and_of_the_kernel_are_named() {
         let verdict = Judging::stated(&Stated::default()).unwrap().judge(&light, &bake, |_| ()).unwrap().verdict();
         assert!(verdict.contains(&format!("irradiance: {words}")), "{words}: {verdict}");
     }
-    // A turned irradiance map beside good levels.
     let turned = Truth::new(&light, kernel, &[alpha]).prefiltered(alpha);
     let turned = faces(&LAYOUTS[0], [SIDE; 2], |d| turned.value(DVec3::new(d.z, d.y, -d.x)));
     let irradiance = Some(Map { layout: &LAYOUTS[0], levels: vec![turned] });
-    let bake = Bake { specular: Some(cube(&truth, &ALPHAS, |direction| direction)), irradiance, ..Bake::default() };
+    let bake = Bake { specular: Some(cube(&truth, &TWO, |direction| direction)), irradiance, ..Bake::default() };
     let mut judging = Judging::stated(&Stated::default()).unwrap();
-    judging.convention.alphas = Some(ALPHAS.to_vec());
+    judging.convention.alphas = Some(TWO.to_vec());
     let verdict = judging.judge(&light, &bake, |_| ()).unwrap().verdict();
     assert!(verdict.contains("irradiance: other axes") && !verdict.contains("level"), "{verdict}");
     let other = WEIGHTS.iter().find(|weight| weight.name == "none").unwrap();
     let kernel = Kernel::new(&Ggx, other, Default::default());
-    for (source, words) in [(&light, "levels 0 to 2: weighted"), (&cut, "levels 0 to 2: source cut at 10; weighted")] {
-        let of_other = Truth::new(source, kernel, &ALPHAS);
-        let verdict = judged(&light, cube(&of_other, &ALPHAS, |direction| direction), Some(&ALPHAS)).verdict();
+    for (source, words) in [(&light, "levels 0 to 1: weighted"), (&cut, "levels 0 to 1: source cut at 10; weighted")] {
+        let of_other = Truth::new(source, kernel, &TWO);
+        let verdict = judged(&light, cube(&of_other, &TWO, |direction| direction), Some(&TWO)).verdict();
         assert!(verdict.contains(&format!("{words} otherwise: --weight none")), "{words}: {verdict}");
     }
+    let lower = RgbImage::from_fn(128, 64, |x, y| if y < 32 { light.image.get(x, y) } else { [0.0; 3] });
+    let of_half = Environment::from_image("half", lower);
+    let of_half = Truth::new(&of_half, Kernel::cosine(&Ggx), &TWO);
+    let verdict = judged(&light, cube(&of_half, &TWO, |direction| direction), Some(&TWO)).verdict();
+    assert!(verdict.contains("source without its lower half"), "{verdict}");
+    let first = truth.prefiltered(0.3);
+    let first = RgbImage::from_fn(128, 64, |x, y| {
+        let uv = glam::DVec2::new((f64::from(x) + 0.5) / 128.0, (f64::from(y) + 0.5) / 64.0);
+        first.value(direction_from_uv(uv)).as_vec3().to_array()
+    });
+    let first = Environment::from_image("first", first);
+    let mut map = cube(&truth, &[0.3, 0.6], |direction| direction);
+    map.levels[1] =
+        cube(&Truth::new(&first, Kernel::cosine(&Ggx), &[0.6]), &[0.6], |direction| direction).levels.remove(0);
+    let verdict = judged(&light, map, Some(&[0.3, 0.6])).verdict();
+    assert!(verdict.contains("level 1: filtered from the level before it"), "{verdict}");
     // Plain mips are means of the map over ever larger texels.
-    let mips: Vec<_> = (0..3).map(|k| faces(&LAYOUTS[0], [SIDE >> k; 2], |d| light.radiance(d))).collect();
-    let verdict = judged(&light, Map { layout: &LAYOUTS[0], levels: mips }, Some(&ALPHAS)).verdict();
+    let mips: Vec<_> = (0..2).map(|k| faces(&LAYOUTS[0], [SIDE >> k; 2], |d| light.radiance(d))).collect();
+    let verdict = judged(&light, Map { layout: &LAYOUTS[0], levels: mips }, Some(&TWO)).verdict();
     assert!(verdict.contains("plain mips"), "{verdict}");
     // A different light.
     let mut image = light.image.clone();
     image.data.rotate_left(128 * 20 + 40);
     let another = Environment::from_image("another", image);
-    let verdict = judged(&another, cube(&truth, &ALPHAS, |direction| direction), Some(&ALPHAS)).verdict();
+    let verdict = judged(&another, cube(&truth, &TWO, |direction| direction), Some(&TWO)).verdict();
     assert!(verdict.contains("another map"), "{verdict}");
 }
 
@@ -241,9 +316,9 @@ fn slips_of_sums_are_named() {
         (direction_from_uv(uv), (PI * uv.y).sin(), DVec3::from_array(light.image.get(x, y).map(f64::from)))
     };
     let texels: Vec<(DVec3, f64, DVec3)> = (0..width * height).map(texel).collect();
-    // By alpha, the cosine to the normal and the sine of the polar angle.
+    // By alpha, the cosine to the normal and a texel's own weight, the sine of the polar angle.
     type Weight = fn(f64, f64, f64) -> f64;
-    let sums = |side: u32, alpha: f64, weight: Weight, whole: Weight| {
+    let sums_of = |texels: &[(DVec3, f64, DVec3)], side: u32, alpha: f64, weight: Weight, whole: Weight| {
         faces(&LAYOUTS[0], [side; 2], |n| {
             let (sum, whole) = texels.iter().fold((DVec3::ZERO, 0.0), |(sum, all), (l, sin, radiance)| {
                 let cos = n.dot(*l);
@@ -252,17 +327,49 @@ fn slips_of_sums_are_named() {
             sum / whole
         })
     };
+    let sums = |side, alpha, weight, whole| sums_of(&texels, side, alpha, weight, whole);
     let half: Weight = |alpha, cos, sin| sin * d(alpha, cos) * cos.max(0.0).powi(2);
     let drawn: Weight = |alpha, cos, sin| sin * d(alpha, (0.5 + 0.5 * cos).sqrt());
-    let kernels: [(&str, Weight, Weight); 2] = [
+    let own: Weight = |alpha, cos, weight| cos.max(0.0) * weight * d(alpha, (0.5 + 0.5 * cos).sqrt());
+    let twice: Weight = |alpha, cos, sin| cos.max(0.0).powi(2) * sin * d(alpha, (0.5 + 0.5 * cos).sqrt());
+    let plain: Weight = |alpha, cos, _| cos.max(0.0) * d(alpha, (0.5 + 0.5 * cos).sqrt());
+    let coat: Weight =
+        |alpha, cos, sin| cos.max(0.0) * sin / (PI * alpha.ln() * ((alpha * alpha - 1.0) * (0.5 + 0.5 * cos) + 1.0));
+    let sheen: Weight = |alpha, cos, sin| cos.max(0.0) * sin * (0.5 - 0.5 * cos).powf(0.5 / alpha);
+    let phong: Weight = |alpha, cos, sin| sin * cos.max(0.0).powf(2.0 / alpha.powi(2) - 2.0);
+    let kernels: [(&str, Weight, Weight); 7] = [
         ("half vectors taken as l", half, half),
-        ("times the mean weight", |alpha, cos, sin| cos.max(0.0) * sin * d(alpha, (0.5 + 0.5 * cos).sqrt()), drawn),
+        ("weighted by n·l once too often", twice, twice),
+        ("source summed without the solid angle", plain, plain),
+        ("lobe of GTR", coat, coat),
+        ("lobe of sheen", sheen, sheen),
+        ("Phong's lobe about r, of the exponent for h", phong, phong),
+        ("times the mean weight", own, drawn),
     ];
     for (words, weight, whole) in kernels {
         let levels = [0.3, 0.7].map(|alpha| sums(12, alpha, weight, whole)).to_vec();
         let verdict = judged(&light, Map { layout: &LAYOUTS[0], levels }, Some(&[0.3, 0.7])).verdict();
-        assert!(verdict.contains(&format!("levels 0 to 1: {words}")), "{words}: {verdict}");
+        assert!(verdict.contains(words), "{words}: {verdict}");
     }
+    let luminance = |radiance: DVec3| splitsum::color::luminance(radiance.as_vec3().to_array());
+    let darker: Vec<_> =
+        texels.iter().map(|(l, sin, radiance)| (*l, sin / (1.0 + luminance(*radiance)), *radiance)).collect();
+    let levels = [0.3, 0.7].map(|alpha| sums_of(&darker, 12, alpha, own, own)).to_vec();
+    let verdict = judged(&light, Map { layout: &LAYOUTS[0], levels }, Some(&[0.3, 0.7])).verdict();
+    assert!(verdict.contains("weighted by 1/(1 + luminance)"), "{verdict}");
+    let polar = faces(&LAYOUTS[0], [6; 2], |n| {
+        let (east, north) = n.any_orthonormal_pair();
+        let cells = (0..32 * 64).map(|k| [f64::from(k / 64) + 0.5, f64::from(k % 64) + 0.5].map(|x| x * PI / 64.0));
+        let of = |[theta, phi]: [f64; 2]| {
+            let (around, up) = (east * (2.0 * phi).cos() + north * (2.0 * phi).sin(), n * theta.cos());
+            light.radiance(around * theta.sin() + up) * theta.cos()
+        };
+        cells.map(of).sum::<DVec3>() * PI / 2048.0
+    });
+    let irradiance = Some(Map { layout: &LAYOUTS[0], levels: vec![polar] });
+    let bake = Bake { irradiance, ..Bake::default() };
+    let verdict = Judging::stated(&Stated::default()).unwrap().judge(&light, &bake, |_| ()).unwrap().verdict();
+    assert!(verdict.contains("without sin θ; times 2"), "{verdict}");
     let cosine: Weight = |_, cos, _| cos.max(0.0);
     let irradiance = Some(Map { layout: &LAYOUTS[0], levels: vec![sums(8, 1.0, cosine, cosine)] });
     let radiance = texels.iter().fold([DVec3::ZERO; 9], |sh, (l, _, radiance)| {
