@@ -162,10 +162,10 @@ impl Controls {
             if let Some(name) = controls.menu(ui, named.name(), INPUT_WIDTH, &text, items) {
                 state.point[axis] = Value::from(name);
             }
-            let button = ui.button("Open").on_hover_text("Choose a file, or drop one on the picture");
+            let button = ui.button("Open").on_hover_text("Type a path, or drop a file on the picture");
             controls.place(format!("open {}", named.name()), &button);
             if button.clicked() {
-                controls.browse = Some(Browse::new(axis, Path::new(&text)));
+                controls.browse = Some(Browse { axis, typed: String::new() });
             }
         });
     }

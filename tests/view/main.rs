@@ -243,26 +243,23 @@ fn an_outdated_picture_is_dimmed_and_errors_keep_the_reference() {
 }
 
 #[test]
-fn files_are_opened_from_a_list() {
+fn files_are_opened_by_their_paths() {
     let Some(screen) = Screen::open() else { return };
     let win = screen.window(&SMALL);
-    let folder = win.dir().join("models");
-    std::fs::create_dir(&folder).unwrap();
     let quad = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
-    std::fs::write(folder.join("plain.obj"), quad).unwrap();
-    std::fs::write(folder.join("own.obj"), format!("mtllib own.mtl\nusemtl red\n{quad}")).unwrap();
-    std::fs::write(folder.join("own.mtl"), "newmtl red\nKd 1 0 0\n").unwrap();
-    let scene = |win: &Win| win.state()["axes"]["scene"].as_str().unwrap().to_owned();
-    win.click("open scene", [0.5, 0.5]);
-    win.click("file models", [0.5, 0.5]);
-    assert!(!win.has("file own.mtl"), "files of other kinds are left out");
-    win.click("file plain.obj", [0.5, 0.5]);
-    assert!(scene(&win).ends_with("plain.obj"));
-    assert_eq!(win.state()["axes"]["metallic"], "1", "a model without materials keeps the window's");
-    win.click("open scene", [0.5, 0.5]);
-    win.click("file own.obj", [0.5, 0.5]);
-    assert!(scene(&win).ends_with("own.obj"));
-    assert_eq!(win.state()["axes"]["metallic"], "", "a model with materials shows them");
+    std::fs::write(win.dir().join("a.obj"), quad).unwrap();
+    std::fs::write(win.dir().join("b.obj"), format!("mtllib b.mtl\nusemtl red\n{quad}")).unwrap();
+    std::fs::write(win.dir().join("b.mtl"), "newmtl red\nKd 1 0 0\n").unwrap();
+    // A model without materials keeps the window's, one with materials shows them.
+    for (name, metallic) in [("a", "1"), ("b", "")] {
+        win.click("open scene", [0.5, 0.5]);
+        [name, "period", "o", "b", "j", "Return"].into_iter().for_each(|key| win.key(key));
+        let axes = win.state()["axes"].clone();
+        assert!(
+            axes["scene"].as_str().unwrap().ends_with(&format!("{name}.obj")) && axes["metallic"] == metallic,
+            "{axes}"
+        );
+    }
     win.wait_done();
     win.close();
 }
