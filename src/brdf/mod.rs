@@ -3,10 +3,9 @@
 //! `f(v, l) = D(h) F(v·h) G2(v, l) / (4 n_dot_v n_dot_l)` [Walter07, eq. 20]. All vectors are local (n is +z) and point
 //! away from the surface. `eval` excludes the cosine.
 //!
-//! Densities: a half vector of density `pdf_h` gives `l = reflect(-v, h) = 2 (v·h) h - v` of density `pdf_l = pdf_h /
-//! (4 |v·h|)` [Walter07, eq. 14]. So `f n_dot_l / pdf_l` is `F G2 (v·h) / (n_dot_v n_dot_h)` for `pdf_h = D n_dot_h`,
-//! and `F G2 / G1(v)` for visible normals, `pdf_h = G1(v) max(v·h, 0) D / n_dot_v` \[HeitzDeon14\]. A sample whose `l`
-//! lies below the horizon has weight 0 but counts.
+//! Densities: a half vector of density `pdf_h` gives `l = reflect(-v, h) = 2 (v·h) h - v` of density `pdf_l = pdf_h / (4 |v·h|)` [Walter07,
+//! eq. 14]. So `f n_dot_l / pdf_l` is `F G2 (v·h) / (n_dot_v n_dot_h)` for `pdf_h = D n_dot_h`, and `F G2 / G1(v)` for visible normals,
+//! `pdf_h = G1(v) max(v·h, 0) D / n_dot_v` \[HeitzDeon14\]. A sample whose `l` lies below the horizon has weight 0 but counts.
 
 use crate::spelling::{Listed, listed};
 use glam::{DVec2, DVec3};
@@ -46,9 +45,8 @@ pub trait Brdf: Sync + std::fmt::Debug {
     fn g1_exact(&self, n_dot_w: f64, alpha: f64) -> f64;
     /// Samples a half vector with density `pdf_h = D(h) n_dot_h`. `xi.x` in [0, 1) is 0 at the normal, `φ = 2π xi.y`.
     fn sample_d(&self, xi: DVec2, alpha: f64) -> DVec3;
-    /// Samples a half vector among the normals visible from `v_local`, for the method `sampled-vndf`;
-    /// [`Brdf::pdf_vndf_l`] is its density over `l`. The default draws normals of GGX within the cap that reflects
-    /// above the horizon \[EtoTokuyoshi23\].
+    /// Samples a half vector among the normals visible from `v_local`, for the method `sampled-vndf`; [`Brdf::pdf_vndf_l`] is its density
+    /// over `l`. The default draws normals of GGX within the cap that reflects above the horizon \[EtoTokuyoshi23\].
     fn sample_vndf(&self, xi: DVec2, v_local: DVec3, widths: Widths) -> DVec3 {
         ggx::sample_bounded(xi, v_local, widths)
     }

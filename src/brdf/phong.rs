@@ -4,18 +4,7 @@
 //! The fit is not the Smith masking of this distribution: at large alpha and grazing views energy is created
 //! (directional albedo up to 1.14 at alpha 1, n_dot_v 0.1).
 //!
-//! # The exact Smith masking
-//!
-//! Phong's slopes `(p, q)` have density `D cos⁴ θ = (exponent + 2)/(2π) (1 + p² + q²)^(-(N + 1))`, `N = 1/alpha²`.
-//! Integrated over the slope across the view, the slope q along it has density `C (1 + q²)^(-(N + 1/2))`, `C = Γ(N +
-//! 1/2)/(√π Γ(N))`. With `q = cot ψ`, Smith's `Λ = 1/μ ∫_μ^∞ (q - μ) P(q) dq`, `μ = cot θ` \[Heitz14\], is
-//!
-//! `Λ = C (tan θ sin^(2N-1) θ / (2N - 1) - ∫_0^θ sin^(2N-1) ψ dψ)`, and the integral is `I_x(N, 1/2)/(2C)` at `x = sin²
-//! θ`, so
-//!
-//! `G1 = 1/(1 + Λ) = cos θ / (cos θ (1 - I_x(N, 1/2)/2) + C sin^(2N) θ / (2N - 1))`.
-//!
-//! At alpha = 1 it is `2 cos θ / (1 + cos θ)`, as for GGX, whose D is the same there; for alpha → 0 Beckmann's.
+//! docs/conventions.md ("Models") derives its exact Smith masking, `G1 = cos θ / (cos θ (1 - I_x(N, 1/2)/2) + C sin^(2N) θ / (2N - 1))`.
 //!
 //! # Sampling
 //!

@@ -1,5 +1,4 @@
-//! The lobe of cloth, whose facets lean to the horizon \[EstevezKulla17\] \[KhrSheen20\]; on the device
-//! `shaders/shade/lobe/sheen.glsl`.
+//! The lobe of cloth, whose facets lean to the horizon \[EstevezKulla17\] \[KhrSheen20\]; on the device `shaders/shade/lobe/sheen.glsl`.
 //!
 //! `D = (2 + p)/(2π) sin^p θ_h`, `p = 1/alpha`, with `∫ D n_dot_h = 1`. Both visibilities are a correlated masking
 //! `1/(1 + Λ(v) + Λ(l))` over `4 n_dot_v n_dot_l`:

@@ -1,57 +1,11 @@
 //! Importance sampling of an equirectangular map in proportion to the luminance of its *bilinear* interpolation.
 //!
-//! # Derivation
+//! docs/estimators.md ("The density of the environment") derives the density, `p_l = Y w_b / sin θ`, and its guide.
 //!
-//! Texel centres divide the sphere into W columns (the last one crosses the seam) and H + 1 bands of constant width in
-//! v: band b lies between the centres of rows b - 1 and b. The first and last band are half a texel high, since v
-//! clamps there. Each texel has the weight Y = max(luminance - threshold, 0); Y(u, v) is its bilinear interpolation at
-//! (s, t) in the cell. With s_b = mean of sin θ over band b, we sample
-//!
-//! ```text
-//! p(u, v) = Y(u, v) s_b / Z,    Z = Σ_b s_b Δv_b Σ_c (Y00 + Y10 + Y01 + Y11)_bc / 4 W
-//! ```
-//!
-//! and du dv = dω / (2π² sin θ) gives the density per solid angle
-//!
-//! ```text
-//! p_l = p(u, v) / (2π² sin θ) = Y(u, v) w_b / sin θ,    w_b = s_b / (2π² Z)
-//! ```
-//!
-//! It is proportional to Y up to s_b / sin θ, 1 within a fraction of a band. So the density of *any* direction costs
-//! little more than the four texels that are looked up anyway. Sampling inverts p exactly: a band, a column of the
-//! band, then the position between the texels from the bilinear density: t from its linear marginal, s from its linear
-//! conditional.
-//!
-//! # Guiding
-//!
-//! Most light is outside the lobe of one pixel. So the map is divided into [`CELL_COLUMNS`] x [`CELL_ROWS`] cells,
-//! rectangles of texels. A guide gives each cell a weight g, such as the density of a lobe at the mean direction of
-//! the cell's light. A cell with the share M of all light is chosen with probability `P = M g / Σ M g`, and the
-//! position inside it by p / M:
-//!
-//! ```text
-//! p_guided(l) = p_l(l) P / M = p_l(l) g / Σ M g
-//! ```
-//!
-//! This is a step towards sampling the product of light and lobe, with an exact density for any weights \[Clarberg08\].
-//! Beside a lobe sampler it needs no weight where the lobe is unlikely; a floor keeps long tails in reach.
-//!
-//! With threshold 0 the density is positive wherever the radiance is (all three luminance weights are). Beside a lobe
-//! sampler that covers all directions, a positive threshold is still unbiased and better: the lobe samples dim light
-//! well, so the environment's samples should go to bright light \[Karlik19\]. Their choice, the mean luminance, is best
-//! for some maps and worse than none for others; [`COMPENSATION`] of it was better than none on every map and alpha
-//! tried (relMSE 3 to 35 % lower).
-//!
-//! Inversion and the density of a product of light and Jacobian follow [PharrJakobHumphreys23, section 12.5]. They
-//! sample texels as constants, which leaves zeros of the density under non-zero radiance.
-//!
-//! # Words
-//!
-//! The device reads one buffer of 32-bit words ([`EnvironmentDistribution::words`]): w_b of each band as f32; the cell
-//! of each slot; the slot of each cell (cells without light have none and share slot 0); then a block per slot. A block
-//! has the distribution over the cell's bands, then for each band the one over its columns. A distribution over n
-//! intervals is n + 1 starts in fixed point, 0 to 2^32 - 1, each exact to half a unit. Cells at the right and lower
-//! edge may be smaller: intervals past their end are empty.
+//! The device reads one buffer of 32-bit words ([`EnvironmentDistribution::words`]): w_b of each band as f32; the cell of each slot; the
+//! slot of each cell (cells without light have none and share slot 0); then a block per slot. A block has the distribution over the cell's
+//! bands, then for each band the one over its columns. A distribution over n intervals is n + 1 starts in fixed point, 0 to 2^32 - 1, each
+//! exact to half a unit. Cells at the right and lower edge may be smaller: intervals past their end are empty.
 //!
 //! Sampled and stated density differ only by rounding: of the starts, at most 2^-32 of the cell's light, and of a
 //! guide's sums in f32, 2^-24 of all light.

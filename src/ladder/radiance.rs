@@ -1,11 +1,6 @@
 //! The radiance of every coalition of the split sum's steps.
 //!
-//! Let K be the coalition's kernel, `<K, L> = ∫ K L dl / ∫ K dl`, A and B the directional albedo, exact or from the
-//! table, and F Schlick's factor `f0 (1 - Fc) + Fc`, `Fc = (1 - v·h)⁵`. The outgoing radiance is
-//!
-//! - with Fresnel approximated, `(f0 A + B) <K, L>`,
-//! - else `(f0 A + B) <K F, L>`, the specular integral if nothing else is approximated. For f0 = 1 both are equal.
-//!
+//! docs/estimators.md ("The ladder") has the radiance of a coalition with the kernel K, `(f0 A + B) <K F, L>` or `<K, L>`.
 //! K is `D G2 / (4 n·v)`, or with masking approximated `D n·h / (4 v·h) w(l)`; with n = v = r it is `D/4` times G1(l)
 //! or w(l). Before n = v = r the reference's passes draw the means. After it K is isotropic about r, so a mean is a
 //! convolution `m(r, alpha)`, exact by spherical harmonics. Approximations then apply in this order:

@@ -35,31 +35,7 @@ pub struct RenderRequest {
 }
 
 impl RenderRequest {
-    /// A view of `scene` under `environment`: GGX, split sum, no diffuse term, default tables.
-    ///
-    /// Renders a sphere by the split sum and compares it with the reference:
-    ///
-    /// ```
-    /// use splitsum::environment::{Environment, LoadOptions};
-    /// use splitsum::pipeline::{Options, Pipeline, RenderRequest};
-    /// use splitsum::scene::{CameraKind, Scene};
-    /// use splitsum::shade::Method;
-    /// use splitsum::spelling::Listed;
-    /// use std::{path::Path, sync::Arc};
-    ///
-    /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
-    /// let light = Environment::load("builtin:studio", Path::new("."), &LoadOptions::default())?;
-    /// let request = RenderRequest::plain(Arc::new(light), Scene::sphere(), CameraKind::Ortho, [32, 32]);
-    /// // Nothing to show without a Vulkan device.
-    /// let Ok(mut pipeline) = Pipeline::new(Options::default()) else { return Ok(()) };
-    /// let image = pipeline.render(&request)?;
-    /// let method = Method::listed("reference");
-    /// let reference = pipeline.render(&request.shaded(|s| s.method = method))?;
-    /// let [own, exact] = [&image, &reference].map(|frame| frame.radiance.get(16, 16)[1]);
-    /// assert!(own > 0.0 && own != exact, "{own} for {exact}");
-    /// # Ok(())
-    /// # }
-    /// ```
+    /// A view of `scene` under `environment`: GGX, split sum, no diffuse term, default tables; see `examples/render_sphere.rs`.
     pub fn plain(environment: Arc<Environment>, scene: Scene, kind: CameraKind, size: [u32; 2]) -> Self {
         Self {
             environment,

@@ -5,23 +5,7 @@
 //! - specular: `∫ f L n_dot_l dl`, `f n_dot_l = D(h) F(v·h) G2(v, l) / (4 n_dot_v)` [Walter07, eq. 20];
 //! - diffuse of albedo 1: `1/π ∫ (1 - F(v·h)) L n_dot_l dl`; with `F = 0` it is Lambert's.
 //!
-//! Schlick's `F = f0 + (1 - f0) (1 - v·h)⁵` is linear in `f0`, so two integrals of each kind serve every `f0`.
-//!
-//! A point under constant light of 2. A mirror-like surface of f0 = 1 returns it, less what single scattering loses:
-//!
-//! ```
-//! use glam::DVec3;
-//! use splitsum::brdf::{Ggx, MaskingShadowing};
-//! use splitsum::math::equirect_quadrature::EquirectQuadrature;
-//! use splitsum::shade::reference::{Surface, TOLERANCE, integrate};
-//!
-//! let light = EquirectQuadrature::new(32, 16, |_, _| [2.0; 3]);
-//! let (n, v) = (DVec3::Y, DVec3::new(0.6, 0.8, 0.0));
-//! let surface = Surface::new(&Ggx, MaskingShadowing::Separable, 0.05, DVec3::ONE, [n, v]);
-//! let radiance = integrate(&light, &surface, TOLERANCE).specular;
-//! assert!(radiance.error.max_element() < 1e-4);
-//! assert!((1.98..2.0).contains(&radiance.value.x), "{radiance:?}");
-//! ```
+//! Schlick's `F = f0 + (1 - f0) (1 - v·h)⁵` is linear in `f0`, so two integrals of each kind serve every `f0`. See `examples/integrate_pixel.rs`.
 
 use crate::brdf::{Brdf, MaskingShadowing, Stretch, Widths, reflect, schlick_weight};
 use crate::math::equirect_quadrature::{EquirectQuadrature, Focus};

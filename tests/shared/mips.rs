@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 use splitsum::pixels::{Pixels, RgbImage};
-use splitsum::precompute::mips::{level_count, level_size};
+use splitsum::precompute::mips::level_count;
 use std::f64::consts::PI;
 
 /// Computes every level, from the image itself down to 1 x 1, each from the level above.
@@ -10,7 +10,7 @@ pub fn chain(image: &RgbImage) -> Vec<Pixels<DVec3>> {
     let mut levels = vec![image.map(|radiance| DVec3::from_array(radiance.map(f64::from)))];
     let size = [image.width, image.height];
     for mip in 1..level_count(size) {
-        let level = downsample(&levels[mip as usize - 1], level_size(size, mip));
+        let level = downsample(&levels[mip as usize - 1], size.map(|side| (side >> mip).max(1)));
         levels.push(level);
     }
     levels

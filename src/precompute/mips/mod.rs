@@ -7,11 +7,6 @@
 #[cfg(feature = "gpu")]
 pub mod pass;
 
-/// Returns the size of level `mip` of a chain over a `size` map: halved and rounded down per level, at least 1.
-pub fn level_size(size: [u32; 2], mip: u32) -> [u32; 2] {
-    size.map(|side| side.checked_shr(mip).unwrap_or(0).max(1))
-}
-
 /// Counts the levels down to 1 x 1.
 pub fn level_count(size: [u32; 2]) -> u32 {
     size[0].max(size[1]).ilog2() + 1

@@ -1,10 +1,8 @@
 //! Where, how wide and with which weights to look up a prefiltered map: one, two or four taps in the plane of incidence.
 //!
-//! A tap reads the map along a direction between the normal n and the mirror direction r, at a real level, and counts with
-//! a weight; the weights add up to 1. The taps of a view are those whose kernels `K`, the blend of two levels that a
-//! lookup averages with, are together closest to the normalised lobe ŵ by `∫ (Σ w K - ŵ)² / (b + ŵ)²`, `b =`
-//! [`AMBIENT`]`/4π`: squared relative error under a small lamp anywhere and even light. One tap has the least
-//! `∫ (K - ŵ)²`: by relative error it would be narrower, and miss lamps that the lobe reaches. No environment enters.
+//! A tap reads the map along a direction between the normal n and the mirror direction r, at a real level, and counts with a weight; the
+//! weights add up to 1. docs/estimators.md ("Split sums by other lookups") has what the taps minimise, with `b =` [`AMBIENT`]`/4π`. No
+//! environment enters.
 //!
 //! There is a table for each model, masking and chain of levels. Its axes are `√n_dot_v` and perceptual roughness, with
 //! nodes at both ends of each. It has square parts below each other: for f0 = 1 a part for each two taps (place and

@@ -83,8 +83,7 @@ impl<'a> Nodes<'a> {
         }
     }
 
-    /// Fits for each f0 the middle column from its middle, and all columns from it; the second f0 begins with the first's
-    /// middle.
+    /// Fits for each f0 the middle column from its middle, and all columns from it; the second f0 begins with the first's middle.
     fn start(&mut self) {
         let (column, row) = (SIDE / 2, (self.first_row + SIDE) / 2);
         for f0 in 0..F0.len() {
@@ -127,8 +126,7 @@ impl<'a> Nodes<'a> {
         (0..parameters[0].len()).map(mean).collect()
     }
 
-    /// Returns the taps of a node by f0. In rows above the first fitted one they are drawn towards r at level 0, in
-    /// proportion to alpha.
+    /// Returns the taps of a node by f0. In rows above the first fitted one they are drawn towards r at level 0, in proportion to alpha.
     pub fn taps(&self, f0: usize, [x, y]: [usize; 2]) -> Vec<Tap> {
         let fitted = y.max(self.first_row);
         let index = self.index([f0, fitted, x]);

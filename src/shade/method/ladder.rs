@@ -1,21 +1,8 @@
-//! The rungs between the specular integral and the split sum: each replaces one exact step by its approximation.
+//! The rungs between the specular integral and the split sum: each replaces one exact step by its approximation; docs/estimators.md
+//! ("The ladder") has the estimator of each.
 //!
-//! With `<K, L> = ∫ K L dl / ∫ K dl` over the l above the horizon, and A, B the exact directional albedo at (n·v, alpha):
-//!
-//! | rung | estimator | replaces |
-//! |---|---|---|
-//! | `reference` | `∫ D G2 F / (4 n·v) L dl` | nothing |
-//! | `ladder-fresnel` | `(f0 A + B) <D G2 / (4 n·v), L>` | Fresnel inside the integral |
-//! | `ladder-masking` | `(f0 A + B) <D n·h / (4 v·h) w(l), L>` | masking by the weight of prefiltered maps, n·l by default |
-//! | `ladder-view` | `(f0 A + B) P(r, alpha)`: the same for n = v = r | the view |
-//! | `ladder-levels` | the linear blend of `P(r, alpha_k)` and `P(r, alpha_k+1)`; level 0 is L(r) | alpha by levels |
-//! | `ladder-texels` | the same, looked up in a map of exact texels | directions by texels |
-//! | `ladder-samples` | texels as they are made: `prefilter` | the integral in a texel |
-//! | `ladder-storage` | texels as they are stored: `storage_format` | f32 |
-//!
-//! The last step, to `split-sum`, replaces A and B by the DFG table. The passes of the reference estimate
-//! `ladder-fresnel` to `ladder-levels` with standard errors. They draw the same points, so differences are far more
-//! precise than either rung.
+//! The last step, to `split-sum`, replaces A and B by the DFG table. The passes of the reference estimate `ladder-fresnel` to
+//! `ladder-levels` with standard errors. They draw the same points, so differences are far more precise than either rung.
 
 use super::Method;
 use crate::brdf::{g2, reflect, schlick_weight};

@@ -1,0 +1,20 @@
+//! Renders a sphere by the split sum on a Vulkan device and compares it with the reference.
+
+use splitsum::environment::Environment;
+use splitsum::pipeline::{Options, Pipeline, RenderRequest};
+use splitsum::scene::{CameraKind, Scene};
+use splitsum::shade::Method;
+use splitsum::spelling::Listed;
+use std::{error::Error, sync::Arc};
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let light = Arc::new(Environment::open("builtin:studio")?);
+    let request = RenderRequest::plain(light, Scene::sphere(), CameraKind::Ortho, [32, 32]);
+    let mut pipeline = Pipeline::new(Options::default())?;
+    let image = pipeline.render(&request)?;
+    let method = Method::listed("reference");
+    let reference = pipeline.render(&request.shaded(|shading| shading.method = method))?;
+    let [own, exact] = [&image, &reference].map(|frame| frame.radiance.get(16, 16)[1]);
+    println!("green at the centre: {own:.4} by the split sum, {exact:.4} by the reference");
+    Ok(())
+}
