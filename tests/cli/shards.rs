@@ -26,6 +26,13 @@ fn shards_make_the_run_of_one_process() {
         assert!(read("shared") == read("whole"), "{name} differs");
     }
     assert_eq!(entries(&dir.join("shared/images")), entries(&dir.join("whole/images")));
+    // The frames of a model are timed together: without the record of one all three count as open.
+    let timings = dir.join("whole/timings");
+    let is_frame = |name: &String| std::fs::read_to_string(timings.join(name)).unwrap().contains("\"frame\"");
+    let frame = entries(&timings).into_iter().find(is_frame).unwrap();
+    std::fs::remove_file(timings.join(frame)).unwrap();
+    let plan = ok(dir, &["plan", "tiny.toml", "--out", "whole"]);
+    assert!(plan.contains("\n10 configurations are timed; 7 done\n"), "{plan}");
 }
 
 /// Without a terminal, long work prints a line every few seconds.

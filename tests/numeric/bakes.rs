@@ -8,7 +8,7 @@ mod slips;
 
 use files::Level;
 use half::f16;
-use splitsum::bakes::container::{TEXELS, Texel, from_bytes};
+use splitsum::bakes::container::{Encoding, FORMATS, TEXELS, Texel, from_bytes};
 use splitsum::bakes::source::{Reading, read};
 use splitsum::pixels::{GrayImage, RgbImage, exr};
 use std::path::Path;
@@ -74,6 +74,10 @@ fn every_pixel_format_is_read_from_every_container() {
             if texel.dxgi.is_some() {
                 check("x.dds", &files::dds(texel, 4, &bytes));
             }
+            // Our own levels begin at multiples of 4 and of a texel's bytes (KTX 2.0, section 3.9.7).
+            let own = (FORMATS[0].write)(&Encoding { texel, levels: &seen, keys: &[], is_packed: false });
+            let mut starts = own[80..152].chunks(24).map(|entry| u32::from_le_bytes(entry[..4].try_into().unwrap()));
+            assert!(starts.all(|start| start % 4 == 0 && start % texel.bytes as u32 == 0), "{}", texel.name);
         }
     }
 }

@@ -276,7 +276,7 @@ fn channel_names() {
     };
     let first = |names: &[&'static str]| at(names).unwrap().rgb.get(0, 0);
     assert_eq!(first(&["B", "G", "R"]), [3.0, 2.0, 1.0]);
-    assert_eq!(first(&["Z", "beauty.B", "beauty.G", "beauty.R"]), [4.0, 3.0, 2.0]);
+    assert_eq!(first(&["Z", "left.beauty.B", "left.beauty.G", "left.beauty.R"]), [4.0, 3.0, 2.0]);
     // Plain channels win over a prefix that sorts before them.
     assert_eq!(first(&["AO.R", "B", "G", "R"]), [4.0, 3.0, 2.0]);
     let partial = at(&["B", "R"]).unwrap();

@@ -80,6 +80,8 @@ fn pixels_are_square_and_the_short_side_keeps_its_extent() {
                 (extent[0] - x * contract).abs() < ROUNDING && (extent[1] - y * contract).abs() < ROUNDING,
                 "{kind:?} {size:?}: {extent:?}"
             );
+            let ball = Camera::for_scene(CameraKind::Perspective, &builtin("shader-ball"), size).extent(x / y);
+            assert!((ball[0].min(ball[1]) - 16f64.to_radians().tan()).abs() < ROUNDING, "{size:?}: {ball:?}");
         }
     }
 }

@@ -192,6 +192,7 @@ fn material_parameters_become_alpha_and_f0() {
         let scene = of_material(parameters).expect(parameters);
         let material = &scene.materials[0];
         assert!(near(material.alpha, alpha) && near(material.f0[0], f0), "{parameters}: {material:?}");
+        assert_eq!(material.albedo, [0.8; 3], "{parameters}");
         assert_eq!(scene.warnings.len(), warning_count, "{parameters}");
     }
 }

@@ -2,7 +2,6 @@
 
 use super::asked::{CURVES, digest, samples};
 use super::paper::{Made, Paper, column, finding, finished, numbers, only};
-use crate::run::runs;
 use splitsum::figure::{Mark, Panel, Shape};
 use splitsum::study::finished::{Finished, MetricValues};
 use splitsum::study::frame::Frame;
@@ -12,20 +11,6 @@ use splitsum::study::table::Table;
 /// The rows of the metric of radiance; pictures also have rows of FLIP.
 fn of_relmse(table: Table) -> Table {
     only(&table, &[("metric", "relmse")])
-}
-
-#[test]
-fn a_run_has_the_break_even_of_its_error_model() {
-    let (dir, plan) = (tempfile::tempdir().unwrap(), runs::plan(crate::run::whole::EXPERIMENT));
-    runs::finished(&plan, dir.path());
-    let run = Finished::read(dir.path()).unwrap();
-    let found = of_relmse(finding(&run, "break-even").table);
-    // 0.4 / sqrt(4) = 0.2 is above the fixed 0.15, 0.4 / sqrt(16) = 0.1 below it: the tried counts are 1, 4 and 16.
-    assert_eq!(numbers(&found, "break_even"), [16.0; 4]);
-    // And its squared error falls with the count.
-    let found = finding(&run, "convergence");
-    assert!(numbers(&found.table, "slope").iter().all(|slope| slope.is_nan() || (slope + 1.0).abs() < 1e-3));
-    assert!(numbers(&found.table, "stops_at").iter().all(|n| n.is_nan()));
 }
 
 #[test]
@@ -46,20 +31,6 @@ fn the_break_even_is_the_first_count_from_which_all_are_better() {
     assert_eq!(numbers(&table, "largest_tried"), [256.0; 4]);
     // Each alpha has its own answer; nothing is pooled over them.
     assert_eq!(digest(&found)[0][3..], ["1", "64", "more than 256", "more than 256"]);
-}
-
-#[test]
-fn each_set_of_tables_has_its_own_break_even() {
-    // Errors 4/n; the split sum errs by 0.3 with one layout and by 2 with the other.
-    let run = finished(&format!("{CURVES}layout = [\"cube\", \"octahedral\"]\n"), |point| {
-        let fixed = if point.get("layout").text() == "octahedral" { 2.0 } else { 0.3 };
-        Some(Made::error(samples(point).map_or(fixed, |n| 4.0 / n)))
-    });
-    let found = finding(&run, "break-even");
-    // The size of the map goes with the layout.
-    let rows = digest(&found);
-    let ends: Vec<[&str; 2]> = rows.iter().map(|row| [&*row[1], &*row[row.len() - 1]]).collect();
-    assert_eq!(ends[..2], [["cube", "16"], ["octahedral", "4"]]);
 }
 
 /// Errors 4/n under environments whose split sum has an error that breaks even at these counts.

@@ -77,3 +77,18 @@ fn the_first_stop_is_one_of_the_lights_that_count() {
     let said = paper.finding("convergence").sentence;
     assert!(said.contains("first at 64 samples"), "{said}");
 }
+
+/// Beside six maps the formula counts in no row, not even in one without a map.
+#[test]
+fn formulas_count_in_no_part_of_enough_maps() {
+    let mut paper = Paper::new(&["environment", "alpha", "method"]);
+    for light in ["a.hdr", "b.hdr", "c.hdr", "d.hdr", "e.hdr", "f.hdr", "builtin:sky"] {
+        let error = if light == "builtin:sky" { 1.0 } else { 0.04 };
+        paper.add(&[light, "0.1", "split-sum"], error);
+        if light != "a.hdr" {
+            paper.add(&[light, "0.5", "split-sum"], error);
+        }
+    }
+    let digest = paper.finding("error").digest.unwrap();
+    assert_eq!(column(&digest, "6 environments"), ["0.040 (20 % rms)"; 3]);
+}

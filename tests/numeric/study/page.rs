@@ -147,17 +147,3 @@ fn images_over_the_budget_are_linked() {
     let none = collect(&runs, Choice::None, BUDGET_BYTES);
     assert!(none.payloads.is_empty() && none.notes.len() == 1);
 }
-
-#[test]
-fn values_that_round_to_the_same_keep_their_digits() {
-    let dir = tempfile::tempdir().unwrap();
-    let text = "name = \"near\"\nsize = [24, 24]\nreference = { samples = 64 }\n[axes]\nenvironment = [\"builtin:constant\"]\n\
-                alpha = [0.22361, 0.22362]\nmethod = [\"sampled\"]\nsamples = [1, 4]\nlod_bias = [0, 1.2924812503605781]\n";
-    let runs = [read(&finished(&plan(text), dir.path()))];
-    let axes = splitsum::report::page::model::axes(&PageRun::of_runs(&runs));
-    let words = |name: &str| axes.iter().find(|axis| axis.name == name).unwrap().words.join(", ");
-    assert_eq!(words("alpha"), "alpha 0.22361 (roughness 0.47), alpha 0.22362 (roughness 0.47)");
-    // A bare number gets the name of its axis.
-    assert_eq!(words("lod_bias"), "bias 0, bias 1.292");
-    assert_eq!(words("method"), "Sampling");
-}

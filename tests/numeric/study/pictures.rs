@@ -8,9 +8,8 @@ use splitsum::study::table::Table;
 
 const AXES: &[&str] = &["scene", "environment", "environment_orientation", "alpha", "method"];
 
-/// Six environments, two scenes and two orientations. Under environment i the ratios of `split-sum-one` are x/2
-/// and 2x on the sphere and x twice on the ball, x = 0.5 exp(0.4 (i - 2.5)). Brightness is off by half, and by a
-/// hundredth.
+/// Six environments, two scenes and two orientations. Under environment i the ratios of `split-sum-one` are x/2 and 2x on the sphere and x
+/// twice on the ball, x = 0.5 exp(0.4 (i - 2.5)). Brightness is off by half, and by a hundredth.
 fn six_maps() -> Paper {
     let mut paper = Paper::new(AXES);
     for i in 0..6 {

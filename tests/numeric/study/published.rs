@@ -82,11 +82,8 @@ fn blocks_choose_rows_and_columns_and_name_their_faults() {
     assert_eq!(content("csv run/answers/q.csv alpha=0.1 model=ggx show=\"n·v below 0.2\""), "0.012");
     assert_eq!(content("csv elsewhere/q.csv"), "old");
     let faults = [
-        "csv run/answers/none.csv",
-        "csv run/answers/q.csv beta=1",
-        "csv run/answers/q.csv alpha=0.2",
-        "csv run/answers/q.csv alpha",
-        "csv run/answers/q.csv show=beta",
+        "csv run/answers/none.csv", "csv run/answers/q.csv beta=1", "csv run/answers/q.csv alpha=0.2",
+        "csv run/answers/q.csv alpha", "csv run/answers/q.csv show=beta",
     ];
     let faults =
         faults.map(|head| run(head).unwrap_err()).into_iter().chain([fill("<!-- csv run", dir.path()).unwrap_err()]);

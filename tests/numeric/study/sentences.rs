@@ -83,9 +83,8 @@ fn known(table: &Table, found: &mut HashSet<String>) {
     }
 }
 
-/// Numbers in a sentence of a finding that its table and digest lack: they are neither numbers there, nor counts of
-/// rows, of rows with one name in a column, or of distinct values of a column. The 95 of "95 %" is the size of every
-/// interval.
+/// Numbers in a sentence of a finding that its table and digest lack: they are neither numbers there, nor counts of rows, of rows with one
+/// name in a column, or of distinct values of a column. The 95 of "95 %" is the size of every interval.
 pub fn unfounded(finding: &Finding) -> Vec<String> {
     let mut known_numbers = HashSet::new();
     [Some(&finding.table), finding.digest.as_ref()]

@@ -55,8 +55,7 @@ fn score(run: &Finished, weight: &Weight, name: &str) -> Option<f64> {
 
 #[test]
 fn the_picture_weight_integrates_an_error_over_2_n_dot_v() {
-    // Reference 1, error a + b μ. With the density 2 μ the mean of its square is a² + 4/3 ab + b²/2, of the error
-    // itself a + 2/3 b.
+    // Reference 1, error a + b μ. With the density 2 μ the mean of its square is a² + 4/3 ab + b²/2, of the error itself a + 2/3 b.
     let (a, b) = (0.6, -0.5);
     let run = run(&image(|cosine| 1.0 + a + b * cosine), &image(|_| 1.0), &image(|_| 0.0));
     let square = a * a + 4.0 / 3.0 * a * b + b * b / 2.0;
@@ -135,8 +134,7 @@ fn recorded_bins_determine_scores_and_floors() {
     }
 }
 
-/// Two methods of a design with an error at grazing and at steep views, and a picture with a fifth of its pixels at
-/// grazing ones.
+/// Two methods of a design with an error at grazing and at steep views, and a picture with a fifth of its pixels at grazing ones.
 fn two_views() -> Paper {
     let mut paper = Paper::new(&["scene", "method"]);
     for (method, errors) in [("split-sum", [1.0, 0.2]), ("split-sum-one", [0.1, 0.3])] {
