@@ -55,8 +55,7 @@ pub const RADIANCE: Chromaticities = Chromaticities {
 };
 
 impl Chromaticities {
-    /// Returns the matrix to CIE XYZ; white has Y = 1. `None` if the primaries span no triangle or the white is
-    /// outside.
+    /// Returns the matrix to CIE XYZ; white has Y = 1. `None` if the primaries span no triangle or the white is outside.
     pub fn to_xyz(&self) -> Option<DMat3> {
         let xyz = |xy: DVec2| DVec3::new(xy.x, xy.y, 1.0 - xy.x - xy.y);
         let primaries = DMat3::from_cols(xyz(self.red), xyz(self.green), xyz(self.blue));
@@ -66,8 +65,7 @@ impl Chromaticities {
         (amounts.min_element() > 0.0).then(|| primaries * DMat3::from_diagonal(amounts))
     }
 
-    /// Returns the matrix to linear Rec.709, white to white (Bradford adaptation \[Lam85\]); `None` as
-    /// [`Chromaticities::to_xyz`].
+    /// Returns the matrix to linear Rec.709, white to white (Bradford adaptation \[Lam85\]); `None` as [`Chromaticities::to_xyz`].
     pub fn to_rec709(&self) -> Option<DMat3> {
         let bradford = DMat3::from_cols_array_2d(&[
             [0.8951, -0.7502, 0.0389],

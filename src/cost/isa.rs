@@ -64,29 +64,12 @@ impl AddAssign for Counts {
 
 /// Quarter-rate vector instructions \[LlvmAmdgpu20\].
 const QUARTER: [&str; 12] = [
-    "v_rcp_",
-    "v_rsq_",
-    "v_sqrt_",
-    "v_log_",
-    "v_exp_",
-    "v_sin_",
-    "v_cos_",
-    "v_mul_lo_",
-    "v_mul_hi_",
-    "v_mad_u64_",
-    "v_mad_i64_",
-    "v_mad_co_",
+    "v_rcp_", "v_rsq_", "v_sqrt_", "v_log_", "v_exp_", "v_sin_", "v_cos_", "v_mul_lo_", "v_mul_hi_", "v_mad_u64_",
+    "v_mad_i64_", "v_mad_co_",
 ];
 /// Scalar instructions that no unit executes: waits and hints.
 const HINTS: [&str; 9] = [
-    "s_waitcnt",
-    "s_wait_",
-    "s_clause",
-    "s_nop",
-    "s_delay_alu",
-    "s_inst_prefetch",
-    "s_set_inst_prefetch",
-    "s_code_end",
+    "s_waitcnt", "s_wait_", "s_clause", "s_nop", "s_delay_alu", "s_inst_prefetch", "s_set_inst_prefetch", "s_code_end",
     "s_endpgm",
 ];
 const MEMORY: [&str; 7] = ["buffer_", "tbuffer_", "global_", "flat_", "scratch_", "ds_", "lds_"];

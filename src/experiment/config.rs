@@ -155,8 +155,7 @@ fn read_switch(place: &mut bool, name: &str, value: &Spanned<DeValue>, faults: &
 pub const SEED: Kind = Kind::Count { min: 0, max: u32::MAX };
 
 impl Config {
-    /// Reads `text` as the experiment at `path` with `--set axis=v1,v2` texts. The result is complete only if `faults`
-    /// is empty.
+    /// Reads `text` as the experiment at `path` with `--set axis=v1,v2` texts. The result is complete only if `faults` is empty.
     pub fn parse(path: &Path, text: &str, overrides: &[String], faults: &mut Faults) -> Self {
         let root = parsed(text, faults);
         let is_whole = faults.is_empty();

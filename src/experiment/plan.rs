@@ -227,8 +227,7 @@ impl Plan {
         self.config.axes.iter().filter(|sweep| sweep.values.len() > 1).map(|sweep| sweep.axis)
     }
 
-    /// Lists likely mistakes with their places: idle exclusions and sweeps, black metals, ignored keys, very large
-    /// images.
+    /// Lists likely mistakes with their places: idle exclusions and sweeps, black metals, ignored keys, very large images.
     pub fn warnings(&self) -> Vec<String> {
         let mut warnings = Faults::new(&self.config.path, &self.config.text);
         // `--set` may have removed the values that an exclusion matches.

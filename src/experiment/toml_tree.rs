@@ -14,8 +14,7 @@ const DEPTH_MAX: u32 = 80;
 
 pub type Entry<'t, 'i> = (&'t str, &'t Spanned<DeValue<'i>>, Place);
 
-/// Parses a text; syntax errors become faults. At the first unclosed bracket the tree ends, since errors behind it
-/// mislead.
+/// Parses a text; syntax errors become faults. At the first unclosed bracket the tree ends, since errors behind it mislead.
 pub fn parsed<'t>(text: &'t str, faults: &mut Faults) -> Spanned<DeTable<'t>> {
     let mut errors = Vec::new();
     let mut ignored = |_: Event| {};

@@ -72,8 +72,7 @@ pub fn layout(figure: &Figure, width: f64) -> Layout {
     layout
 }
 
-/// The room for names at the ends of lines, pixels; `None` if some panel has no line of some series, or the names are too
-/// many or too long.
+/// The room for names at the ends of lines, pixels; `None` if some panel has no line of some series, or the names are too many or too long.
 pub fn ends_room(figure: &Figure, width: f64) -> Option<f64> {
     let has_end = |panel: &Panel, series: usize| {
         panel.marks.iter().any(|mark| mark.series == Some(series) && end(mark).is_some())

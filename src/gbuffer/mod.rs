@@ -12,14 +12,13 @@
 //! Spheres are exact: with c the centre relative to the ray's origin, d the ray's direction and x = d x c, a ray hits
 //! if `r² d·d - x·x >= 0`, at `(d x x - sqrt(r² d·d - x·x) d) / d·d` from the centre.
 //!
-//! Meshes have interpolated positions and normals and are shaded on both sides: seen from the back, the normal is
-//! negated. A material may cull backs. Near a silhouette, an interpolated normal may lean away from the viewer; shading
-//! clamps its `n_dot_v`. Only this pass reads maps, so every method and the reference see the same surface. Lookups are
-//! trilinear with v up, at the level whose texels are as wide as the longer step to a neighbour within a quad of 2 x 2
-//! pixels. With interpolated normal n, tangent t (not renormalised \[Mikkelsen08\]) and m of the normal map, the normal
-//! is `normalize(m.x t + m.y s (n x t) + m.z n)`, s the tangent's sign; metallic is multiplied by the map's blue, alpha
-//! by its green squared. Devices snap vertices to a sub-pixel grid (1/256 pixel is common), so mesh texels match the
-//! twin only to about that much of a pixel; spheres do not depend on it.
+//! Meshes have interpolated positions and normals and are shaded on both sides: seen from the back, the normal is negated. A material may
+//! cull backs. Near a silhouette, an interpolated normal may lean away from the viewer; shading clamps its `n_dot_v`. Only this pass reads
+//! maps, so every method and the reference see the same surface. Lookups are trilinear with v up, at the level whose texels are as wide as
+//! the longer step to a neighbour within a quad of 2 x 2 pixels. With interpolated normal n, tangent t (not renormalised \[Mikkelsen08\])
+//! and m of the normal map, the normal is `normalize(m.x t + m.y s (n x t) + m.z n)`, s the tangent's sign; metallic is multiplied by the
+//! map's blue, alpha by its green squared. Devices snap vertices to a sub-pixel grid (1/256 pixel is common), so mesh texels match the twin
+//! only to about that much of a pixel; spheres do not depend on it.
 //!
 //! Lobes of two widths need a tangent, and the strength of the anisotropy. Both are the normals and alphas of a second
 //! g-buffer, of [`Scene::tangents`]: in place of a normal m is the direction `(d.x, d.y, 0)` of the material's map

@@ -106,10 +106,7 @@ impl SceneData {
                 index_count: mesh.indices.len() as u32,
                 material: mesh.material,
                 material_maps: [
-                    material.albedo_map,
-                    material.metallic_map,
-                    material.roughness_map,
-                    material.normal_map,
+                    material.albedo_map, material.metallic_map, material.roughness_map, material.normal_map,
                 ],
                 is_one_sided: material.is_one_sided,
             })

@@ -1,9 +1,8 @@
 //! The texts of the shaders, and their compilation to SPIR-V. The build script compiles all of `shaders/` with this
 //! file; the program compiles methods in files of the user.
 //!
-//! An entry point is a `.comp`, `.vert` or `.frag` file. `#include "path"` is relative to `shaders/`; each file is
-//! included once. Two folders are virtual: `generated/` holds the text of `src/glsl`; `selected/` is a choice,
-//! with one permutation per candidate:
+//! An entry point is a `.comp`, `.vert` or `.frag` file. `#include "path"` is relative to `shaders/`; each file is included once. Two
+//! folders are virtual: `generated/` holds the text of `src/glsl`; `selected/` is a choice, with one permutation per candidate:
 //!
 //! | include | candidates: every file of |
 //! |---|---|

@@ -19,9 +19,8 @@ pub(super) fn disable_without_room() {
     static FIRST: Once = Once::new();
     FIRST.call_once(|| {
         if std::env::var_os(DISABLE).is_none() && folder().is_some_and(|folder| !has_room(&folder)) {
-            // SAFETY: nothing else in the program changes the environment. Readers through the C library are the loader
-            // and the drivers, which are not open yet; other threads of the program read it under the standard
-            // library's lock.
+            // SAFETY: nothing else in the program changes the environment. Readers through the C library are the loader and the drivers,
+            // which are not open yet; other threads of the program read it under the standard library's lock.
             unsafe { std::env::set_var(DISABLE, "true") };
         }
     });

@@ -1,9 +1,8 @@
 //! A spatio-temporal mask of blue noise by void and cluster \[Ulichney93\] \[Wolfe22\].
 //!
-//! The ranks of the cells of a torus of [`SIDE`] x [`SIDE`] pixels and [`DEPTH`] frames. Cells repel each other by
-//! `exp(-d²/(2 σ²))` within a frame, d in pixels, and within a pixel, d in frames; others do not. So each frame and each
-//! pixel over time has few low frequencies. Cells get their ranks in turn, each in the largest void of the cells before it;
-//! the first tenth is spread out from random cells.
+//! The ranks of the cells of a torus of [`SIDE`] x [`SIDE`] pixels and [`DEPTH`] frames. Cells repel each other by `exp(-d²/(2 σ²))` within
+//! a frame, d in pixels, and within a pixel, d in frames; others do not. So each frame and each pixel over time has few low frequencies.
+//! Cells get their ranks in turn, each in the largest void of the cells before it; the first tenth is spread out from random cells.
 
 use std::sync::LazyLock;
 

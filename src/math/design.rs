@@ -1,10 +1,8 @@
 //! Surfaces whose normals and views fill both spaces evenly.
 //!
-//! A sphere under one camera ties n·v to the position on the map: each n·v sees one ring of it. Instead, surface i of N
-//! has
+//! A sphere under one camera ties n·v to the position on the map: each n·v sees one ring of it. Instead, surface i of N has
 //!
-//! - the reflected direction r of the spherical Fibonacci lattice: `r.y = 1 - (2 i + 1)/N`, azimuth `2π i/φ`, φ the
-//!   golden ratio;
+//! - the reflected direction r of the spherical Fibonacci lattice: `r.y = 1 - (2 i + 1)/N`, azimuth `2π i/φ`, φ the golden ratio;
 //! - `n·v = frac(1/2 + i/ρ)`, and the azimuth `2π frac(1/2 + i/ρ²)` of the plane of incidence about r, ρ the plastic
 //!   number: the R2 sequence \[Roberts18\].
 //!

@@ -6,11 +6,10 @@
 //!
 //! `∫_R L k dω ≈ Σ k(x_ij) W_ij`, `W_ij = ∫_R L ℓ_i(u) ℓ_j(v) dω`, `dω = 2π² sin(π v) du dv`,
 //!
-//! with `ℓ` the Lagrange polynomials of the nodes. The error is at most `max |k - polynomial| · ∫_R |L| dω`; the
-//! maximum is estimated at corners, edge middles and centre of R, where an interpolant through Gauss nodes is worst. A
-//! quadtree holds the weights W of blocks of texels; a parent's follow from its children's, since its `ℓ` restricted to
-//! a child is a polynomial of the same degree. Weights of smaller rectangles, down to parts of one bilinear cell, are
-//! computed on demand.
+//! with `ℓ` the Lagrange polynomials of the nodes. The error is at most `max |k - polynomial| · ∫_R |L| dω`; the maximum is estimated at
+//! corners, edge middles and centre of R, where an interpolant through Gauss nodes is worst. A quadtree holds the weights W of blocks of
+//! texels; a parent's follow from its children's, since its `ℓ` restricted to a child is a polynomial of the same degree. Weights of
+//! smaller rectangles, down to parts of one bilinear cell, are computed on demand.
 
 use super::equirect::{direction_from_uv, uv_from_direction};
 use super::quadrature::{Estimate, NODE_COUNT, TensorRule, Tolerance, integrate_adaptively};

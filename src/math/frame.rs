@@ -2,8 +2,7 @@
 
 use glam::{DQuat, DVec3};
 
-/// Returns the tangent of spheres and queries: east about +y, at the poles +x, turned counter-clockwise about `n` by an angle
-/// in radians.
+/// Returns the tangent of spheres and queries: east about +y, at the poles +x, turned counter-clockwise about `n` by an angle in radians.
 pub fn east(n: DVec3, turn: f64) -> DVec3 {
     let horizontal = DVec3::new(n.z, 0.0, -n.x);
     DQuat::from_axis_angle(n, turn) * horizontal.try_normalize().unwrap_or(DVec3::X)

@@ -1,9 +1,8 @@
 //! The regularised incomplete beta function `I_x(n, 1/2)` in f64, for `n >= 1`.
 //!
-//! With `x = sin² θ = exp(-w²)`, `∫_0^θ sin^(2n-1) ψ dψ = ∫_w^∞ exp(-κ t²) S(t²) dt`, `κ = n - 1/4`, where `S(u) =
-//! √((u/2)/sinh(u/2))` is even and flat at 0. Its Taylor series, integrated term by term, is asymptotic in `1/κ²`. For
-//! small n, the recurrence `I_x(n, 1/2) = I_x(n + 1, 1/2) + x^n √(1 - x) / (n B(n, 1/2))`, a sum of positive terms,
-//! leads to a large n. The exponent n - 1/4 makes S even.
+//! With `x = sin² θ = exp(-w²)`, `∫_0^θ sin^(2n-1) ψ dψ = ∫_w^∞ exp(-κ t²) S(t²) dt`, `κ = n - 1/4`, where `S(u) = √((u/2)/sinh(u/2))` is
+//! even and flat at 0. Its Taylor series, integrated term by term, is asymptotic in `1/κ²`. For small n, the recurrence `I_x(n, 1/2) =
+//! I_x(n + 1, 1/2) + x^n √(1 - x) / (n B(n, 1/2))`, a sum of positive terms, leads to a large n. The exponent n - 1/4 makes S even.
 
 use libm::erfc;
 use std::f64::consts::PI;

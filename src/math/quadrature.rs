@@ -235,8 +235,7 @@ impl Rectangle {
     }
 }
 
-/// Integrates `f(column(x), y)` over a rectangle: `column` is computed once for all y of a part. Kinks and cliffs cost
-/// time, not accuracy.
+/// Integrates `f(column(x), y)` over a rectangle: `column` is computed once for all y of a part. Kinks and cliffs cost time, not accuracy.
 ///
 /// The error of a part is its area times the largest residual of its interpolant: pessimistic for smooth parts.
 pub fn integrate_columns<C>(

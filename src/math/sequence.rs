@@ -64,9 +64,8 @@ pub enum PixelPoints {
 
 listed!(PixelPoints, "kind of pixel points", { "shared": Shared, "owen": Owen });
 
-/// Returns the point of a set as the pixel at column x and row y scrambles it: nested uniform scrambles of both
-/// coordinates \[Owen97\] by hash \[Burley20\], each with its own key. The mean over pixels or sets is uniform for any
-/// point.
+/// Returns the point of a set as the pixel at column x and row y scrambles it: nested uniform scrambles of both coordinates \[Owen97\] by
+/// hash \[Burley20\], each with its own key. The mean over pixels or sets is uniform for any point.
 pub fn scrambled(point: DVec2, [x, y]: [u32; 2], set: u32) -> DVec2 {
     /// The reference uses streams 0 and 1.
     const STREAM: u32 = 2;

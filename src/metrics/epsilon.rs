@@ -14,8 +14,7 @@ impl Epsilon {
     /// ε of light with mean luminance 1.
     pub const ABSOLUTE: Self = Self { mean: 1.0 };
 
-    /// Returns ε of an environment with this mean luminance over the sphere, clip and scale included;
-    /// [`Self::ABSOLUTE`] if black.
+    /// Returns ε of an environment with this mean luminance over the sphere, clip and scale included; [`Self::ABSOLUTE`] if black.
     pub fn of_light(mean: f64) -> Self {
         if mean > 0.0 { Self { mean } } else { Self::ABSOLUTE }
     }

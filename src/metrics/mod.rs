@@ -3,8 +3,7 @@
 //! `t` is the test and `r` the reference, linear radiance of one pixel and channel; `d = t - r`. Means weight masked
 //! pixels and channels equally, in f64. Pixels off the mask never count: display metrics see them black in both images.
 //!
-//! ε is [`Epsilon`], a share of the light's mean luminance. Names include it because four tools call four formulas
-//! "relMSE".
+//! ε is [`Epsilon`], a share of the light's mean luminance. Names include it because four tools call four formulas "relMSE".
 
 mod bias;
 mod bins;
@@ -93,8 +92,7 @@ impl Metric {
         score.abs()
     }
 
-    /// Returns the expected score of an exact test, caused by the reference's standard error; `None` for display
-    /// metrics.
+    /// Returns the expected score of an exact test, caused by the reference's standard error; `None` for display metrics.
     pub fn noise_floor(&self, noise: &ReferenceNoise) -> Option<f64> {
         (self.noise_floor)(noise)
     }

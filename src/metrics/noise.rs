@@ -3,10 +3,9 @@
 //! The reference is a mean over K = 4 scrambles with standard error `se` per pixel and channel. A metric's floor is the
 //! expected score of an exact test.
 //!
-//! `se` is an estimate with 3 degrees of freedom: `se²` is unbiased, its root and tails are not. So the error is taken
-//! as uniform within ±√3 se. Averaged over `se` that is the true normal distribution: the three deviations are a point
-//! on a sphere, and one coordinate of a uniform point on a sphere is uniform (the unbiased estimate of
-//! \[Kolmogorov50\]).
+//! `se` is an estimate with 3 degrees of freedom: `se²` is unbiased, its root and tails are not. So the error is taken as uniform within
+//! ±√3 se. Averaged over `se` that is the true normal distribution: the three deviations are a point on a sphere, and one coordinate of a
+//! uniform point on a sphere is uniform (the unbiased estimate of \[Kolmogorov50\]).
 
 use super::comparison::{check_size, check_values, masked_pixels};
 use super::{Epsilon, METRICS, Metric, MetricsError};

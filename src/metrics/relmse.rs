@@ -1,7 +1,6 @@
 //! Relative mean square error \[Rousselle11\].
 //!
-//! One firefly can decide it: in an image of 5,000 pixels one moved it from 0.018 to 428. `tone_mapped_mse` bounds each
-//! pixel.
+//! One firefly can decide it: in an image of 5,000 pixels one moved it from 0.018 to 428. `tone_mapped_mse` bounds each pixel.
 
 use super::mean::pixel_mean;
 use super::{Epsilon, Metric, Pooling};

@@ -103,8 +103,7 @@ fn mean(parts: &[Part], is_tilted: bool, number: impl Fn(&Part) -> Option<f64>) 
     Some(parts.iter().enumerate().map(tilted).sum::<f64>() / total).filter(|mean| mean.is_finite())
 }
 
-/// Slope at point i of the parabola through it and its neighbours, or the two nearest points at an end; 0 below three
-/// points.
+/// Slope at point i of the parabola through it and its neighbours, or the two nearest points at an end; 0 below three points.
 fn slope(points: &[[f64; 2]], i: usize) -> f64 {
     if points.len() < 3 {
         return 0.0;

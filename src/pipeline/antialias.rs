@@ -70,8 +70,7 @@ impl Edges {
     }
 }
 
-/// Returns the difference of two points in an image of a camera: 0 on one plane, [`UNLIKE`] and more on different
-/// surfaces.
+/// Returns the difference of two points in an image of a camera: 0 on one plane, [`UNLIKE`] and more on different surfaces.
 pub(super) fn difference(camera: &Camera, [width, height]: [u32; 2]) -> impl Fn(Point, Point) -> f32 + Sync + use<> {
     let [_, half_height] = camera.extent(f64::from(width) / f64::from(height));
     let step = (2.0 * half_height / f64::from(height)) as f32;

@@ -1,10 +1,9 @@
 //! Tables and references kept on disk for later runs.
 //!
-//! An entry is a file named by the hash of its key. The key contains everything that determines the entry's bits: the
-//! SPIR-V of its shaders, the host's code around them, the device and its driver, the contents of the inputs, every
-//! parameter. The build script hashes all source files except those that no device result depends on (`HOST_EXCLUDED`
-//! in `shaders/compile.rs`), and the versions of all crates. Floats are kept bit for bit: a run writes the same bytes
-//! with and without the cache.
+//! An entry is a file named by the hash of its key. The key contains everything that determines the entry's bits: the SPIR-V of its
+//! shaders, the host's code around them, the device and its driver, the contents of the inputs, every parameter. The build script hashes
+//! all source files except those that no device result depends on (`HOST_EXCLUDED` in `shaders/compile.rs`), and the versions of all
+//! crates. Floats are kept bit for bit: a run writes the same bytes with and without the cache.
 //!
 //! An entry is written atomically and has a checksum; damaged entries are removed and made again. Several processes may
 //! share a folder. Above its size limit, the entries used longest ago are removed first.

@@ -35,9 +35,8 @@ pub struct LightTables {
 }
 
 impl Pipeline {
-    /// Makes the tables for the environment, model, masking and settings of `request`, or takes existing ones. Levels
-    /// of the environment with more than `texels_max` texels are not read; the finest prefiltered level has at most
-    /// `PREFILTERED_TEXELS_MAX`.
+    /// Makes the tables for the environment, model, masking and settings of `request`, or takes existing ones. Levels of the environment
+    /// with more than `texels_max` texels are not read; the finest prefiltered level has at most `PREFILTERED_TEXELS_MAX`.
     pub fn light_tables(
         &mut self,
         request: &RenderRequest,

@@ -9,8 +9,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Most texels of an environment (8192 x 4096): below 2 GiB at [`ENVIRONMENT_TEXEL_BYTES`].
 pub(crate) const ENVIRONMENT_TEXELS_MAX: u64 = 1 << 25;
-/// Most bytes per texel of an environment: radiance, a copy for exact integrals and its quadtree, or radiance and
-/// device copies.
+/// Most bytes per texel of an environment: radiance, a copy for exact integrals and its quadtree, or radiance and device copies.
 const ENVIRONMENT_TEXEL_BYTES: u64 = 58;
 /// Most pixels of an 8-bit picture (8192 x 8192).
 pub(super) const PICTURE_TEXELS_MAX: u64 = 1 << 26;

@@ -1,8 +1,7 @@
 //! Radiance pictures (`.hdr`, `.pic`) \[Ward94\].
 //!
-//! A texel has three mantissas and a shared exponent, `value = mantissa 2^(e - 136)`, 0 if `e = 0`. (Radiance adds 0.5
-//! to the mantissa; most software does not, and a stored 0 should stay 0.) `EXPOSURE` and `COLORCORR`, which multiply,
-//! are divided out.
+//! A texel has three mantissas and a shared exponent, `value = mantissa 2^(e - 136)`, 0 if `e = 0`. (Radiance adds 0.5 to the mantissa;
+//! most software does not, and a stored 0 should stay 0.) `EXPOSURE` and `COLORCORR`, which multiply, are divided out.
 //!
 //! Colours are Rec.709 unless PRIMARIES says otherwise. `32-bit_rle_xyze` is refused; `ra_xyze -r` converts it.
 
@@ -241,8 +240,7 @@ fn read_channel(input: &mut Input, scanline: &mut [[u8; 4]], channel: usize) -> 
     Ok(())
 }
 
-/// Reads flat texels. In the old run-length form (1, 1, 1, n) repeats the texel before n times; consecutive runs are
-/// digits of base 256.
+/// Reads flat texels. In the old run-length form (1, 1, 1, n) repeats the texel before n times; consecutive runs are digits of base 256.
 fn read_flat(input: &mut Input, scanline: &mut [[u8; 4]]) -> Result<(), ScanlineProblem> {
     let (mut x, mut shift) = (0, 0);
     while x < scanline.len() {

@@ -17,16 +17,8 @@ pub const SUMMARY_FILE: &str = "summary.md";
 
 /// Methods in the order of [`SERIES`](crate::figure::ink::SERIES): each has one colour in all figures.
 const INKED: [&str; 10] = [
-    "split-sum",
-    "split-sum-two",
-    "sampled",
-    "sampled-vndf",
-    "split-sum-cap",
-    "split-sum-one",
-    "split-sum-unity",
-    "split-sum-frostbite",
-    "split-sum-four",
-    "sampled-unfiltered",
+    "split-sum", "split-sum-two", "sampled", "sampled-vndf", "split-sum-cap", "split-sum-one", "split-sum-unity",
+    "split-sum-frostbite", "split-sum-four", "sampled-unfiltered",
 ];
 
 /// The colour of the method whose title a series begins with, or whose name it is.

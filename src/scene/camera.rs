@@ -102,10 +102,9 @@ pub struct Camera {
 impl Camera {
     /// Frames the whole scene in an image of `size` (width, height) pixels.
     ///
-    /// A single sphere of radius r is seen from +z: a square of half side 1.05 r (orthographic), or from a distance of
-    /// 4 r under 32 degrees (perspective). Other scenes are seen from `scene.toward_viewer` with a margin of 5 %;
-    /// `design` has its own camera. Pixels are square: a wide image sees more to the sides, a tall one more above and
-    /// below.
+    /// A single sphere of radius r is seen from +z: a square of half side 1.05 r (orthographic), or from a distance of 4 r under 32 degrees
+    /// (perspective). Other scenes are seen from `scene.toward_viewer` with a margin of 5 %; `design` has its own camera. Pixels are
+    /// square: a wide image sees more to the sides, a tall one more above and below.
     pub fn for_scene(kind: CameraKind, scene: &Scene, size: [u32; 2]) -> Self {
         let aspect = f64::from(size[0]) / f64::from(size[1]);
         if scene.is_design {

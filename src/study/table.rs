@@ -54,8 +54,7 @@ impl Table {
         Self { columns: columns.into_iter().map(Into::into).collect(), rows: Vec::new() }
     }
 
-    /// The rows of several tables under the names of all their columns, each after the name of its table in a column
-    /// `head`.
+    /// The rows of several tables under the names of all their columns, each after the name of its table in a column `head`.
     pub fn united(head: &str, tables: Vec<(&str, Self)>) -> Self {
         let names = tables.iter().flat_map(|(_, table)| table.columns.clone());
         let names: IndexSet<String> = std::iter::once(head.to_owned()).chain(names).collect();

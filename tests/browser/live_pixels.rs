@@ -221,9 +221,8 @@ impl Setting {
     }
 }
 
-/// Relative difference that the page may have from the renderer. Its maps are half floats (11 significant bits): one
-/// map for sampled methods, the prefiltered map and the DFG table for the split sum, and places, levels and weights of
-/// taps.
+/// Relative difference that the page may have from the renderer. Its maps are half floats (11 significant bits): one map for sampled
+/// methods, the prefiltered map and the DFG table for the split sum, and places, levels and weights of taps.
 fn is_storage_error(method: &str, error: f64) -> bool {
     const HALF: f64 = 1.0 / 2048.0;
     let method = Method::listed(method);

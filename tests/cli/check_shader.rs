@@ -45,15 +45,9 @@ fn wrong_functions_are_refused() {
         "commands_of_check_shader_that_are_refused",
         dir.path(),
         &[
-            "check-shader",
-            "check-shader no.glsl",
-            "check-shader nothing.glsl",
-            "check-shader nothing.glsl --entry f",
-            "check-shader my.glsl --entry g",
-            "check-shader nothing.wgsl --entry f",
-            "check-shader type.wgsl --entry f",
-            "check-shader short.wgsl",
-            "check-shader my.glsl --fail-above 5",
+            "check-shader", "check-shader no.glsl", "check-shader nothing.glsl", "check-shader nothing.glsl --entry f",
+            "check-shader my.glsl --entry g", "check-shader nothing.wgsl --entry f",
+            "check-shader type.wgsl --entry f", "check-shader short.wgsl", "check-shader my.glsl --fail-above 5",
         ],
     );
 }

@@ -163,12 +163,8 @@ fn bad_names_and_a_missing_compiler_are_reported() {
         "commands_of_cost_that_are_refused",
         dir.path(),
         &[
-            "cost --family navi12",
-            "cost --method reference",
-            "cost --method file:none.glsl",
-            "cost --samples 4",
-            "cost --alpha 0.3",
-            "cost --out none/costs.csv",
+            "cost --family navi12", "cost --method reference", "cost --method file:none.glsl", "cost --samples 4",
+            "cost --alpha 0.3", "cost --out none/costs.csv",
         ],
     );
     let mut blind = command(dir.path(), &["cost"]);

@@ -54,9 +54,8 @@ fn watched(gpu: &Gpu, test: impl FnOnce()) {
     assert_eq!(gpu.validation_messages()[before..], Vec::<String>::new());
 }
 
-/// The turn of a thread. Validation layer 1.3.239 keeps its devices in a table without a lock: a call on one device can
-/// crash while another thread opens or closes another one (docs/testing.md). So one test at a time has devices; it may
-/// have several.
+/// The turn of a thread. Validation layer 1.3.239 keeps its devices in a table without a lock: a call on one device can crash while another
+/// thread opens or closes another one (docs/testing.md). So one test at a time has devices; it may have several.
 struct Turn {
     guard: Option<MutexGuard<'static, ()>>,
 }
@@ -223,9 +222,8 @@ pub fn lobe_sphere(alpha: f64) -> Scene {
     )
 }
 
-/// `request` with four seeds and a quarter of the reference's samples each, as one frame. Four scrambles of one seed
-/// know a pixel's error with three degrees of freedom, so one pixel in a hundred is off by six standard errors; with
-/// twelve degrees it is one in 16,000.
+/// `request` with four seeds and a quarter of the reference's samples each, as one frame. Four scrambles of one seed know a pixel's error
+/// with three degrees of freedom, so one pixel in a hundred is off by six standard errors; with twelve degrees it is one in 16,000.
 pub fn render_by_seeds(pipeline: &mut Pipeline, request: &RenderRequest) -> Frame {
     if !request.has_reference_term() {
         return pipeline.render(request).unwrap();

@@ -157,9 +157,8 @@ fn shown(frame: &Frame) -> (Vec<u32>, Option<Vec<u32>>, Vec<u32>) {
     (bits(&frame.radiance), frame.standard_error.as_ref().map(bits), n_dot_v)
 }
 
-/// A key that lacks a field returns the result of an earlier request: right after its base a neighbour then shows the
-/// base's result, alone its own. Each pair has its own light, scene, size and counts, so that no other request leaves
-/// the same.
+/// A key that lacks a field returns the result of an earlier request: right after its base a neighbour then shows the base's result, alone
+/// its own. Each pair has its own light, scene, size and counts, so that no other request leaves the same.
 #[test]
 fn frames_do_not_depend_on_earlier_requests() {
     let dir = tempfile::tempdir().unwrap();

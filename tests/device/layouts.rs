@@ -190,9 +190,8 @@ fn beside_lamp(d: DVec3, size: u32) -> RenderRequest {
 #[test]
 fn a_lamp_keeps_its_light_at_every_place() {
     const SIZE: u32 = 16;
-    // A method, its sample count, the number of point sets to average, and the largest deviation of a direction from
-    // the mean. 40 samples read texels of some 8 degrees: the place of the lamp between their centres changes its light
-    // by up to 5.4 %, in any layout.
+    // A method, its sample count, the number of point sets to average, and the largest deviation of a direction from the mean. 40 samples
+    // read texels of some 8 degrees: the place of the lamp between their centres changes its light by up to 5.4 %, in any layout.
     let ways = [
         ("sampled", 40, 16, 0.06),
         ("sampled", 4096, 1, 0.01),

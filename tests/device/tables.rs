@@ -100,9 +100,8 @@ fn sh9_adds_suns_and_skies_without_loss() {
 
 #[test]
 fn irradiance_map_by_integration() {
-    // A lookup spreads light over the trilinear footprint of its level, about two cells of the grid and longer in theta
-    // near the poles. A sun of 100 times the sky then makes 1.2 % at 128 x 32 points, and 16 times less with a quarter
-    // of the cell.
+    // A lookup spreads light over the trilinear footprint of its level, about two cells of the grid and longer in theta near the poles. A
+    // sun of 100 times the sky then makes 1.2 % at 128 x 32 points, and 16 times less with a quarter of the cell.
     const POINTS: [([u32; 2], Tolerance); 2] = [([128, 32], relative(1.5e-2)), ([512, 128], relative(1e-3))];
     with_gpu(|gpu| {
         let environment = golden_environment();

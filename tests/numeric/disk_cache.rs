@@ -119,11 +119,7 @@ fn request(brdf: &'static dyn Brdf, method: &str, diffuse: &str) -> RenderReques
 #[test]
 fn a_reference_outlives_a_change_of_every_shader_but_its_own() {
     const VIEW: [&str; 5] = [
-        "gbuffer/sphere.vert",
-        "gbuffer/sphere.frag",
-        "gbuffer/mesh.vert",
-        "gbuffer/mesh.frag",
-        "precompute/mips.comp",
+        "gbuffer/sphere.vert", "gbuffer/sphere.frag", "gbuffer/mesh.vert", "gbuffer/mesh.frag", "precompute/mips.comp",
     ];
     let own = |brdf: &str| {
         [format!("shade/reference.comp:specular:{brdf}"), format!("shade/reference_resolve.comp:specular:{brdf}")]

@@ -252,18 +252,9 @@ mod loading {
     #[test]
     fn specs_of_formulas_are_checked() {
         let specs = [
-            "builtin:skye",
-            "builtin:",
-            "builtin:cap:half_angle=3",
-            "builtin:studio:x=1",
-            "builtin:cap:radiance=bright",
-            "builtin:cap:radiance=-1",
-            "builtin:cap:radiance=nan",
-            "builtin:sky:elevation_deg=91",
-            "builtin:cap:radiance",
-            "builtin:cap:radiance=1,radiance=2",
-            "sky",
-            "",
+            "builtin:skye", "builtin:", "builtin:cap:half_angle=3", "builtin:studio:x=1",
+            "builtin:cap:radiance=bright", "builtin:cap:radiance=-1", "builtin:cap:radiance=nan",
+            "builtin:sky:elevation_deg=91", "builtin:cap:radiance", "builtin:cap:radiance=1,radiance=2", "sky", "",
         ];
         let refusal = |spec: &str, builtin_size| {
             let options = LoadOptions { builtin_size, ..LoadOptions::default() };

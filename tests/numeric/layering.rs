@@ -141,13 +141,7 @@ fn references_and_passes_do_not_know_each_other() {
 /// Items that hashed host files may name although their code is not hashed: names and flags of models and methods, work
 /// on a finished image, and an ε, whose value is in the key.
 const SEEN_BY_HOST: &[&str] = &[
-    "brdf",
-    "tonemap",
-    "metrics::Epsilon",
-    "ladder",
-    "shade::METHODS",
-    "shade::DIFFUSE",
-    "shade::Method",
+    "brdf", "tonemap", "metrics::Epsilon", "ladder", "shade::METHODS", "shade::DIFFUSE", "shade::Method",
     "shade::Diffuse",
 ];
 

@@ -142,9 +142,8 @@ pub fn luminance(code: [u8; 3]) -> f64 {
 
 #[test]
 fn palettes_match_the_published_ones() {
-    // matplotlib's magma at 0, 128/255 and 1: (0.001462, 0.000466, 0.013866), (0.716387, 0.214982, 0.475290),
-    // (0.987053, 0.991438, 0.749504), which d3's table of 8-bit codes, ours, holds to
-    // one code.
+    // matplotlib's magma at 0, 128/255 and 1: (0.001462, 0.000466, 0.013866), (0.716387, 0.214982, 0.475290), (0.987053, 0.991438,
+    // 0.749504), which d3's table of 8-bit codes, ours, holds to one code.
     let magma = |t| Palette::Magma.color(t);
     assert_eq!([magma(0.0), magma(128.0 / 255.0), magma(1.0)], [[0, 0, 4], [182, 54, 121], [252, 253, 191]]);
     let blue_red = |t| Palette::BlueRed.color(t);

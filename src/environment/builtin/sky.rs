@@ -6,11 +6,10 @@
 //!   \[KastenYoung89\], `m = 1 / (sin h + 0.50572 (h° + 6.07995)^-1.6364)`, and the optical depths of \[Preetham99\]
 //!   (appendix): Rayleigh `τr = 0.008735 λ^-4.08`, aerosols `τa = (0.04608 T - 0.04586) λ^-1.3`, λ in µm, T the
 //!   turbidity. Ozone, water vapour and mixed gases are omitted: they remove a few per cent of visible light.
-//! - The extraterrestrial irradiance `E0` (grey) follows from an energy balance, since the sky data has no unit: half
-//!   of the light that the beam loses by scattering reaches the ground as skylight, `E_sky = E0 sin h (1 - T_beam) / 2`
-//!   in luminance, with `T_beam` the transmitted share and `E_sky` the irradiance of the sky on the horizontal. At h =
-//!   35 degrees the sun then gives the horizontal 4.8 (T = 2), 2.9 (T = 3) or 1.1 (T = 6) times the light of the sky,
-//!   similar to real skies.
+//! - The extraterrestrial irradiance `E0` (grey) follows from an energy balance, since the sky data has no unit: half of the light that the
+//!   beam loses by scattering reaches the ground as skylight, `E_sky = E0 sin h (1 - T_beam) / 2` in luminance, with `T_beam` the
+//!   transmitted share and `E_sky` the irradiance of the sky on the horizontal. At h = 35 degrees the sun then gives the horizontal 4.8 (T
+//!   = 2), 2.9 (T = 3) or 1.1 (T = 6) times the light of the sky, similar to real skies.
 //! - Ground: `L = albedo (E_sky + E sin h) / π`, the same in every direction below the horizon.
 //!
 //! The map is scaled to a mean luminance of 1 over the sphere.

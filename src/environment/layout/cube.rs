@@ -22,9 +22,8 @@ pub const LAYOUT: MapLayout = MapLayout {
     texel,
 };
 
-/// Returns the largest component of a direction. Its mean over a sample of `omega_s` is larger on edges and corners,
-/// where another component becomes the largest; ignoring that, 40 samples lose a tenth of the light of a lamp on a
-/// corner.
+/// Returns the largest component of a direction. Its mean over a sample of `omega_s` is larger on edges and corners, where another
+/// component becomes the largest; ignoring that, 40 samples lose a tenth of the light of a lamp on a corner.
 fn mean_major(a: DVec3, omega_s: f64) -> f64 {
     let softened = |a: f64, b: f64| 0.5 * (a + b + ((a - b).powi(2) + f64::from(EDGE_SOFTNESS) * omega_s).sqrt());
     softened(softened(a.x, a.y), a.z).min(1.0)

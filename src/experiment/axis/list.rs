@@ -1,5 +1,4 @@
-//! The list of all axes except the axes of layers ([`super::layers`]), of frames ([`super::frames`]) and of tables
-//! ([`super::tables`]).
+//! The list of all axes except the axes of layers ([`super::layers`]), of frames ([`super::frames`]) and of tables ([`super::tables`]).
 
 use super::frames::FRAME_AXES;
 use super::layers::LAYER_AXES;

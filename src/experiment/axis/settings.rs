@@ -20,8 +20,7 @@ pub struct Settings {
     pub size: [u32; 2],
     /// `builtin:NAME` or a path.
     pub environment: String,
-    /// Clips radiance at 2 to this power, in the reference too.
-    /// A scene's name or a path.
+    /// Clips radiance at 2 to this power, in the reference too. A scene's name or a path.
     pub scene: String,
     pub material: MaterialOverride,
     pub shading: Shading,

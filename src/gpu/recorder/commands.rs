@@ -48,8 +48,7 @@ impl Recorder {
         self.access_binds(binds);
         self.emit();
         self.bind(&pipeline, vk::PipelineBindPoint::COMPUTE, binds, push)?;
-        // SAFETY: recording; the pipeline with its set and constants is bound and takes a first group; the groups are
-        // within the limits.
+        // SAFETY: recording; the pipeline with its set and constants is bound and takes a first group; the groups are within the limits.
         unsafe { self.device().cmd_dispatch_base(self.commands, x, y, z, columns, rows, layers) };
         self.shaders.insert(shader.to_owned());
         Ok(())

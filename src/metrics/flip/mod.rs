@@ -1,8 +1,7 @@
 //! LDR-FLIP [Andersson20]: visible difference of two alternating images.
 //!
 //! Reads the display values as sRGB, at the authors' default distance: a 0.7 m wide monitor of 3840 pixels seen from
-//! 0.7 m. A sweep computes [`view::View`] of each reference once, which crates around the authors' program cannot;
-//! tests compare with it.
+//! 0.7 m. A sweep computes [`view::View`] of each reference once, which crates around the authors' program cannot; tests compare with it.
 
 pub(super) mod map;
 pub(super) mod view;

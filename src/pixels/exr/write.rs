@@ -7,8 +7,7 @@ use ::exr::prelude::{
 use std::io;
 use std::path::Path;
 
-/// Writes channels R, G, B, A, and `name.R`, `name.G`, `name.B` for each of `layers`, all of one size. Values survive
-/// bit for bit.
+/// Writes channels R, G, B, A, and `name.R`, `name.G`, `name.B` for each of `layers`, all of one size. Values survive bit for bit.
 pub fn write_rgba(
     path: &Path,
     rgb: &RgbImage,

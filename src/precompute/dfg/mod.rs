@@ -1,10 +1,8 @@
 //! Directional albedo of a BRDF model for Schlick's Fresnel: the second factor of the split sum.
 //!
-//! `∫ f n_dot_l dl = f0 A + B` with `f90 = 1` [Karis13, eq. 8]. With `D(h) n_dot_h` as density of h and `Fc = (1 -
-//! v·h)⁵`,
+//! `∫ f n_dot_l dl = f0 A + B` with `f90 = 1` [Karis13, eq. 8]. With `D(h) n_dot_h` as density of h and `Fc = (1 - v·h)⁵`,
 //!
-//! `A = E[(1 - Fc) W]`, `B = E[Fc W]`, `W = G2(v, l) (v·h) / (n_dot_v n_dot_h)`, `l = reflect(-v, h)`, W = 0 for
-//! `n_dot_l <= 0`.
+//! `A = E[(1 - Fc) W]`, `B = E[Fc W]`, `W = G2(v, l) (v·h) / (n_dot_v n_dot_h)`, `l = reflect(-v, h)`, W = 0 for `n_dot_l <= 0`.
 //!
 //! `A + B` is the directional albedo of single scattering for F = 1. Each model and masking has a table, with n_dot_v
 //! along x and alpha along y; [`DfgAxes`] defines the positions of its texels.

@@ -13,18 +13,8 @@ use std::time::Instant;
 
 /// Pass names of the levels. Levels halve a side of at most 4096 texels, so there are no more.
 const PASSES: [&str; 12] = [
-    "prefilter mip 0",
-    "prefilter mip 1",
-    "prefilter mip 2",
-    "prefilter mip 3",
-    "prefilter mip 4",
-    "prefilter mip 5",
-    "prefilter mip 6",
-    "prefilter mip 7",
-    "prefilter mip 8",
-    "prefilter mip 9",
-    "prefilter mip 10",
-    "prefilter mip 11",
+    "prefilter mip 0", "prefilter mip 1", "prefilter mip 2", "prefilter mip 3", "prefilter mip 4", "prefilter mip 5",
+    "prefilter mip 6", "prefilter mip 7", "prefilter mip 8", "prefilter mip 9", "prefilter mip 10", "prefilter mip 11",
 ];
 
 /// Names the shader of a model. The map of a sheen lobe takes its mirror from another, and is exact beyond.

@@ -36,23 +36,8 @@ macro_rules! modules {
 }
 
 const MODULES: &[(&str, &str)] = modules![
-    "main",
-    "data",
-    "state",
-    "dom",
-    "answer",
-    "tables",
-    "program",
-    "stage",
-    "surface",
-    "legend",
-    "viewer-input",
-    "viewer",
-    "live",
-    "live-render",
-    "live-scene",
-    "place",
-    "grid",
+    "main", "data", "state", "dom", "answer", "tables", "program", "stage", "surface", "legend", "viewer-input",
+    "viewer", "live", "live-render", "live-scene", "place", "grid",
 ];
 
 /// The place of the model in the template, which is written directly to save memory.

@@ -12,9 +12,8 @@
 //! | `KHR_materials_sheen` | sheen: colour factor, texture (sRGB); roughness factor², texture alpha | none |
 //! | `KHR_materials_clearcoat` | coat: factor, texture red; roughness factor², texture green; normals | none |
 //!
-//! Factors are clamped to [0, 1]. The maps of a material share one set of texture coordinates and one
-//! `KHR_texture_transform` \[KhrTransform18\]; they repeat, clamp or mirror by their samplers and are filtered
-//! trilinearly.
+//! Factors are clamped to [0, 1]. The maps of a material share one set of texture coordinates and one `KHR_texture_transform`
+//! \[KhrTransform18\]; they repeat, clamp or mirror by their samplers and are filtered trilinearly.
 
 use super::buffers::{Buffers, resource};
 use super::name;

@@ -27,12 +27,8 @@ use std::collections::BTreeSet;
 use std::path::Path;
 
 const EXTENSIONS: [&str; 6] = [
-    "KHR_materials_anisotropy",
-    "KHR_materials_clearcoat",
-    "KHR_materials_sheen",
-    "KHR_materials_ior",
-    "KHR_mesh_quantization",
-    "KHR_texture_transform",
+    "KHR_materials_anisotropy", "KHR_materials_clearcoat", "KHR_materials_sheen", "KHR_materials_ior",
+    "KHR_mesh_quantization", "KHR_texture_transform",
 ];
 /// Most vertices after placement, and most corners / 3: below 1.5 GiB.
 const MAX_VERTICES: usize = 1 << 23;

@@ -1,9 +1,8 @@
 //! Wavefront OBJ files: polygons with materials ([`mtl`]), read by the crate `tobj`.
 //!
-//! Read: `v`, `vt`, `vn`, `f` (any corner form), `usemtl`, `mtllib`. Skipped: points, lines, curves, vertex colours.
-//! Indices, also negative ones, refer to elements above the face. Polygons may be concave ([`triangulate`]). Normals or
-//! texture coordinates that only some faces of a material have are ignored in its group of faces. Missing normals are smooth
-//! ([`normals`]), missing texture coordinates (0, 0).
+//! Read: `v`, `vt`, `vn`, `f` (any corner form), `usemtl`, `mtllib`. Skipped: points, lines, curves, vertex colours. Indices, also negative
+//! ones, refer to elements above the face. Polygons may be concave ([`triangulate`]). Normals or texture coordinates that only some faces
+//! of a material have are ignored in its group of faces. Missing normals are smooth ([`normals`]), missing texture coordinates (0, 0).
 
 mod mtl;
 mod normals;

@@ -4,8 +4,7 @@ use earcut::utils3d::project3d_to_2d;
 use earcut::{Earcut, deviation};
 use glam::DVec3;
 
-/// Largest share by which the areas of a polygon and of its triangles may differ: rounding to seven digits causes a
-/// thousandth of it.
+/// Largest share by which the areas of a polygon and of its triangles may differ: rounding to seven digits causes a thousandth of it.
 const DEVIATION_MAX: f64 = 1e-6;
 
 #[derive(Debug, PartialEq)]

@@ -8,11 +8,10 @@ use crate::shade::reference::Surface;
 use crate::shade::twin::Twin;
 use glam::DVec3;
 
-/// `a = alpha`, along the mirror direction about the mean visible normal. Unstretched by alpha, visible normals are the half
-/// vectors between v' and the points of a cap about n \[Dupuy23\]; the mean of the cap is `(1 - v'_z)/2` along n. Two
-/// terms are measured, not derived. The horizon and shadowing, which are left out, matter to wide lobes: these go over to
-/// Frostbite's direction. The part of weight Fc is the lobe's side by the horizon: its share draws the direction to r,
-/// for narrow lobes less.
+/// `a = alpha`, along the mirror direction about the mean visible normal. Unstretched by alpha, visible normals are the half vectors
+/// between v' and the points of a cap about n \[Dupuy23\]; the mean of the cap is `(1 - v'_z)/2` along n. Two terms are measured, not
+/// derived. The horizon and shadowing, which are left out, matter to wide lobes: these go over to Frostbite's direction. The part of weight
+/// Fc is the lobe's side by the horizon: its share draws the direction to r, for narrow lobes less.
 pub const METHOD: Method = shifted(
     "split-sum-cap",
     "Split sum (cap)",

@@ -13,8 +13,7 @@ pub const FILAMENT: Method = shifted(
     Twin::Estimator(|surface, light, _| light.split_sum_between(surface, |_, alpha| 1.0 - alpha * alpha)),
 );
 
-/// Frostbite's original [Lagarde14, listing 22]; also Bevy's `radiance_sample_direction`
-/// (`light_probe/environment_map.wesl`, 2026).
+/// Frostbite's original [Lagarde14, listing 22]; also Bevy's `radiance_sample_direction` (`light_probe/environment_map.wesl`, 2026).
 pub const FROSTBITE: Method = shifted(
     "split-sum-frostbite",
     "Split sum (Frostbite)",

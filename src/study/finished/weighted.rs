@@ -23,9 +23,8 @@ impl Finished {
         has_bins.then(|| Self { cells: self.cells.iter().map(cell).collect(), ..self.clone() })
     }
 
-    /// The run with the scores of designs under a weight of views. Within a bin views count by their n·v, unless all
-    /// count alike. A metric whose bins do not determine the whole has no score; a noise floor that older runs do not
-    /// record by bin stays as it is.
+    /// The run with the scores of designs under a weight of views. Within a bin views count by their n·v, unless all count alike. A metric
+    /// whose bins do not determine the whole has no score; a noise floor that older runs do not record by bin stays as it is.
     pub fn weighted(&self, weight: &Weight) -> Self {
         let density = self.density(weight);
         let cell = |cell: &FinishedCell| {

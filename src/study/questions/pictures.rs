@@ -1,10 +1,9 @@
 //! Which split sum makes the better pictures?
 //!
-//! A *picture* is a scene under one environment in one orientation. Each score of a picture is divided by the score of
-//! the textbook's split sum ([`BASE`]) in the same picture; the scores are [`PICTURE_SCORES`]. `bias_rel`, the error of
-//! mean brightness, has a sign: its ratios are of magnitudes, and the table also has its signed range. Ratios are never
-//! averaged: a case has their median, the share of pictures that a method makes worse, and the worst picture. Pictures
-//! in which neither error is resolved do not count.
+//! A *picture* is a scene under one environment in one orientation. Each score of a picture is divided by the score of the textbook's split
+//! sum ([`BASE`]) in the same picture; the scores are [`PICTURE_SCORES`]. `bias_rel`, the error of mean brightness, has a sign: its ratios
+//! are of magnitudes, and the table also has its signed range. Ratios are never averaged: a case has their median, the share of pictures
+//! that a method makes worse, and the worst picture. Pictures in which neither error is resolved do not count.
 //!
 //! Pictures under one environment share its lamps: medians and shares are taken within each environment first, and
 //! intervals are over environments. A prediction interval is for one new environment.
