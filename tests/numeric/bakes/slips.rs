@@ -53,12 +53,12 @@ fn each_place(map: &mut Map, from: impl Fn(u32, u32) -> [u32; 2]) {
 #[test]
 fn slips_of_faces_and_texels_are_named() {
     let light = marked_light();
-    let truth = Truth::new(&light, Kernel::cosine(&Ggx), &ALPHAS);
-    let right = cube(&truth, &ALPHAS, |direction| direction);
+    let truth = Truth::new(&light, Kernel::cosine(&Ggx), &TWO);
+    let right = cube(&truth, &TWO, |direction| direction);
     type Slip = fn(&mut Map);
     let slips: &[(&str, Slip)] = &[
         ("good: every part", |_| ()),
-        ("levels 0 to 2: face -z is black", |map| each_face(map, |faces| faces[5].data.fill([0.0; 3]))),
+        ("levels 0 to 1: face -z is black", |map| each_face(map, |faces| faces[5].data.fill([0.0; 3]))),
         ("faces +x and -z are swapped", |map| each_face(map, |faces| faces.swap(0, 5))),
         ("every face is flipped top to bottom", |map| each_place(map, |x, y| [x, SIDE - 1 - y])),
         // The top left texel of a face that was turned clockwise was at the bottom left.
@@ -71,11 +71,11 @@ fn slips_of_faces_and_texels_are_named() {
             each_texel(map, |rgb| rgb.map(|x| x * PI as f32));
         }),
         ("in the order B, G, R; encoded as sRGB", |map| each_texel(map, |[r, g, b]| [b, g, r].map(srgb))),
-        ("levels 0 to 2: encoded as sRGB: decode it; 0.0 %", |map| each_texel(map, |rgb| rgb.map(srgb))),
+        ("levels 0 to 1: encoded as sRGB: decode it; 0.0 %", |map| each_texel(map, |rgb| rgb.map(srgb))),
         ("encoded with gamma 2.2: decode it; cut at 1", |map| {
             each_texel(map, |rgb| rgb.map(|x| x.powf(1.0 / 2.2).min(1.0)));
         }),
-        ("--axes=-x+y+z; besides, levels 0 to 2: times 2: --scale 0.5", |map| {
+        ("--axes=-x+y+z; besides, levels 0 to 1: times 2: --scale 0.5", |map| {
             each_face(map, |faces| faces.swap(0, 1));
             each_place(map, |x, y| [SIDE - 1 - x, y]);
             each_texel(map, |rgb| rgb.map(|x| 2.0 * x));
@@ -90,9 +90,9 @@ fn slips_of_faces_and_texels_are_named() {
         ("level 1: channels in the order B, G, R", |map| {
             map.levels[1].iter_mut().flat_map(|face| &mut face.data).for_each(|rgb| rgb.reverse());
         }),
-        ("level 2: the mean of the level before it", |map| {
+        ("level 1: the mean of the level before it", |map| {
             let mean = |face: &RgbImage| face.area_means(SIDE / 2, SIDE / 2, |rgb| rgb.map(f64::from));
-            map.levels[2] = map.levels[1].iter().map(|face| mean(face).map(|rgb| rgb.map(|x| x as f32))).collect();
+            map.levels[1] = map.levels[0].iter().map(|face| mean(face).map(|rgb| rgb.map(|x| x as f32))).collect();
         }),
         ("face +x is black; face -z is black; times 2: --scale 0.5", |map| {
             each_face(map, |faces| [0, 5].iter().for_each(|face| faces[*face].data.fill([0.0; 3])));
@@ -101,7 +101,7 @@ fn slips_of_faces_and_texels_are_named() {
         ("times 8: --scale 0.125", |map| each_texel(map, |rgb| rgb.map(|x| 8.0 * x))),
         ("decoded with gamma 2.2", |map| each_texel(map, |rgb| rgb.map(|x| x.powf(2.2)))),
         ("red, green and blue times 2.00, 1.00 and 0.00", |map| each_texel(map, |[r, g, _]| [2.0 * r, g, 0.0])),
-        ("levels 0 to 2: cut at 1; ", |map| each_texel(map, |rgb| rgb.map(|x| x.min(1.0)))),
+        ("levels 0 to 1: cut at 1; ", |map| each_texel(map, |rgb| rgb.map(|x| x.min(1.0)))),
         ("RGBM read", |map| {
             each_texel(map, |rgb| {
                 let shared = (255.0 * (rgb.into_iter().fold(0.0, f32::max) / 6.0).min(1.0)).ceil() / 255.0;
@@ -156,7 +156,7 @@ fn slips_of_faces_and_texels_are_named() {
     for (words, slip) in slips {
         let mut map = right.clone();
         slip(&mut map);
-        let verdict = judged(&light, map, Some(&ALPHAS)).verdict();
+        let verdict = judged(&light, map, Some(&TWO)).verdict();
         assert!(verdict.contains(words), "{words}: {verdict}");
     }
     // One texel a face has neither a turn nor a few texels that stand out.
@@ -193,8 +193,8 @@ fn slips_of_the_light_and_of_the_kernel_are_named() {
             };
             (0..6).map(|face| RgbImage::from_fn(SIDE, SIDE, |x, y| texel(face, x, y))).collect()
         };
-        let map = Map { layout: &LAYOUTS[0], levels: TWO.iter().map(level).collect() };
-        let verdict = judged(&light, map, Some(&TWO)).verdict();
+        let map = Map { layout: &LAYOUTS[0], levels: ALPHAS[..2].iter().map(level).collect() };
+        let verdict = judged(&light, map, Some(&ALPHAS[..2])).verdict();
         assert!(verdict.contains(words), "{words}: {verdict}");
     }
     // Levels of several sizes in the order of another format, as a reader of this one finds them.
@@ -226,8 +226,8 @@ fn slips_of_the_light_and_of_the_kernel_are_named() {
     ];
     for (words, change) in sources {
         let source = Environment::from_image("source", light.image.map(change));
-        let of_source = Truth::new(&source, Kernel::cosine(&Ggx), &TWO);
-        let judged = judged(&light, cube(&of_source, &TWO, |direction| direction), Some(&TWO));
+        let of_source = Truth::new(&source, Kernel::cosine(&Ggx), &ALPHAS);
+        let judged = judged(&light, cube(&of_source, &ALPHAS, |direction| direction), Some(&ALPHAS));
         assert!(judged.verdict().contains(&format!("source {words}")), "{words}: {}", judged.verdict());
         let causes = judged.causes();
         assert!(causes.iter().all(|cause| cause.kind == "source" || words.contains(&cause.words[..5])), "{causes:?}");
