@@ -41,16 +41,11 @@ pub fn axes(truth: &Truth, map: &Map, convention: &Convention) -> Result<Vec<Axe
     // Compares with the light at another width than the level's.
     let fits = |factor: f64| {
         let light = truth.prefiltered((factor * alphas[level]).clamp(ALPHA / 2.0, 1.0));
-        ranked(truth, map, level, |direction| light.value(direction))
+        ranked(truth, map, level, &directions().means(1, |direction| light.value(direction)))
     };
     if !has_width(alphas[level]) {
         let light = directions().means(SUPERSAMPLED, |direction| truth.environment.radiance(direction));
-        let cell = |direction| {
-            let (face, uv) = (LAYOUTS[0].place)(direction);
-            let [x, y] = (uv * f64::from(SIDE)).to_array().map(|at| (at as u32).min(SIDE - 1));
-            light[((face * SIDE + y) * SIDE + x) as usize]
-        };
-        return Ok(ranked(truth, map, level, cell));
+        return Ok(ranked(truth, map, level, &light));
     }
     let better = |best: Vec<AxesFit>, factor| match best[0].correlation >= SURE {
         true => best,
@@ -64,7 +59,7 @@ pub fn axes(truth: &Truth, map: &Map, convention: &Convention) -> Result<Vec<Axe
 pub fn irradiance_axes(truth: &Truth, map: &Map) -> Vec<AxesFit> {
     let (kernel, alpha) = Truth::of_irradiance();
     let light = truth.prefiltered_by(kernel, alpha);
-    ranked(truth, map, 0, |direction| light.value(direction))
+    ranked(truth, map, 0, &directions().means(1, |direction| light.value(direction)))
 }
 
 /// Directions of a cube, whose texels map to texels under every orientation.
@@ -72,8 +67,13 @@ fn directions() -> Directions {
     Directions::new(&LAYOUTS[0], Axes::SAME, [SIDE; 2])
 }
 
-fn ranked(truth: &Truth, map: &Map, level: usize, light: impl Fn(DVec3) -> DVec3) -> Vec<AxesFit> {
+fn ranked(truth: &Truth, map: &Map, level: usize, light: &[DVec3]) -> Vec<AxesFit> {
     let directions = directions();
+    let along = |direction: DVec3| {
+        let (face, uv) = (LAYOUTS[0].place)(direction);
+        let [x, y] = (uv * f64::from(SIDE)).to_array().map(|at| (at as u32).min(SIDE - 1));
+        light[((face * SIDE + y) * SIDE + x) as usize]
+    };
     let floor = FLOOR * truth.environment.luminance.mean.max(f64::MIN_POSITIVE);
     // The floor scales with the bake's own mean, so a gain has no effect.
     let texels = |image: &RgbImage| image.map(|texel| DVec3::from_array(texel.map(f64::from)));
@@ -84,7 +84,7 @@ fn ranked(truth: &Truth, map: &Map, level: usize, light: impl Fn(DVec3) -> DVec3
     let log = |value: DVec3, floor: f64| ((value.element_sum() / 3.0).max(0.0) + floor).ln();
     let found: Vec<f64> = values.iter().map(|value| log(*value, own_floor)).collect();
     let of = |axes: Axes| {
-        let light = directions.world.iter().map(|file| log(light(axes.to_world(*file)), floor));
+        let light = directions.world.iter().map(|file| log(along(axes.to_world(*file)), floor));
         AxesFit { axes, correlation: correlation(&directions.weights, &found, &light.collect::<Vec<_>>()) }
     };
     let mut fits: Vec<AxesFit> = Axes::all().map(of).collect();

@@ -177,7 +177,7 @@ impl Judged {
             fits.iter().filter(|fit| !guess::is_clear(fits[0], **fit)).map(|fit| fit.axes.to_string()).collect();
         let is_sure = fits[0].correlation >= guess::SURE;
         let is_like = fits[0].correlation >= guess::SAME_LIGHT && (is_sure || best.len() < guess::ALIKE_MAX);
-        if is_wrong && !is_like {
+        if is_wrong && !is_like || self.order.is_some() && what != IRRADIANCE {
             let AxesFit { axes, correlation: c } = fits[0];
             let other =
                 format!("seems to be a bake of another map: the best axes, {axes}, only have correlation {c:.2}");
