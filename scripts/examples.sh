@@ -10,7 +10,7 @@ cargo build --release --locked --no-default-features --examples
 built=$PWD/target/release/examples
 for file in examples/*.rs; do
     name=$(basename "$file" .rs)
-    # Others need a Vulkan device.
+    # It needs a Vulkan device.
     [ "$name" != render_sphere ] || continue
     echo "$name"
     (cd "$work" && "$built/$name")
