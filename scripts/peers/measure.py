@@ -112,12 +112,12 @@ def tables(program, work, cmgen, luts, map):
     for _ in range(ROUNDS):
         sets = ["brdf=ggx", "masking=correlated", "prefilter_size=16x16", "prefilter_level_count=2"]
         words = [word for value in sets for word in ("--set", value)]
-        bake = lambda side: run(program, "bake", map, *words, "--set", f"dfg_size={side}", "--out", work / f"dfg-{side}")[0]
+        bake = lambda side: run(program, "bake", map, "--for", "raw", *words, "--set", f"dfg_size={side}", "--out", work / f"dfg-{side}")[0]
         costs["splitsum"].append(bake(256) - bake(2))
         if cmgen:
             costs.setdefault("cmgen", []).append(run(cmgen, "-q", "-s", 256, f"--ibl-dfg={work / 'dfg.exr'}")[0])
     rows = []
-    for value, baker in {f"file:{work / 'dfg-256/dfg_ggx.exr'}#splitsum": "splitsum", **luts}.items():
+    for value, baker in {f"file:{work / 'dfg-256/dfg.exr'}#splitsum": "splitsum", **luts}.items():
         file, preset = value.removeprefix("file:").split("#")
         found = scores(program, [f"dfg={file}"], map, ["--preset", preset, "--masking", "correlated"])["dfg"]
         seconds = f"{median(costs[baker]):.3f}" if baker in costs else ""

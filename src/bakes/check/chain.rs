@@ -67,7 +67,8 @@ pub fn slip(convention: &Convention, scores: &[LevelScore]) -> Option<Chain> {
     });
     let own = |level: usize| scores[level].alpha;
     let spread = |level: usize| convention.mapping.alpha_from_mip(level as f64, count as u32);
-    let others: [(&str, &dyn Fn(usize) -> f64); 4] = [
+    let others: [(&str, &dyn Fn(usize) -> f64); 5] = [
+        ("each level has the width of the next one", &|level| own((level + 1).min(count - 1))),
         ("each level has the width of the one before it", &|level| own(level.saturating_sub(1))),
         ("roughness is squared twice", &|level| own(level).powi(2)),
         ("roughness is not squared", &|level| own(level).sqrt()),

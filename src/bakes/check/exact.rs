@@ -20,9 +20,14 @@ pub fn exact(truth: &Truth, kernel: Kernel, directions: &Directions, alpha: f64)
 
 /// Averages the environment over each texel, at least two points per texel of the environment.
 pub fn mirror(environment: &Environment, directions: &Directions) -> Vec<DVec3> {
+    let points = (2 * finer(environment, directions)).clamp(2, 16);
+    directions.means(points, |direction| environment.radiance(direction))
+}
+
+/// Returns how many texels of the environment a texel covers along a side, rounded up.
+pub fn finer(environment: &Environment, directions: &Directions) -> u32 {
     let (map, [width, height]) = (&environment.image, directions.size);
     // A cube has two faces from pole to pole and four around.
     let (rows, columns) = if directions.layout.face_count > 1 { (2, 4) } else { (1, 1) };
-    let finer = (map.height.div_ceil(rows * height)).max(map.width.div_ceil(columns * width));
-    directions.means((2 * finer).clamp(2, 16), |direction| environment.radiance(direction))
+    map.height.div_ceil(rows * height).max(map.width.div_ceil(columns * width))
 }

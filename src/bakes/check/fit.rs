@@ -40,23 +40,26 @@ impl Fit {
     }
 }
 
-/// Fits a level of width `alpha` with texels `found` at `directions`; `None` for lobes too narrow to fit.
-pub fn fit(truth: &Truth, directions: &Directions, found: &[DVec3], alpha: f64) -> Option<Fit> {
-    if alpha * REACH < 2.0 * ALPHA_MIN {
-        return None;
-    }
+/// Whether a level may be too blurred, but has no narrower lobes that could be tried.
+pub fn is_narrow(alpha: f64) -> bool {
+    alpha * REACH < 2.0 * ALPHA_MIN
+}
+
+/// Fits a level of width `alpha` with texels `found` at `directions`, which should be `exact`.
+pub fn fit(truth: &Truth, directions: &Directions, [found, exact]: [&[DVec3]; 2], alpha: f64) -> Option<Fit> {
     let chosen = directions.grid(DIRECTIONS);
-    let found: Vec<DVec3> = chosen.iter().map(|index| found[*index]).collect();
+    let [found, exact] = [found, exact].map(|all| chosen.iter().map(|index| all[*index]).collect::<Vec<_>>());
     let directions = directions.only(&chosen);
     let bands = truth.harmonics.bands(DEGREE_MAX, &directions.world);
     let epsilon = truth.epsilon();
-    let own = errors(&directions, &found, &truth.of_bands(&bands, alpha), epsilon, 1.0).relmse;
+    let own = errors(&directions, &found, &exact, epsilon, 1.0).relmse;
     let at = |alpha: f64| {
         let exact = truth.of_bands(&bands, alpha);
         let gain = gain(&directions, &found, &exact, epsilon);
         Fit { alpha, gain, left: errors(&directions, &found, &exact, epsilon, 1.0 / gain).relmse / own }
     };
-    let (low, high) = ((alpha / REACH).max(ALPHA_MIN), (alpha * REACH).min(1.0));
+    let high = if is_narrow(alpha) { 1.0 } else { (alpha * REACH).min(1.0) };
+    let low = (alpha / REACH).max(ALPHA_MIN);
     let widths = (0..=GRID).map(|k| low * (high / low).powf(f64::from(k) / f64::from(GRID)));
     let mut best = widths.map(at).min_by(|a, b| a.left.total_cmp(&b.left))?;
     let mut step = (high / low).powf(0.5 / f64::from(GRID));

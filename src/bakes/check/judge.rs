@@ -5,7 +5,7 @@ use super::guess::{self, AxesFit};
 use super::level::{self, GOOD_WORDS, LevelScore, UNEXPLAINED};
 use super::sh::{self, ShScore};
 use super::table::{self, TableScore};
-use super::{Cause, GOOD, Truth};
+use super::{Cause, EXPLAINED, GOOD, Truth};
 use crate::bakes::convention::{Axes, Convention, PRESETS, Preset};
 use crate::bakes::parts::{Bake, Map, Stated};
 use crate::brdf::{Brdf, Ggx, MaskingShadowing};
@@ -145,6 +145,11 @@ impl Judged {
         if convention.axes != self.convention.axes || convention.alphas != self.convention.alphas {
             doing("looking for further slips");
             let mut fixed = scored(truth, brdf, bake, convention)?;
+            if doubt.is_some() && self.is_simpler_than(&fixed) {
+                let used = self.convention.axes;
+                self.axes[0].1.retain(|fit| fit.axes == used);
+                return self.fix_convention(truth, brdf, bake, doing);
+            }
             fixed.axes.clone_from(&self.axes);
             // A part that is good as it is needs no mending.
             fixed.irradiance = fixed.irradiance.filter(|_| self.irradiance.iter().all(|own| own.errors.relmse > GOOD));
@@ -158,6 +163,17 @@ impl Judged {
             self.sh.iter_mut().for_each(ShScore::doubt);
         }
         Ok(())
+    }
+
+    /// Whether its slips explain all that is wrong, and by less than other axes with the slips that these leave.
+    fn is_simpler_than(&self, other: &Self) -> bool {
+        let scores = |of: &Self| of.levels.iter().chain(&of.irradiance).cloned().collect::<Vec<_>>();
+        let (own, other) = (scores(self), scores(other));
+        let most = |scores: &[LevelScore]| scores.iter().map(|score| score.causes.len()).max();
+        let left: f64 = own.iter().map(|score| score.left().unwrap_or(score.errors.relmse)).sum();
+        own.iter().all(LevelScore::is_explained)
+            && left < EXPLAINED * other.iter().map(|score| score.errors.relmse).sum::<f64>()
+            && (other.iter().any(|score| score.names("unknown")) || most(&own) <= most(&other))
     }
 
     /// The doubt of the prefiltered map, else of the irradiance map: beside a prefiltered map, a turned irradiance map is a slip of its own.
@@ -290,7 +306,9 @@ impl Judged {
     /// Sums up the whole bake in one line.
     pub fn verdict(&self) -> String {
         let coarse = self.levels.iter().filter_map(LevelScore::coarseness);
+        let is_table = self.axes.is_empty() && self.sh.is_none();
         self.wrong().unwrap_or_else(|| match coarse.max_by(f64::total_cmp) {
+            None if is_table => "good: the DFG table is within a step of 8 bits of its integral".to_owned(),
             None => "good: every part is within 3 % rms of its integral".to_owned(),
             Some(relmse) => {
                 format!("good, but coarse: lookups between texels err by up to {:.1} % rms", 100.0 * relmse.sqrt())

@@ -1,7 +1,7 @@
 //! The score of a level: errors, the worst direction, and a likely cause.
 
 use super::directions::{Directions, texels};
-use super::exact::exact;
+use super::exact::{exact, finer};
 use super::fit::{self, Fit};
 use super::light::{self, Lit, Source};
 use super::sample::{self, Level};
@@ -108,11 +108,19 @@ impl Level<'_, '_> {
     /// Irradiance has no width to fit.
     fn score(&self, has_width: bool, level_of: impl Fn(f64) -> Option<f64>) -> LevelScore {
         let Self { truth, directions, found, alpha, .. } = *self;
-        let exact = exact(truth, self.kernel, directions, alpha);
+        let mut exact = exact(truth, self.kernel, directions, alpha);
         let off = |directions: &Directions, found: &[DVec3], exact: &[DVec3]| {
             errors(directions, found, exact, truth.epsilon(), 1.0)
         };
-        let errors = off(directions, found, &exact);
+        let mut errors = off(directions, found, &exact);
+        // Lookups of a level as fine as the environment give the environment back.
+        if !self::has_width(alpha) && finer(truth.environment, directions) <= 1 {
+            let looked_up: Vec<DVec3> = directions.world.iter().map(|at| truth.environment.radiance(*at)).collect();
+            let own = off(directions, found, &looked_up);
+            if own.relmse < errors.relmse {
+                (errors, exact) = (own, looked_up);
+            }
+        }
         let worst = worst(truth, directions, found, &exact);
         let (size, verdict) = (directions.size, GOOD_WORDS.to_owned());
         let mut score = LevelScore {
@@ -135,12 +143,18 @@ impl Level<'_, '_> {
         let (directions, found, exact) = (&directions.only(&seen), &of_seen(found)[..], &of_seen(&exact)[..]);
         let own = Level { directions, found, ..*self };
         let relmse = off(directions, found, exact).relmse;
-        score.fit = (has_width && relmse > GOOD).then(|| fit::fit(truth, directions, found, alpha)).flatten();
+        let fitted = |is_narrow: bool| {
+            let may_fit = has_width && relmse > GOOD && fit::is_narrow(alpha) == is_narrow;
+            may_fit.then(|| fit::fit(truth, directions, [found, exact], alpha)).flatten()
+        };
+        score.fit = fitted(false);
         score.slip = if relmse <= GOOD {
             Some(Slip { causes: Vec::new(), left: relmse / errors.relmse, relmse })
         } else {
             own.slip(score.fit.map_or(f64::INFINITY, |fit| fit.left))
         };
+        // A wide lobe explains much of what is wrong with a mirror.
+        score.fit = score.fit.or_else(|| score.slip.is_none().then(|| fitted(true)).flatten());
         let one = |kind, words: &str| vec![Cause { kind, words: words.to_owned() }];
         let rest = match (&score.slip, score.fit) {
             (Some(slip), _) => slip.causes.clone(),

@@ -39,6 +39,24 @@ fn nearest(environment: &Environment, world: DVec3) -> DVec3 {
     DVec3::from_array(image.get(x, y).map(f64::from))
 }
 
+/// Finds the turn of least error, degrees: in steps to both sides, then by bisections around the best.
+pub fn least_turn(steps: i32, error: impl Fn(f64) -> f64) -> f64 {
+    let scored = |degrees: f64| (degrees, error(degrees));
+    let nearer = |a: (f64, f64), b: (f64, f64)| if b.1 < a.1 { b } else { a };
+    let mut best = (-steps..=steps).map(|k| scored(TURN_STEP * f64::from(k))).fold((0.0, f64::INFINITY), nearer);
+    let mut step = 0.5 * TURN_STEP;
+    for _ in 0..TURNS_REFINED {
+        best = nearer(nearer(best, scored(best.0 - step)), scored(best.0 + step));
+        step *= 0.5;
+    }
+    (best.0 + 180.0).rem_euclid(360.0) - 180.0
+}
+
+pub fn turn_in_words(degrees: f64, axis: &str) -> String {
+    let offset = if axis == "y" { format!(": lat-long offset {:.3}", degrees / 360.0) } else { String::new() };
+    format!("turned by {degrees:.0}° about {axis}{offset}")
+}
+
 /// A level as its file has it.
 #[derive(Clone, Copy)]
 pub struct Level<'t, 'd> {
@@ -125,8 +143,12 @@ impl<'a, 't> Sample<'a, 't> {
         let is_irradiance = self.is_irradiance();
         let others = WEIGHTS.iter().filter(|other| other.name != weight.name);
         let weights = others.filter(|other| !is_irradiance || other.name == "none").map(|other| {
-            let words = format!("weighted otherwise: --weight {}", other.name);
-            let words = if is_irradiance { "not weighted by the cosine".to_owned() } else { words };
+            let words = match other.name {
+                "none" if is_irradiance => "not weighted by the cosine".to_owned(),
+                "none" => "not weighted by n·l: --weight none".to_owned(),
+                "cosine" => "weighted by n·l: --weight cosine".to_owned(),
+                name => format!("weighted by G1 of l: --weight {name}"),
+            };
             of(Cause { kind: "weight", words }, Kernel::new(brdf, other, masking))
         });
         let models = MODELS.iter().filter(|other| !is_irradiance && other.name() != brdf.name()).map(|other| {
@@ -213,23 +235,13 @@ impl<'a, 't> Sample<'a, 't> {
 
     fn turn(&self, name: &str, axis: DVec3) -> Option<Slipped> {
         let turned = |degrees: f64| self.right(&self.directions, DQuat::from_axis_angle(axis, degrees.to_radians()));
-        let scored = |degrees: f64| {
+        let error = |degrees: f64| {
             let values: Vec<DVec3> = turned(degrees);
             let gain = self.gain(&values);
-            (degrees, self.off(&self.found, &values.iter().map(|x| gain * *x).collect::<Vec<_>>()))
+            self.off(&self.found, &values.iter().map(|x| gain * *x).collect::<Vec<_>>())
         };
-        let nearer = |a: (f64, f64), b: (f64, f64)| if b.1 < a.1 { b } else { a };
-        let steps = if name == "y" { -36..=36 } else { -9..=9 };
-        let mut best = steps.map(|k| scored(TURN_STEP * f64::from(k))).reduce(nearer)?;
-        let mut step = 0.5 * TURN_STEP;
-        for _ in 0..TURNS_REFINED {
-            best = nearer(nearer(best, scored(best.0 - step)), scored(best.0 + step));
-            step *= 0.5;
-        }
-        let degrees = (best.0 + 180.0).rem_euclid(360.0) - 180.0;
-        let offset = if name == "y" { format!(": lat-long offset {:.3}", degrees / 360.0) } else { String::new() };
-        let words = format!("turned by {degrees:.0}° about {name}{offset}");
-        (degrees.abs() >= TURN_MIN).then(|| Slipped::one("turn", words, turned(best.0)))
+        let degrees = least_turn(if name == "y" { 36 } else { 9 }, error);
+        (degrees.abs() >= TURN_MIN).then(|| Slipped::one("turn", turn_in_words(degrees, name), turned(degrees)))
     }
 
     pub fn sum(&self, texels: &[DVec3]) -> f64 {

@@ -4,6 +4,7 @@ use super::directions::Directions;
 use super::fit;
 use super::level::{DOUBT, GOOD_WORDS};
 use super::light::{self, Source};
+use super::sample::{least_turn, turn_in_words};
 use super::slip::BETTER;
 use super::texel::{Change, ORDERS};
 use super::{Cause, EXPLAINED, Errors, GOOD, Truth, errors, words};
@@ -14,7 +15,7 @@ use crate::environment::layout::LAYOUTS;
 use crate::math::equirect_quadrature::EquirectQuadrature;
 use crate::math::spherical_harmonics::{COSINE_LOBE, COUNT, DEGREE, basis, irradiance};
 use crate::precompute::sh9::reference::{Sh9, project_bilinear};
-use glam::DVec3;
+use glam::{DQuat, DVec3};
 use std::f64::consts::PI;
 
 const SIDE: u32 = 16;
@@ -79,8 +80,16 @@ pub fn score(truth: &Truth, found: &Coefficients, axes: Axes) -> ShScore {
         let summed = light::summed(truth.environment).into_iter().filter(|source| source.whole.is_none());
         light::sources(truth.environment, mean, &[1.0]).into_iter().chain(summed)
     };
-    let other = (errors.relmse > GOOD).then(|| lights().find(fits)).flatten();
-    let causes = other.map_or(causes, |source| vec![source.cause]);
+    let other = (errors.relmse > GOOD).then(|| lights().find(fits)).flatten().map(|source| source.cause);
+    let turn = || {
+        let about_y = |degrees: f64| turned(&own, |world| DQuat::from_rotation_y(-degrees.to_radians()) * world);
+        let left = |degrees: f64| about_y(degrees).iter().zip(&exact).map(|(a, b)| (*a - *b).length_squared()).sum();
+        let degrees = least_turn(36, left);
+        let is_turn = left(degrees) <= SAME_LIGHT * off(&exact, 1.0);
+        is_turn.then(|| Cause { kind: "turn", words: turn_in_words(degrees, "y") })
+    };
+    let other = other.or_else(|| causes.iter().any(|cause| cause.kind == "unknown").then(turn).flatten());
+    let causes = other.map_or(causes, |cause| vec![cause]);
     let verdict = if errors.relmse <= GOOD { GOOD_WORDS.to_owned() } else { words(&causes) };
     ShScore { errors, max_error, causes, verdict }
 }

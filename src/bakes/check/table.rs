@@ -50,28 +50,39 @@ const GRAZING: f64 = 0.5;
 /// Largest error of a good table: a step of 8 bits.
 const GOOD: f64 = 1.0 / 255.0;
 
+/// Returns n·v and roughness of compared texels, the larger error, and the mean square error of A and B.
+fn deviations(
+    table: &RgbImage,
+    brdf: &'static dyn Brdf,
+    (axes, channels, masking): (&TableAxes, &TableChannels, MaskingShadowing),
+) -> Vec<(DVec2, f64, f64)> {
+    let mut places = places(table, LINES);
+    places.extend(odd_places(table));
+    let deviation = |place: &Place| {
+        let at = axes.parameters(place.uv);
+        let found = (channels.pair)(place.texel);
+        let d = found - exact(brdf, masking, at, SCORED_WITHIN);
+        // Programs clamp narrow lobes at different widths, or not at all.
+        let narrow = alpha_from_perceptual_roughness(at.y);
+        let widths = [narrow.max(NARROWEST); 2];
+        let unclamped = (narrow < width(at.y)).then(|| found - pair(brdf, masking, at.x, widths, SCORED_WITHIN));
+        let d = unclamped.filter(|other| other.abs().max_element() < d.abs().max_element()).unwrap_or(d);
+        (at, d.abs().max_element(), 0.5 * d.length_squared())
+    };
+    places.par_iter().map(deviation).collect()
+}
+
+fn root_mean(errors: &[(DVec2, f64, f64)]) -> f64 {
+    (errors.iter().map(|(_, _, square)| square).sum::<f64>() / errors.len() as f64).sqrt()
+}
+
 /// Scores a table against integrals in f64 at texel centres.
 pub fn score(table: &RgbImage, brdf: &'static dyn Brdf, convention: &Convention) -> TableScore {
     let Convention { table_axes, table_channels, masking, .. } = convention;
-    let mut places = places(table, LINES);
-    places.extend(odd_places(table));
-    let errors: Vec<(DVec2, f64, f64)> = places
-        .par_iter()
-        .map(|place| {
-            let at = table_axes.parameters(place.uv);
-            let found = (table_channels.pair)(place.texel);
-            let d = found - exact(brdf, *masking, at, SCORED_WITHIN);
-            // Programs clamp narrow lobes at different widths, or not at all.
-            let narrow = alpha_from_perceptual_roughness(at.y);
-            let widths = [narrow.max(NARROWEST); 2];
-            let unclamped = (narrow < width(at.y)).then(|| found - pair(brdf, *masking, at.x, widths, SCORED_WITHIN));
-            let d = unclamped.filter(|other| other.abs().max_element() < d.abs().max_element()).unwrap_or(d);
-            (at, d.abs().max_element(), 0.5 * d.length_squared())
-        })
-        .collect();
+    let errors = deviations(table, brdf, (table_axes, table_channels, *masking));
     let (worst, max_error, _) =
         errors.iter().copied().max_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or((DVec2::ZERO, 0.0, 0.0));
-    let rms = (errors.iter().map(|(_, _, square)| square).sum::<f64>() / errors.len() as f64).sqrt();
+    let rms = root_mean(&errors);
     let is_good_beyond = errors.iter().all(|(at, error, _)| at.x < GRAZING || *error <= GOOD);
     let cause = (max_error > GOOD).then(|| match explained(table, brdf, convention, [rms, max_error]) {
         Cause { kind: "unknown", .. } if is_good_beyond => {
@@ -97,7 +108,8 @@ fn explained(table: &RgbImage, brdf: &'static dyn Brdf, convention: &Convention,
     };
     let other = others(&flags);
     if !other.is_empty() && found.rms < (0.5 * rms).min(FITS) {
-        return Cause { kind: "convention", words: format!("fits{other}; rms {:.1e}", found.rms) };
+        let left = root_mean(&deviations(table, brdf, (found.axes, found.channels, found.masking)));
+        return Cause { kind: "convention", words: format!("fits{other}; rms {left:.1e} if fixed") };
     }
     let places = places(table, SEARCHED);
     let texel = DVec2::new(1.0 / f64::from(table.width), 1.0 / f64::from(table.height));

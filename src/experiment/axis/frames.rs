@@ -1,7 +1,7 @@
 //! The axes of sequences of frames. Methods without points have sequences of one frame.
 
 use super::layers::LAYER;
-use super::plain::{first, one_of};
+use super::plain::{first, one_of, valued};
 use super::{Axis, MOTION, Part, Point, SCENE, Sheet, Symbol};
 use crate::experiment::value::{Kind, Range, Value};
 use crate::math::sequence::FramePoints;
@@ -21,12 +21,10 @@ pub(super) const FRAME_AXES: &[Axis] = &[
         plural: "frame counts",
         symbol: Symbol::After("frames", "frames"),
         sheet: Sheet::Column,
-        kind: Kind::Count { min: 1, max: FRAMES_MAX },
-        default: || Value::Count(1),
         used: |u| u.method.uses_point_set,
         reference: |_, _| Value::Count(1),
         apply: |s, v| s.shading.frames.count = v.count(),
-        ..FRAME
+        ..valued(Kind::Count { min: 1, max: FRAMES_MAX }, || Value::Count(1), FRAME)
     },
     Axis {
         name: "accumulation",
@@ -39,11 +37,9 @@ pub(super) const FRAME_AXES: &[Axis] = &[
         label: "Newest frame",
         about: "weight of the newest frame in a long exponential moving average (`ema`)",
         symbol: Symbol::Before("factor"),
-        kind: Kind::Number(Range::above(0.0, 1.0)),
-        default: || Value::Number(Frames::default().ema_factor),
         used: |u| u.frames.is_some_and(|frames| frames.accumulation == Accumulation::Ema),
         apply: |s, v| s.shading.frames.ema_factor = v.number(),
-        ..FRAME
+        ..valued(Kind::Number(Range::above(0.0, 1.0)), || Value::Number(Frames::default().ema_factor), FRAME)
     },
     Axis {
         name: "motion",
@@ -57,11 +53,9 @@ pub(super) const FRAME_AXES: &[Axis] = &[
         about: "turn of the light or the camera about +y per frame, degrees",
         plural: "speeds",
         symbol: Symbol::After("deg a frame", "degrees a frame"),
-        kind: Kind::Number(Range::closed(-360.0, 360.0)),
-        default: || Value::Number(Frames::default().motion_deg),
         used: |u| u.frames.is_some_and(|frames| frames.motion != Motion::Still),
         apply: |s, v| s.shading.frames.motion_deg = v.number(),
-        ..FRAME
+        ..valued(Kind::Number(Range::closed(-360.0, 360.0)), || Value::Number(Frames::default().motion_deg), FRAME)
     },
     Axis {
         name: "frame_points",

@@ -2,7 +2,7 @@
 
 use super::frames::FRAME_AXES;
 use super::layers::LAYER_AXES;
-use super::plain::{ALPHA_KIND, LEVELS, PLAIN, ROUGHNESS, one_of};
+use super::plain::{ALPHA_KIND, LEVELS, PLAIN, ROUGHNESS, one_of, valued};
 use super::tables::{DFG, IRRADIANCE, MIPS, PREFILTER, SH9, TABLE_AXES};
 use super::{Axis, Part, Sheet, Symbol};
 use crate::brdf::{self, Compensation, MaskingShadowing};
@@ -35,10 +35,8 @@ const IMAGE_AXES: &[Axis] = &[
         sheet: Sheet::Page,
         needs_memory: true,
         is_key: true,
-        kind: IMAGE_SIZE,
-        default: || Value::Pair([256, 256]),
         apply: |s, v| s.size = v.pair(),
-        ..PLAIN
+        ..valued(IMAGE_SIZE, || Value::Pair([256, 256]), PLAIN)
     },
     Axis {
         name: "environment",
@@ -71,10 +69,8 @@ const IMAGE_AXES: &[Axis] = &[
         frames_cost: true,
         tables_cost: true,
         feeds: &[PREFILTER, DFG],
-        kind: Kind::one_of::<dyn brdf::Brdf>(),
-        default: || Value::from("ggx"),
         apply: |s, v| s.shading.brdf = <dyn brdf::Brdf>::listed(v.text()),
-        ..PLAIN
+        ..valued(Kind::one_of::<dyn brdf::Brdf>(), || Value::from("ggx"), PLAIN)
     },
     Axis {
         name: "method",
@@ -85,11 +81,9 @@ const IMAGE_AXES: &[Axis] = &[
         tables_cost: true,
         is_compared: true,
         needs_memory: true,
-        kind: Kind::NameOrFile { what: Method::WHAT, names: Method::names },
-        default: || Value::from("sampled"),
         reference: |r, v| if r.leaves_out(v) { v.clone() } else { Value::from(r.method.as_str()) },
         apply: |s, v| s.shading.method = Method::listed(v.text()),
-        ..PLAIN
+        ..valued(Kind::NameOrFile { what: Method::WHAT, names: Method::names }, || Value::from("sampled"), PLAIN)
     },
     Axis {
         name: "diffuse",
@@ -100,12 +94,10 @@ const IMAGE_AXES: &[Axis] = &[
         frames_cost: true,
         tables_cost: true,
         needs_memory: true,
-        kind: Kind::one_of::<Diffuse>(),
-        default: || Value::from("sh9"),
         used: |u| u.has_diffuse_surface,
         reference: |r, v| if r.leaves_out(v) { v.clone() } else { Value::from(REFERENCE) },
         apply: |s, v| s.shading.diffuse = Diffuse::listed(v.text()),
-        ..PLAIN
+        ..valued(Kind::one_of::<Diffuse>(), || Value::from("sh9"), PLAIN)
     },
     Axis {
         name: "samples",
@@ -117,12 +109,10 @@ const IMAGE_AXES: &[Axis] = &[
         sheet: Sheet::Column,
         frames_cost: true,
         is_compared: true,
-        kind: Kind::Count { min: 1, max: 1 << 24 },
-        default: || Value::Count(40),
         used: |u| u.method.uses_samples,
         reference: |r, _| Value::Count(r.samples),
         apply: |s, v| s.shading.samples = v.count(),
-        ..PLAIN
+        ..valued(Kind::Count { min: 1, max: 1 << 24 }, || Value::Count(40), PLAIN)
     },
     Axis {
         name: "sequence",
@@ -137,11 +127,9 @@ const IMAGE_AXES: &[Axis] = &[
         part: Part::Luck,
         about: "set of points: 0 is the plain sequence, k > 0 a randomised copy",
         symbol: Symbol::Before("set"),
-        kind: Kind::Count { min: 0, max: 1 << 20 },
-        default: || Value::Count(0),
         used: |u| u.method.uses_point_set,
         apply: |s, v| s.shading.point_set = v.count(),
-        ..PLAIN
+        ..valued(Kind::Count { min: 0, max: 1 << 20 }, || Value::Count(0), PLAIN)
     },
     Axis {
         name: "pixel_points",
@@ -198,20 +186,16 @@ const IMAGE_AXES: &[Axis] = &[
         part: Part::Display,
         about: "factor before the tone curve",
         symbol: Symbol::Before("exposure"),
-        kind: Kind::Number(Range::above(0.0, 1e9)),
-        default: || Value::Number(1.0),
         apply: |s, v| s.curve.exposure = v.number() as f32,
-        ..PLAIN
+        ..valued(Kind::Number(Range::above(0.0, 1e9)), || Value::Number(1.0), PLAIN)
     },
     Axis {
         name: "contrast",
         part: Part::Display,
         about: "exponent of the tone curve, times 2.2",
         symbol: Symbol::Before("contrast"),
-        kind: Kind::Number(Range::above(0.0, 100.0)),
-        default: || Value::Number(1.0),
         apply: |s, v| s.curve.contrast = v.number() as f32,
-        ..PLAIN
+        ..valued(Kind::Number(Range::above(0.0, 100.0)), || Value::Number(1.0), PLAIN)
     },
     Axis {
         name: "environment_orientation",
@@ -219,10 +203,8 @@ const IMAGE_AXES: &[Axis] = &[
         about: "rotates the map by the k-th of a fixed even set of 3D rotations; 0 keeps it",
         symbol: Symbol::Before("orientation"),
         flag: Some("orientation"),
-        kind: Kind::Count { min: 0, max: Placement::ORIENTATION_MAX },
-        default: || Value::Count(0),
         apply: |s, v| s.shading.placement.orientation = v.count(),
-        ..PLAIN
+        ..valued(Kind::Count { min: 0, max: Placement::ORIENTATION_MAX }, || Value::Count(0), PLAIN)
     },
     Axis {
         name: "environment_rotation_deg",
@@ -231,10 +213,8 @@ const IMAGE_AXES: &[Axis] = &[
         plural: "rotations",
         symbol: Symbol::After("deg", "degrees"),
         flag: Some("rotate"),
-        kind: Kind::Number(Range::closed(-360.0, 360.0)),
-        default: || Value::Number(0.0),
         apply: |s, v| s.shading.placement.rotation_deg = v.number(),
-        ..PLAIN
+        ..valued(Kind::Number(Range::closed(-360.0, 360.0)), || Value::Number(0.0), PLAIN)
     },
     Axis {
         name: "environment_scale",
@@ -242,10 +222,8 @@ const IMAGE_AXES: &[Axis] = &[
         about: "multiplies the environment's radiance",
         symbol: Symbol::Before("scale"),
         flag: Some("scale"),
-        kind: Kind::Number(Range::above(0.0, 1e9)),
-        default: || Value::Number(1.0),
         apply: |s, v| s.shading.environment_scale = v.number() as f32,
-        ..PLAIN
+        ..valued(Kind::Number(Range::above(0.0, 1e9)), || Value::Number(1.0), PLAIN)
     },
     Axis {
         name: "masking",
@@ -254,10 +232,8 @@ const IMAGE_AXES: &[Axis] = &[
         frames_cost: true,
         tables_cost: true,
         feeds: &[PREFILTER, DFG],
-        kind: Kind::one_of::<MaskingShadowing>(),
-        default: || Value::from("separable"),
         apply: |s, v| s.shading.masking_shadowing = *MaskingShadowing::listed(v.text()),
-        ..PLAIN
+        ..valued(Kind::one_of::<MaskingShadowing>(), || Value::from("separable"), PLAIN)
     },
     Axis {
         name: "compensation",
@@ -275,10 +251,8 @@ const IMAGE_AXES: &[Axis] = &[
         plural: "level biases",
         symbol: Symbol::Before("bias"),
         used: |u| u.method.uses_lod_bias,
-        kind: Kind::Number(LEVELS),
-        default: || Value::Number(0.0),
         apply: |s, v| s.shading.lod_bias = v.number() as f32,
-        ..PLAIN
+        ..valued(Kind::Number(LEVELS), || Value::Number(0.0), PLAIN)
     },
 ];
 

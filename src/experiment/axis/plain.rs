@@ -43,6 +43,11 @@ pub(super) const fn one_of<T: Listed + ?Sized>(base: Axis) -> Axis {
     Axis { kind: Kind::one_of::<T>(), default: first::<T>, ..base }
 }
 
+/// An axis of a kind, with its default.
+pub(super) const fn valued(kind: Kind, default: fn() -> Value, base: Axis) -> Axis {
+    Axis { kind, default, ..base }
+}
+
 pub(super) const ROUGHNESS: Spelling = Spelling {
     name: "perceptual_roughness",
     label: "Roughness",

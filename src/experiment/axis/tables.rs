@@ -1,6 +1,6 @@
 //! The axes of precomputed tables, the last ones of [`super::AXES`].
 
-use super::plain::{LEVELS, PLAIN, one_of};
+use super::plain::{LEVELS, PLAIN, one_of, valued};
 use super::{Axis, Part, Symbol, Used};
 use crate::bakes::given::{CENTRES, OWN};
 use crate::environment::layout::MapLayout;
@@ -45,11 +45,9 @@ pub(super) const TABLE_AXES: &[Axis] = &[
         symbol: Symbol::Before("map"),
         needs_memory: true,
         feeds: &[PREFILTER],
-        kind: TABLE_FILE,
         used: |u| u.method.uses_prefiltered(),
-        default: || Value::from(OWN),
         apply: |s, v| s.prefiltered = v.text().to_owned(),
-        ..TABLE
+        ..valued(TABLE_FILE, || Value::from(OWN), TABLE)
     },
     Axis {
         name: "dfg",
@@ -59,11 +57,9 @@ pub(super) const TABLE_AXES: &[Axis] = &[
         symbol: Symbol::Before("table"),
         needs_memory: true,
         feeds: &[DFG],
-        kind: Kind::NameOrFile { what: "table", names: || vec![OWN, CENTRES] },
         used: Used::needs_dfg,
-        default: || Value::from(OWN),
         apply: |s, v| s.dfg = v.text().to_owned(),
-        ..TABLE
+        ..valued(Kind::NameOrFile { what: "table", names: || vec![OWN, CENTRES] }, || Value::from(OWN), TABLE)
     },
     Axis {
         name: "prefilter_size",
@@ -162,10 +158,8 @@ pub(super) const TABLE_AXES: &[Axis] = &[
         needs_memory: true,
         feeds: &[DFG],
         used: Used::makes_dfg,
-        kind: Kind::Count { min: 2, max: SIDE_MAX },
-        default: || Value::Count(PrecomputeSettings::default().dfg_size),
         apply: |s, v| s.shading.precompute.dfg_size = v.count(),
-        ..TABLE
+        ..valued(Kind::Count { min: 2, max: SIDE_MAX }, || Value::Count(PrecomputeSettings::default().dfg_size), TABLE)
     },
     Axis {
         name: "dfg_sample_count",

@@ -33,10 +33,7 @@ pub const QUESTION: Question = Question {
         METRIC,
         FIXED,
         SAMPLED,
-        column(
-            "break_even",
-            "Sample count from which sampling errs less, median over environments; empty if above the largest tried count.",
-        ),
+        column("break_even", "Samples from which sampling errs less, median over environments; empty above all tried."),
         LO,
         HI,
         N,

@@ -15,10 +15,7 @@ pub const QUESTION: Question = Question {
         ERROR,
         NOISE_FLOOR,
         IS_RESOLVED,
-        column(
-            "rms_percent",
-            "Root mean square error in percent of the reference; empty if the metric is not a mean square.",
-        ),
+        column("rms_percent", "Root mean square error, percent of the reference; empty if no mean square is measured."),
     ],
     lacks,
     answer,

@@ -16,10 +16,7 @@ pub const QUESTION: Question = Question {
         METRIC,
         FIXED,
         SAMPLED,
-        column(
-            "break_even",
-            "Frame count from which sampling errs less, median over environments; empty if above the largest tried count.",
-        ),
+        column("break_even", "Frames from which sampling errs less, median over environments; empty above all tried."),
         LO,
         HI,
         N,

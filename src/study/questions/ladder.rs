@@ -30,10 +30,7 @@ pub const QUESTION: Question = Question {
         column("share_hi", "Upper end of that interval."),
         column("first_in", "`relmse` that the step adds if it comes first, after the steps that it needs."),
         column("last_out", "`relmse` that vanishes if this step and the steps that need it become exact."),
-        column(
-            "shapley",
-            "Mean of the step's added `relmse` over all legal orders; the steps' numbers sum to the error.",
-        ),
+        column("shapley", "Mean of the step's added `relmse` over all legal orders; the numbers sum to the error."),
         column("error", "`relmse` after all steps. With `environment` all, all numbers are arithmetic means."),
         column("step_error", "Relative standard error of the step: see `steps.csv`."),
     ],

@@ -26,10 +26,7 @@ pub const QUESTION: Question = Question {
         column("ms", "Time in milliseconds, the median over rounds."),
         column("ms_lo", "Lower end of its 95 % interval; empty below six rounds."),
         column("ms_hi", super::UPPER),
-        column(
-            "shading_ms",
-            "Time of the passes that shade: no g-buffer, background or tone curve. Median over rounds.",
-        ),
+        column("shading_ms", "Time of the passes that shade: no g-buffer, background or tone curve. Median of rounds."),
         column("over", "A method timed in the same rounds, with its sample count; one row for each."),
         column("ratio", "Time to shade over this method's, the median of the ratios round by round."),
         column("ratio_lo", "Lower end of its 95 % interval; empty below six rounds."),

@@ -34,13 +34,18 @@ pub fn marked_light() -> Environment {
         (-DVec3::Z, DVec3::new(3.0, 3.0, 0.2)),
     ];
     let hot = DVec3::new(0.35, 0.6, 0.72).normalize();
-    let image = RgbImage::from_fn(128, 64, |x, y| {
-        let d = direction_from_uv((DVec2::new(x.into(), y.into()) + 0.5) / DVec2::new(128.0, 64.0));
+    light_of(|d| {
         let broad: DVec3 = lights.iter().map(|(axis, color)| *color * (8.0 * (d.dot(*axis) - 1.0)).exp()).sum();
         let sharp = DVec3::splat(60.0) * (200.0 * (d.dot(hot) - 1.0)).exp();
-        (broad + sharp + 0.05).as_vec3().to_array()
-    });
-    Environment::from_image("marked", image)
+        broad + sharp + 0.05
+    })
+}
+
+/// A map of 128x64 texels by their directions.
+pub fn light_of(radiance: impl Fn(DVec3) -> DVec3) -> Environment {
+    let uv = |x: u32, y: u32| (DVec2::new(x.into(), y.into()) + 0.5) / DVec2::new(128.0, 64.0);
+    let texel = |x, y| radiance(direction_from_uv(uv(x, y))).as_vec3().to_array();
+    Environment::from_image("made", RgbImage::from_fn(128, 64, texel))
 }
 
 const ALPHAS: [f64; 3] = [0.1, 0.2, 0.6];

@@ -1,7 +1,7 @@
 //! The judge names slips that are put into an exact bake.
 
 use super::files::faces;
-use super::scores::marked_light;
+use super::scores::{light_of, marked_light};
 use glam::{DVec3, Vec3Swizzles};
 use splitsum::bakes::check::{Judged, Judging, Truth};
 use splitsum::bakes::convention::{Axes, Preset};
@@ -19,6 +19,10 @@ const SIDE: u32 = 24;
 const ALPHAS: [f64; 3] = [0.1, 0.2, 0.6];
 const TWO: [f64; 2] = [0.2, 0.6];
 
+fn of_levels(levels: Vec<Vec<RgbImage>>) -> Map {
+    Map { layout: &LAYOUTS[0], levels }
+}
+
 /// The exact cube of these widths, along turned directions.
 fn cube(truth: &Truth, alphas: &[f64], turn: impl Fn(DVec3) -> DVec3) -> Map {
     let level = |alpha: &f64| {
@@ -26,13 +30,26 @@ fn cube(truth: &Truth, alphas: &[f64], turn: impl Fn(DVec3) -> DVec3) -> Map {
         let value = |d| map.as_ref().map_or_else(|| truth.environment.radiance(d), |map| map.value(d));
         faces(&LAYOUTS[0], [SIDE; 2], |d| value(turn(d)))
     };
-    Map { layout: &LAYOUTS[0], levels: alphas.iter().map(level).collect() }
+    of_levels(alphas.iter().map(level).collect())
+}
+
+fn exact(truth: &Truth, alphas: &[f64]) -> Map {
+    cube(truth, alphas, |direction| direction)
+}
+
+fn judged_bake(light: &Environment, bake: Bake, alphas: Option<&[f64]>) -> Judged {
+    let mut judging = Judging::stated(&Stated::default()).unwrap();
+    judging.convention.alphas = alphas.map(<[f64]>::to_vec);
+    judging.judge(light, &bake, |_| ()).unwrap()
 }
 
 fn judged(light: &Environment, map: Map, alphas: Option<&[f64]>) -> Judged {
-    let mut judging = Judging::stated(&Stated::default()).unwrap();
-    judging.convention.alphas = alphas.map(<[f64]>::to_vec);
-    judging.judge(light, &Bake { specular: Some(map), ..Bake::default() }, |_| ()).unwrap()
+    judged_bake(light, Bake { specular: Some(map), ..Bake::default() }, alphas)
+}
+
+fn assert_named(judged: &Judged, words: &str) {
+    let verdict = judged.verdict();
+    assert!(verdict.contains(words), "{words}: {verdict}");
 }
 
 fn each_texel(map: &mut Map, change: impl Fn([f32; 3]) -> [f32; 3]) {
@@ -54,7 +71,7 @@ fn each_place(map: &mut Map, from: impl Fn(u32, u32) -> [u32; 2]) {
 fn slips_of_faces_and_texels_are_named() {
     let light = marked_light();
     let truth = Truth::new(&light, Kernel::cosine(&Ggx), &TWO);
-    let right = cube(&truth, &TWO, |direction| direction);
+    let right = exact(&truth, &TWO);
     type Slip = fn(&mut Map);
     let slips: &[(&str, Slip)] = &[
         ("good: every part", |_| ()),
@@ -156,13 +173,12 @@ fn slips_of_faces_and_texels_are_named() {
     for (words, slip) in slips {
         let mut map = right.clone();
         slip(&mut map);
-        let verdict = judged(&light, map, Some(&TWO)).verdict();
-        assert!(verdict.contains(words), "{words}: {verdict}");
+        assert_named(&judged(&light, map, Some(&TWO)), words);
     }
     // One texel a face has neither a turn nor a few texels that stand out.
     let smooth = truth.prefiltered(0.6);
     let small = faces(&LAYOUTS[0], [1; 2], |d| smooth.value(d).zyx());
-    let small = Map { layout: &LAYOUTS[0], levels: vec![small; 2] };
+    let small = of_levels(vec![small; 2]);
     assert!(judged(&light, small, Some(&[0.6; 2])).verdict().contains("in the order B, G, R"));
 }
 
@@ -174,12 +190,18 @@ fn srgb(x: f32) -> f32 {
 fn slips_of_the_light_and_of_the_kernel_are_named() {
     let light = marked_light();
     let truth = Truth::new(&light, Kernel::cosine(&Ggx), &TWO);
-    for (axis, degrees, words) in
-        [(DVec3::Y, 37.0_f64, "37° about y: lat-long offset 0.103"), (DVec3::X, -12.0, "-12° about x")]
-    {
+    // A lone sun that is turned is also near its mirror image.
+    let sun = DVec3::new(0.70, 0.66, -0.28).normalize();
+    let sunny = light_of(|d| 0.02 * light.radiance(d) + 500.0 * (300.0 * (d.dot(sun) - 1.0)).exp());
+    let cases = [
+        (&light, DVec3::Y, 37.0_f64, "37° about y: lat-long offset 0.103"),
+        (&light, DVec3::X, -12.0, "-12° about x"),
+        (&sunny, DVec3::Y, 36.0, "36° about y: "),
+    ];
+    for (light, axis, degrees, words) in cases {
         let turn = glam::DQuat::from_axis_angle(axis, degrees.to_radians());
-        let verdict = judged(&light, cube(&truth, &TWO, |direction| turn * direction), Some(&TWO)).verdict();
-        assert!(verdict.contains(&format!("turned by {words}")), "{words}: {verdict}");
+        let turned = cube(&Truth::new(light, Kernel::cosine(&Ggx), &TWO), &TWO, |direction| turn * direction);
+        assert_named(&judged(light, turned, Some(&TWO)), &format!("turned by {words}"));
     }
     type At = fn(f64, f64) -> f64;
     let grids: [(&str, At); 2] =
@@ -193,19 +215,17 @@ fn slips_of_the_light_and_of_the_kernel_are_named() {
             };
             (0..6).map(|face| RgbImage::from_fn(SIDE, SIDE, |x, y| texel(face, x, y))).collect()
         };
-        let map = Map { layout: &LAYOUTS[0], levels: ALPHAS[..2].iter().map(level).collect() };
-        let verdict = judged(&light, map, Some(&ALPHAS[..2])).verdict();
-        assert!(verdict.contains(words), "{words}: {verdict}");
+        let map = of_levels(ALPHAS[..2].iter().map(level).collect());
+        assert_named(&judged(&light, map, Some(&ALPHAS[..2])), words);
     }
     // Levels of several sizes in the order of another format, as a reader of this one finds them.
     let levels = TWO.iter().zip([24, 12]).map(|(alpha, side)| {
         let map = truth.prefiltered(*alpha);
         faces(&LAYOUTS[0], [side; 2], |d| map.value(d))
     });
-    let right = Map { layout: &LAYOUTS[0], levels: levels.collect() };
+    let right = of_levels(levels.collect());
     for ((words, _), (_, read)) in right.reordered().iter().rev().zip(right.reordered()) {
-        let verdict = judged(&light, read, Some(&TWO)).verdict();
-        assert!(verdict.contains(words), "{words}: {verdict}");
+        assert_named(&judged(&light, read, Some(&TWO)), words);
     }
     // Convolutions keep the mean, which tells where a source was cut.
     type Change = fn([f32; 3]) -> [f32; 3];
@@ -227,15 +247,15 @@ fn slips_of_the_light_and_of_the_kernel_are_named() {
     for (words, change) in sources {
         let source = Environment::from_image("source", light.image.map(change));
         let of_source = Truth::new(&source, Kernel::cosine(&Ggx), &ALPHAS);
-        let judged = judged(&light, cube(&of_source, &ALPHAS, |direction| direction), Some(&ALPHAS));
+        let judged = judged(&light, exact(&of_source, &ALPHAS), Some(&ALPHAS));
         assert!(judged.verdict().contains(&format!("source {words}")), "{words}: {}", judged.verdict());
         let causes = judged.causes();
         assert!(causes.iter().all(|cause| cause.kind == "source" || words.contains(&cause.words[..5])), "{causes:?}");
     }
     for brdf in [&Beckmann as &'static dyn Brdf, &Phong] {
         let of_model = Truth::new(&light, Kernel::cosine(brdf), &TWO);
-        let verdict = judged(&light, cube(&of_model, &TWO, |direction| direction), Some(&TWO)).verdict();
-        assert!(verdict.contains(&format!("of another model: --brdf {}", brdf.name())), "{verdict}");
+        let words = format!("of another model: --brdf {}", brdf.name());
+        assert_named(&judged(&light, exact(&of_model, &TWO), Some(&TWO)), &words);
     }
     let (kernel, alpha) = Truth::of_irradiance();
     let cut = Environment::from_image("cut", light.image.map(|texel| texel.map(|x| x.min(10.0))));
@@ -251,53 +271,42 @@ fn slips_of_the_light_and_of_the_kernel_are_named() {
     for (words, source, kernel, change) in slips {
         let exact = Truth::new(source, kernel, &[alpha]).prefiltered(alpha);
         let irradiance = faces(&LAYOUTS[0], [SIDE; 2], |d| exact.value(d));
-        let mut map = Map { layout: &LAYOUTS[0], levels: vec![irradiance] };
+        let mut map = of_levels(vec![irradiance]);
         each_texel(&mut map, change);
         let bake = Bake { irradiance: Some(map), ..Bake::default() };
-        let verdict = Judging::stated(&Stated::default()).unwrap().judge(&light, &bake, |_| ()).unwrap().verdict();
-        assert!(verdict.contains(&format!("irradiance: {words}")), "{words}: {verdict}");
+        assert_named(&judged_bake(&light, bake, None), &format!("irradiance: {words}"));
     }
     let turned = Truth::new(&light, kernel, &[alpha]).prefiltered(alpha);
     let turned = faces(&LAYOUTS[0], [SIDE; 2], |d| turned.value(DVec3::new(d.z, d.y, -d.x)));
-    let irradiance = Some(Map { layout: &LAYOUTS[0], levels: vec![turned] });
-    let bake = Bake { specular: Some(cube(&truth, &TWO, |direction| direction)), irradiance, ..Bake::default() };
-    let mut judging = Judging::stated(&Stated::default()).unwrap();
-    judging.convention.alphas = Some(TWO.to_vec());
-    let verdict = judging.judge(&light, &bake, |_| ()).unwrap().verdict();
+    let irradiance = Some(of_levels(vec![turned]));
+    let bake = Bake { specular: Some(exact(&truth, &TWO)), irradiance, ..Bake::default() };
+    let verdict = judged_bake(&light, bake, Some(&TWO)).verdict();
     assert!(verdict.contains("irradiance: other axes") && !verdict.contains("level"), "{verdict}");
     let other = WEIGHTS.iter().find(|weight| weight.name == "none").unwrap();
     let kernel = Kernel::new(&Ggx, other, Default::default());
-    for (source, words) in [(&light, "levels 0 to 1: weighted"), (&cut, "levels 0 to 1: source cut at 10; weighted")] {
+    for (source, words) in [(&light, "levels 0 to 1: "), (&cut, "levels 0 to 1: source cut at 10; ")] {
         let of_other = Truth::new(source, kernel, &TWO);
-        let verdict = judged(&light, cube(&of_other, &TWO, |direction| direction), Some(&TWO)).verdict();
-        assert!(verdict.contains(&format!("{words} otherwise: --weight none")), "{words}: {verdict}");
+        assert_named(
+            &judged(&light, exact(&of_other, &TWO), Some(&TWO)),
+            &format!("{words}not weighted by n·l: --weight none"),
+        );
     }
-    let lower = RgbImage::from_fn(128, 64, |x, y| if y < 32 { light.image.get(x, y) } else { [0.0; 3] });
-    let of_half = Environment::from_image("half", lower);
+    let of_half = light_of(|d| if d.y > 0.0 { light.radiance(d) } else { DVec3::ZERO });
     let of_half = Truth::new(&of_half, Kernel::cosine(&Ggx), &TWO);
-    let verdict = judged(&light, cube(&of_half, &TWO, |direction| direction), Some(&TWO)).verdict();
-    assert!(verdict.contains("source without its lower half"), "{verdict}");
+    assert_named(&judged(&light, exact(&of_half, &TWO), Some(&TWO)), "source without its lower half");
     let first = truth.prefiltered(0.3);
-    let first = RgbImage::from_fn(128, 64, |x, y| {
-        let uv = glam::DVec2::new((f64::from(x) + 0.5) / 128.0, (f64::from(y) + 0.5) / 64.0);
-        first.value(direction_from_uv(uv)).as_vec3().to_array()
-    });
-    let first = Environment::from_image("first", first);
-    let mut map = cube(&truth, &[0.3, 0.6], |direction| direction);
-    map.levels[1] =
-        cube(&Truth::new(&first, Kernel::cosine(&Ggx), &[0.6]), &[0.6], |direction| direction).levels.remove(0);
-    let verdict = judged(&light, map, Some(&[0.3, 0.6])).verdict();
-    assert!(verdict.contains("level 1: filtered from the level before it"), "{verdict}");
+    let first = light_of(|d| first.value(d));
+    let mut map = exact(&truth, &[0.3, 0.6]);
+    map.levels[1] = exact(&Truth::new(&first, Kernel::cosine(&Ggx), &[0.6]), &[0.6]).levels.remove(0);
+    assert_named(&judged(&light, map, Some(&[0.3, 0.6])), "level 1: filtered from the level before it");
     // Plain mips are means of the map over ever larger texels.
     let mips: Vec<_> = (0..2).map(|k| faces(&LAYOUTS[0], [SIDE >> k; 2], |d| light.radiance(d))).collect();
-    let verdict = judged(&light, Map { layout: &LAYOUTS[0], levels: mips }, Some(&TWO)).verdict();
-    assert!(verdict.contains("plain mips"), "{verdict}");
+    assert_named(&judged(&light, of_levels(mips), Some(&TWO)), "plain mips");
     // A different light.
     let mut image = light.image.clone();
     image.data.rotate_left(128 * 20 + 40);
     let another = Environment::from_image("another", image);
-    let verdict = judged(&another, cube(&truth, &TWO, |direction| direction), Some(&TWO)).verdict();
-    assert!(verdict.contains("another map"), "{verdict}");
+    assert_named(&judged(&another, exact(&truth, &TWO), Some(&TWO)), "another map");
 }
 
 /// GGX by the cosine of a half vector.
@@ -348,15 +357,13 @@ fn slips_of_sums_are_named() {
     ];
     for (words, weight, whole) in kernels {
         let levels = [0.3, 0.7].map(|alpha| sums(12, alpha, weight, whole)).to_vec();
-        let verdict = judged(&light, Map { layout: &LAYOUTS[0], levels }, Some(&[0.3, 0.7])).verdict();
-        assert!(verdict.contains(words), "{words}: {verdict}");
+        assert_named(&judged(&light, of_levels(levels), Some(&[0.3, 0.7])), words);
     }
     let luminance = |radiance: DVec3| splitsum::color::luminance(radiance.as_vec3().to_array());
     let darker: Vec<_> =
         texels.iter().map(|(l, sin, radiance)| (*l, sin / (1.0 + luminance(*radiance)), *radiance)).collect();
     let levels = [0.3, 0.7].map(|alpha| sums_of(&darker, 12, alpha, own, own)).to_vec();
-    let verdict = judged(&light, Map { layout: &LAYOUTS[0], levels }, Some(&[0.3, 0.7])).verdict();
-    assert!(verdict.contains("weighted by 1/(1 + luminance)"), "{verdict}");
+    assert_named(&judged(&light, of_levels(levels), Some(&[0.3, 0.7])), "weighted by 1/(1 + luminance)");
     let polar = faces(&LAYOUTS[0], [6; 2], |n| {
         let (east, north) = n.any_orthonormal_pair();
         let cells = (0..32 * 64).map(|k| [f64::from(k / 64) + 0.5, f64::from(k % 64) + 0.5].map(|x| x * PI / 64.0));
@@ -366,19 +373,18 @@ fn slips_of_sums_are_named() {
         };
         cells.map(of).sum::<DVec3>() * PI / 2048.0
     });
-    let irradiance = Some(Map { layout: &LAYOUTS[0], levels: vec![polar] });
+    let irradiance = Some(of_levels(vec![polar]));
     let bake = Bake { irradiance, ..Bake::default() };
-    let verdict = Judging::stated(&Stated::default()).unwrap().judge(&light, &bake, |_| ()).unwrap().verdict();
-    assert!(verdict.contains("without sin θ; times 2"), "{verdict}");
+    assert_named(&judged_bake(&light, bake, None), "without sin θ; times 2");
     let cosine: Weight = |_, cos, _| cos.max(0.0);
-    let irradiance = Some(Map { layout: &LAYOUTS[0], levels: vec![sums(8, 1.0, cosine, cosine)] });
+    let irradiance = Some(of_levels(vec![sums(8, 1.0, cosine, cosine)]));
     let radiance = texels.iter().fold([DVec3::ZERO; 9], |sh, (l, _, radiance)| {
         let y = splitsum::math::spherical_harmonics::basis(*l);
         std::array::from_fn(|k| sh[k] + y[k] * *radiance * (4.0 * PI / texels.len() as f64))
     });
     let sh = sh::parse(std::path::Path::new("sh.txt"), &sh::to_cmgen(&radiance)).unwrap();
     let bake = Bake { irradiance, sh: Some(sh), ..Bake::default() };
-    let verdict = Judging::stated(&Stated::default()).unwrap().judge(&light, &bake, |_| ()).unwrap();
+    let verdict = judged_bake(&light, bake, None);
     assert!(
         verdict.parts().iter().all(|(_, words)| words.contains("without the solid angle")),
         "{:?}",
@@ -394,7 +400,7 @@ fn chains_of_other_levels_are_named() {
     let quadratic = |k: u32, n: u32| (1.0 - (1.0 - f64::from(k) / f64::from(n - 1)).sqrt()).powi(2);
     let of = |alphas: Vec<f64>| {
         let truth = Truth::new(&light, Kernel::cosine(&Ggx), &alphas);
-        judged(&light, cube(&truth, &alphas, |direction| direction), None).verdict()
+        judged(&light, exact(&truth, &alphas), None).verdict()
     };
     let right = of((0..5).map(|k| linear(k, 5)).collect());
     assert!(!right.contains("missing") && !right.contains("mapping"), "{right}");
@@ -408,7 +414,7 @@ fn chains_of_other_levels_are_named() {
     // A level of noise does not mean that levels are missing.
     let alphas: Vec<f64> = (0..4).map(|k| linear(k, 6)).collect();
     let truth = Truth::new(&light, Kernel::cosine(&Ggx), &alphas);
-    let mut map = cube(&truth, &alphas, |direction| direction);
+    let mut map = exact(&truth, &alphas);
     map.levels[3].iter_mut().for_each(|face| {
         let pixels = face.data.clone();
         face.data.iter_mut().enumerate().for_each(|(i, texel)| *texel = pixels[i * 7 % pixels.len()].map(|x| x * x));
@@ -417,9 +423,12 @@ fn chains_of_other_levels_are_named() {
     assert!(!noisy.contains("missing"), "{noisy}");
     let bent = of((0..5).map(|k| quadratic(k, 5)).collect());
     assert!(bent.contains("--level-mapping quadratic"), "{bent}");
-    let laws: [(&str, &dyn Fn(u32) -> f64); 3] = [
+    let filtered = of([&[0.1], &(1..5).map(|k| linear(k, 5)).collect::<Vec<_>>()[..]].concat());
+    assert!(filtered.contains("level 0: 1.3 levels too blurred (alpha 0.100 for 0.000); "), "{filtered}");
+    let laws: [(&str, &dyn Fn(u32) -> f64); 4] = [
         ("roughness is squared twice: --alphas 0.0000,0.0039,0.0625,0.3164,1.0000", &|k| linear(k, 5).powi(2)),
         ("roughness is not squared", &|k| linear(k, 5).sqrt()),
+        ("each level has the width of the next one", &|k| linear((k + 1).min(4), 5)),
         ("each level has the width of the one before it", &|k| linear(k.saturating_sub(1), 5)),
     ];
     for (words, law) in laws {
@@ -431,7 +440,6 @@ fn chains_of_other_levels_are_named() {
     let truth = Truth::new(&light, Kernel::cosine(&Ggx), &alphas);
     let mut judging = Judging::by(Preset::parse("cmgen").unwrap(), &Stated::default()).unwrap();
     judging.convention.axes = Axes::SAME;
-    let bake = Bake { specular: Some(cube(&truth, &alphas, |direction| direction)), ..Bake::default() };
-    let verdict = judging.judge(&light, &bake, |_| ()).unwrap().verdict();
-    assert!(verdict.contains("--level-mapping linear; nothing else"), "{verdict}");
+    let bake = Bake { specular: Some(exact(&truth, &alphas)), ..Bake::default() };
+    assert_named(&judging.judge(&light, &bake, |_| ()).unwrap(), "--level-mapping linear; nothing else");
 }

@@ -80,15 +80,15 @@ fn dice(request: &RenderRequest, what: &str) -> f64 {
     let made = &shading.precompute;
     let maps = (made.prefilter_size, made.prefilter_level_count, made.prefilter_sample_count, made.level_mapping.name);
     let tables = (made.dfg_size, made.dfg_sample_count, made.irradiance_size, made.irradiance_sample_count);
-    let text = format!("{what} {light:?} {case:?} {method:?} {maps:?} {tables:?}");
+    let text = format!("{what} {:?} {light:?} {case:?} {method:?} {maps:?} {tables:?}", request.size);
     let hash = blake3::hash(text.as_bytes());
     f64::from(u32::from_le_bytes(hash.as_bytes()[..4].try_into().unwrap())) / 2.0_f64.powi(32)
 }
 
-/// The factor of an image whose error varies by pixel and channel, `error` times 0.2 to 2.
+/// The factor of an image whose error varies by pixel and channel, `error` times 0.1 to 4.
 fn scrambled(request: &RenderRequest, error: f32, [x, y]: [u32; 2], channel: usize) -> f32 {
     let phase = 3.0 * f64::from(x) / 7.0 + 5.0 * f64::from(y) / 7.0 + 9.0 * dice(request, "phase") + channel as f64;
-    1.0 + error * ((0.3 + 1.2 * dice(request, "error")) * (1.0 + 0.3 * phase.sin())) as f32
+    1.0 + error * (0.14 * 20.0_f64.powf(dice(request, "error")) * (1.0 + 0.3 * phase.sin())) as f32
 }
 
 impl Renderer for Fake {
@@ -171,30 +171,27 @@ impl Renderer for Fake {
     /// Step k adds 0.01 (k + 1).
     fn attributions(&mut self, request: &RenderRequest, _: u32, bands: &[[f64; 2]]) -> Served<Vec<Attribution>> {
         let is_scrambled = self.0.borrow().is_scrambled;
-        let own = |i: usize| {
-            let scramble = if is_scrambled { 2.0 * dice(request, STEPS[i].name) - 0.5 } else { 1.0 };
-            0.01 * (i + 1) as f64 * scramble
-        };
-        let all: f64 = (0..STEPS.len()).map(own).sum();
-        let step = |i: usize| {
-            let (own, error) = (own(i), (0..=i).map(own).sum());
-            StepNumbers {
+        let of_band = |seen_at: [f64; 2]| {
+            let dice = |what: &str, i: usize| dice(request, &format!("{what} {i} {seen_at:?}"));
+            let varied = |what: &str, i: usize| {
+                let scramble = if is_scrambled { 2.0 * dice(what, i) - 0.5 } else { 1.0 };
+                0.01 * (i + 1) as f64 * scramble
+            };
+            let own = |i: usize| varied("own", i);
+            let error = (0..STEPS.len()).map(own).sum();
+            let noise = |what: &str, i: usize| if is_scrambled { 0.02 * dice(what, i) } else { 0.0 };
+            let step = |i: usize| StepNumbers {
                 step: STEPS[i].name,
-                share: own / all,
-                error,
-                first_in: own,
-                last_out: own,
-                shapley: own,
-                step_error: 0.0,
-                share_error: 0.0,
-            }
-        };
-        let of_band = |seen_at: [f64; 2]| Attribution {
-            seen_at,
-            pixel_count: 10,
-            error: all,
-            noise: 1e-6,
-            steps: (0..STEPS.len()).map(step).collect(),
+                share: own(i) / error,
+                error: (0..=i).map(own).sum(),
+                first_in: varied("first", i),
+                last_out: varied("last", i),
+                shapley: varied("shapley", i),
+                step_error: noise("step", i),
+                share_error: noise("share", i),
+            };
+            let steps = (0..STEPS.len()).map(step).collect();
+            Attribution { seen_at, pixel_count: 10, error, noise: 1e-6, steps }
         };
         Ok([[0.0, 1.0]].into_iter().chain(bands.iter().copied()).map(of_band).collect())
     }
@@ -230,11 +227,11 @@ impl Renderer for Fake {
     fn time(&mut self, request: &RenderRequest, of_tables: bool, [warmup, rounds]: [u32; 2]) -> Served<TimingSamples> {
         let mut log = self.0.borrow_mut();
         (log.timings, log.warmups) = (log.timings + 1, log.warmups + if of_tables { 0 } else { warmup });
-        if of_tables {
-            let rounds = rounds as usize;
-            return Ok(TimingSamples { passes: vec![("dfg", vec![3.0; rounds])], wall_ms: vec![10.0; rounds] });
-        }
         let scramble = if log.is_scrambled { 0.5 + dice(request, "time") } else { 1.0 };
+        if of_tables {
+            let [dfg, wall] = [3.0, 10.0].map(|ms| vec![ms * scramble; rounds as usize]);
+            return Ok(TimingSamples { passes: vec![("dfg", dfg)], wall_ms: wall });
+        }
         let frame = log
             .frames
             .entry((request.shading.brdf.name(), request.shading.method.name, request.shading.samples))
