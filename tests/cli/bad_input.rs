@@ -103,8 +103,8 @@ fn wrong_experiments_and_folders_are_refused() {
         (
             "by.toml",
             "name = \"x\"\nasks = [\"unknown\", { question = \"effect\", by = \"brdf\" }, { question = \"error\", by = \"samples\" }, \
-             { question = \"visibility\", by = \"f0\" }]\n[axes]\nmethod = [\"sampled\", \"sampled-vndf\"]\nsamples = [1, 4]\n\
-             f0 = [1, 0.04]\nexposure = [1, 2]\n",
+             { question = \"visibility\", by = \"f0\" }, { question = \"n-dot-v\", by = \"environment\" }]\n[axes]\nsamples = [1, 4]\n\
+             method = [\"sampled\", \"sampled-vndf\"]\nf0 = [1, 0.04]\nexposure = [1, 2]\n",
         ),
         (
             "weights.toml",

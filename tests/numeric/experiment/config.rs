@@ -141,7 +141,6 @@ fn every_fault_is_reported_with_its_place() {
         ("excluded method", excluding("method = \"split-sum\""), &[]),
         ("asks and metric", asking("[\"a\", 1, \"a\"]\nmetric = \"flop\""), &[]),
         ("asks by", asking("[{ question = \"a\", by = \"apha\" }, { by = \"f0\" }, { question = 1, rows = 2 }]"), &[]),
-        ("asks by others", asking("[{ question = \"error\", by = \"environment\" }, { question = \"error\", by = \"samples\" }]"), &[]),
         ("two names of one axis", axes("alpha = [0.5]\nperceptual_roughness = [0.5]"), &[]),
         ("two names in --set", axes("alpha = [0.5]"), &["alpha=0.1", "perceptual_roughness=0.5"]),
         ("roughness out of range", axes("perceptual_roughness = [0.5, 0, 1.5]"), &[]),

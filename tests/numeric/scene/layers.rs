@@ -49,9 +49,11 @@ fn a_clear_coat_has_its_own_maps_and_normal() {
     assert_eq!((coat.f0_material.data[0][0], coat.albedo_metallic.data[0]), (1.0, [0.0; 4]));
     assert!(scene.has_coat() && !scene.uncoated().has_coat());
     // Values of axes replace its maps.
-    let set = MaterialOverride { coat: Some(1.0), coat_alpha: Some(0.5), ..MaterialOverride::default() };
-    let set = scene.apply(&set).materials[0].coat;
-    assert_eq!((set.weight, set.weight_map, set.alpha, set.roughness_map), (1.0, None, 0.5, None));
+    let set = |values: MaterialOverride| scene.apply(&values).materials[0].coat;
+    let weight = set(MaterialOverride { coat: Some(1.0), ..MaterialOverride::default() });
+    let alpha = set(MaterialOverride { coat_alpha: Some(0.5), ..MaterialOverride::default() });
+    assert_eq!((weight.weight, weight.weight_map, weight.roughness_map.is_some()), (1.0, None, true));
+    assert_eq!((alpha.alpha, alpha.roughness_map, alpha.weight_map.is_some()), (0.5, None, true));
 }
 
 /// The sheen of a file: colour by its sRGB map, roughness by the alpha channel; a smooth one is raised to the least width.

@@ -57,6 +57,7 @@ rounds = 7"#,
         REFERENCE,
         r#"method = ["sampled", "split-sum"]
 samples = [1, 4, 16]
+contrast = [1, 2]
 diffuse = ["none"]"#,
     ],
     [
