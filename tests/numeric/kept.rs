@@ -22,9 +22,9 @@ fn digest(text: &str) -> String {
     format!("{count} {sum:.2} {}", &words.finalize().to_hex()[..6])
 }
 
-/// The digest of each column of the folder's CSV files, of its figures, and of its sentences.
+/// The digest of each column of the folder's CSV files, of its figures, and of its sentences; the mean of its pictures.
 pub fn folder(dir: &Path) -> String {
-    let mut kept = String::new();
+    let (mut kept, mut pictures, mut light) = (String::new(), 0, 0.0);
     for (name, (bytes, _)) in snapshot(dir) {
         if name.ends_with(".csv") {
             let table = Table::read(&dir.join(&name)).unwrap();
@@ -40,7 +40,11 @@ pub fn folder(dir: &Path) -> String {
             let text: String =
                 parts.map(|(i, part)| if i == 0 { part } else { part.split_once('"').unwrap().1 }).collect();
             kept += &format!("{name} {}\n", digest(&text));
+        } else if name.ends_with(".png") {
+            let bytes = image::load_from_memory(&bytes).unwrap().into_rgb8().into_raw();
+            light += bytes.iter().map(|byte| f64::from(*byte)).sum::<f64>() / bytes.len() as f64;
+            pictures += 1;
         }
     }
-    kept
+    kept + &format!("{pictures} pictures, means of {light:.0} in all\n")
 }
