@@ -28,8 +28,8 @@ pub const ERRORS: &[Column] = &[
         "The headline metric against its noise floor: `resolved`, `reference-limited` below ten standard errors, `equal-within-noise` \
          below two, `no-noise-floor`, or `failed`.",
     ),
-    column("lag_bias", "Of sequences: `relmse` of the frames' sum without noise: bias and, under motion, the lag."),
-    column("flicker", "Of sequences: variance of the last eight results by `tone_mapped_mse`'s curve, without motion."),
+    column("lag_bias", "Of sequences: `relmse` of the accumulated frames without noise: bias and, if moving, lag."),
+    column("flicker", "Of sequences: variance of the last eight results by the curve of `tone_mapped_mse`, no motion."),
 ];
 
 /// The columns of sequences of frames, the last ones of [`ERRORS`].
@@ -48,11 +48,11 @@ pub const STEPS: &[Column] = &[
     BINS[0],
     BINS[1],
     column("step", "The approximation: see docs/estimators.md, \"The ladder\"."),
-    column("share", "Covariance share of the error's `relmse` in the ladder's order; a cell's and band's sum to 1."),
+    column("share", "Covariance share of the `relmse`, in the ladder's order; shares of a cell and band sum to 1."),
     column("share_error", "Standard error of the share, from scrambled point sets; 0 if nothing is sampled."),
     column("rung_error", "`relmse` after this step and all before it."),
     column("first_in", "`relmse` that the step adds if it comes first, after the steps that it needs."),
-    column("last_out", "`relmse` that vanishes if it and the steps that need it are exact; below 0 it hides others."),
+    column("last_out", "`relmse` saved if this step and those that need it are exact; below 0 it hides other errors."),
     column("shapley", "Mean of the step's added `relmse` over all legal orders; the steps' numbers sum to the error."),
     column("step_error", "Relative standard error of the step, root mean square over pixels; 0 if nothing is sampled."),
     column("noise", "`relmse` of an exact image, from the reference's standard error."),

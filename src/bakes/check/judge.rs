@@ -167,13 +167,15 @@ impl Judged {
 
     /// Whether its slips explain all that is wrong, and by less than other axes with the slips that these leave.
     fn is_simpler_than(&self, other: &Self) -> bool {
-        let scores = |of: &Self| of.levels.iter().chain(&of.irradiance).cloned().collect::<Vec<_>>();
-        let (own, other) = (scores(self), scores(other));
-        let most = |scores: &[LevelScore]| scores.iter().map(|score| score.causes.len()).max();
-        let left: f64 = own.iter().map(|score| score.left().unwrap_or(score.errors.relmse)).sum();
-        own.iter().all(LevelScore::is_explained)
-            && left < EXPLAINED * other.iter().map(|score| score.errors.relmse).sum::<f64>()
-            && (other.iter().any(|score| score.names("unknown")) || most(&own) <= most(&other))
+        let most = |of: &Self| of.maps().map(|score| score.causes.len()).max();
+        let left: f64 = self.maps().map(|score| score.left().unwrap_or(score.errors.relmse)).sum();
+        self.maps().all(LevelScore::is_explained)
+            && left < EXPLAINED * other.maps().map(|score| score.errors.relmse).sum::<f64>()
+            && (other.maps().any(|score| score.names("unknown")) || most(self) <= most(other))
+    }
+
+    fn maps(&self) -> impl Iterator<Item = &LevelScore> {
+        self.levels.iter().chain(&self.irradiance)
     }
 
     /// The doubt of the prefiltered map, else of the irradiance map: beside a prefiltered map, a turned irradiance map is a slip of its own.
@@ -187,8 +189,7 @@ impl Judged {
         let hint =
             if what == IRRADIANCE { "; a cube of one level that holds the map itself is specular=FILE" } else { "" };
         // A good level proves the light, as does one that a slip explains. With a constant light nothing correlates.
-        let mut levels = self.levels.iter().chain(&self.irradiance);
-        let is_wrong = levels.all(|score| !score.is_explained());
+        let is_wrong = self.maps().all(|score| !score.is_explained());
         let best: Vec<String> =
             fits.iter().filter(|fit| !guess::is_clear(fits[0], **fit)).map(|fit| fit.axes.to_string()).collect();
         let is_sure = fits[0].correlation >= guess::SURE;
@@ -230,7 +231,7 @@ impl Judged {
             (Some(doubt), _) => whole(if doubt.axes.is_some() { "axes" } else { "map" }, &doubt.words),
             (None, Some(chain)) => whole("levels", &chain.words),
             _ => {
-                let levels = self.levels.iter().chain(&self.irradiance).flat_map(|score| &score.causes);
+                let levels = self.maps().flat_map(|score| &score.causes);
                 let sh = self.sh.iter().flat_map(|score| &score.causes);
                 levels.chain(sh).chain(self.dfg.iter().flat_map(|score| &score.causes)).cloned().collect()
             }
@@ -296,9 +297,8 @@ impl Judged {
         let wrong = self.parts().into_iter().filter(|(_, verdict)| !verdict.starts_with(GOOD_WORDS));
         let mut said: Vec<String> = wrong.map(|(name, verdict)| format!("{name}: {verdict}")).collect();
         said.sort_by_key(|said| [said.ends_with(UNEXPLAINED), !said.starts_with("levels")]);
-        let maps = self.levels.iter().chain(&self.irradiance);
         let is_known = self.causes().iter().all(|cause| cause.kind != "unknown");
-        let left = maps.filter_map(LevelScore::left).max_by(f64::total_cmp).filter(|_| is_known);
+        let left = self.maps().filter_map(LevelScore::left).max_by(f64::total_cmp).filter(|_| is_known);
         let left = left.map(|left| format!("; {:.1} % rms if fixed", 100.0 * left.sqrt()));
         (!said.is_empty()).then(|| said.join("; ") + &left.unwrap_or_default())
     }

@@ -106,7 +106,7 @@ fn mean(directions: &Directions, texels: &[DVec3]) -> DVec3 {
 
 impl Level<'_, '_> {
     /// Irradiance has no width to fit.
-    fn score(&self, has_width: bool, level_of: impl Fn(f64) -> Option<f64>) -> LevelScore {
+    fn score(&self, may_fit: bool, level_of: impl Fn(f64) -> Option<f64>) -> LevelScore {
         let Self { truth, directions, found, alpha, .. } = *self;
         let mut exact = exact(truth, self.kernel, directions, alpha);
         let off = |directions: &Directions, found: &[DVec3], exact: &[DVec3]| {
@@ -114,7 +114,7 @@ impl Level<'_, '_> {
         };
         let mut errors = off(directions, found, &exact);
         // Lookups of a level as fine as the environment give the environment back.
-        if !self::has_width(alpha) && finer(truth.environment, directions) <= 1 {
+        if !has_width(alpha) && finer(truth.environment, directions) <= 1 {
             let looked_up: Vec<DVec3> = directions.world.iter().map(|at| truth.environment.radiance(*at)).collect();
             let own = off(directions, found, &looked_up);
             if own.relmse < errors.relmse {
@@ -144,8 +144,8 @@ impl Level<'_, '_> {
         let own = Level { directions, found, ..*self };
         let relmse = off(directions, found, exact).relmse;
         let fitted = |is_narrow: bool| {
-            let may_fit = has_width && relmse > GOOD && fit::is_narrow(alpha) == is_narrow;
-            may_fit.then(|| fit::fit(truth, directions, [found, exact], alpha)).flatten()
+            let is_due = may_fit && relmse > GOOD && fit::is_narrow(alpha) == is_narrow;
+            is_due.then(|| fit::fit(truth, directions, [found, exact], alpha)).flatten()
         };
         score.fit = fitted(false);
         score.slip = if relmse <= GOOD {

@@ -21,7 +21,7 @@ pub const QUESTION: Question = Question {
         IS_RESOLVED,
         column("slope", "Slope of ln error over ln samples of the resolved counts; -1 is plain Monte Carlo."),
         column("slope_standard_error", "Standard error of that slope, from the residuals."),
-        column("stops_at", "Count from which twice the samples save under 10 %; empty if the error falls to the end."),
+        column("stops_at", "Count from which doubling it removes less than 10 %; empty if the error falls to the end."),
     ],
     lacks,
     answer,

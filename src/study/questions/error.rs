@@ -15,7 +15,7 @@ pub const QUESTION: Question = Question {
         ERROR,
         NOISE_FLOOR,
         IS_RESOLVED,
-        column("rms_percent", "Root mean square error, percent of the reference; empty if no mean square is measured."),
+        column("rms_percent", "Root mean square error in % of the reference; empty if the metric is no mean square."),
     ],
     lacks,
     answer,

@@ -26,7 +26,7 @@ pub const QUESTION: Question = Question {
     columns: &[
         SEEN_FROM,
         SEEN_TO,
-        column("error", "Error against the split sum with exact factors, in the question's metric; relative to it."),
+        column("error", "Error against the split sum with exact factors; relative metrics divide by that split."),
         column("split_error", "Error of the truth against the same split: the cost of the split itself."),
         column("share", "`error` over `split_error`."),
         column("is_enough", "1 if the share is at most 0.1 of a mean square, 0.32 of a mean magnitude, else 0."),
