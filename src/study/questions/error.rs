@@ -15,7 +15,7 @@ pub const QUESTION: Question = Question {
         ERROR,
         NOISE_FLOOR,
         IS_RESOLVED,
-        column("rms_percent", "Root mean square error in % of the reference; empty if the metric is no mean square."),
+        column("rms_percent", "Root mean square error in % of the reference; only of metrics that are mean squares."),
     ],
     lacks,
     answer,
