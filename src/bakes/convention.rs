@@ -264,7 +264,8 @@ impl Preset {
 impl Convention {
     pub fn alphas(&self, count: usize) -> Result<Vec<f64>, String> {
         match &self.alphas {
-            Some(alphas) if alphas.len() == count => Ok(alphas.clone()),
+            Some(alphas) if alphas.len() == count && alphas.is_sorted() => Ok(alphas.clone()),
+            Some(alphas) if alphas.len() == count => Err("expected ascending widths".to_owned()),
             Some(alphas) => Err(format!("{} widths; expected {count}, one for each level", alphas.len())),
             None if count == 1 => Ok(vec![0.0]),
             None => {

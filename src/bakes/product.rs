@@ -90,8 +90,8 @@ impl Product {
             return Err(format!("language: {fault}"));
         }
         match (self.last_side, self.level_count) {
-            (1..=1024, None | Some(2..=16)) => Ok(()),
-            _ => Err("last_side, level_count: expected a side from 1 to 1024 and 2 to 16 levels".to_owned()),
+            (side @ 1..=1024, None | Some(2..=16)) if side.is_power_of_two() => Ok(()),
+            _ => Err("last_side, level_count: expected a power of 2 from 1 to 1024 and 2 to 16 levels".to_owned()),
         }
     }
 

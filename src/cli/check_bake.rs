@@ -189,8 +189,8 @@ fn as_text(judged: &Judged) -> String {
         let ([x, y, z], [face, column, row]) = (worst.direction.to_array(), worst.texel);
         let [found, exact] = [worst.found, worst.exact].map(|rgb| rgb.element_sum() / 3.0);
         text += &format!(
-            "Worst direction, level {name}: ({x:.2}, {y:.2}, {z:.2}), face {face} texel {column},{row}: \
-             {found:.3} for {exact:.3}\n"
+            "Worst direction, level {name}: ({x:.2}, {y:.2}, {z:.2}), face {face}, texel {column},{row}: \
+             {found:.3}, exact {exact:.3}\n"
         );
     }
     if let Some(dfg) = &judged.dfg {

@@ -21,11 +21,9 @@ impl Config {
             let place = Place::Set(name.to_owned());
             let Some(named) = Named::find(name) else {
                 if KEYS.iter().any(|(key, _)| *key == name) {
-                    let text = format!(
-                        "is a key of the experiment, not an axis; write {name} = ... in the file{}",
-                        by_answers(name)
-                    );
-                    faults.add(&place, text);
+                    let or = if name == METRIC_KEY { ", or give --metric to `splitsum answers`" } else { "" };
+                    let text = "is a key of the experiment, not an axis; write";
+                    faults.add(&place, format!("{text} {name} = ... in the file{or}"));
                     continue;
                 }
                 unknown_key(&place, "axes.", name, &axis_names(), faults);
@@ -89,10 +87,6 @@ impl Config {
             texts.filter_map(|(value, place)| Some((entry.kind.path_in(value.text())?, place)))
         })
     }
-}
-
-fn by_answers(key: &str) -> &'static str {
-    if key == METRIC_KEY { ", or give --metric to `splitsum answers`" } else { "" }
 }
 
 /// The items of a list with commas. A comma between the parameters of a formula ends no item:

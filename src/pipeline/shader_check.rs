@@ -6,6 +6,7 @@
 //! prefiltered map that has it. The lobe has the same numbers, by quadrature in f64.
 
 use super::{Pipeline, PipelineError, RenderRequest};
+use crate::bakes::check::gain_in_words;
 use crate::brdf::MaskingShadowing;
 use crate::environment::Environment;
 use crate::math::design::frame;
@@ -98,6 +99,10 @@ pub fn worst(rows: &[Row], error: usize) -> (f64, String) {
     sorted.sort_by(|a, b| size(a).total_cmp(&size(b)));
     let (least, row) = (size(sorted[0]), sorted[rows.len() - 1]);
     let (_, good, unit, scale) = ERRORS[error];
+    let [gain_of_least, gain] = [sorted[0], row].map(|row| 1.0 + row.ranked(0)[0].errors[0]);
+    if error == 0 && size(row) > good && (gain_of_least / gain - 1.0).abs() < good {
+        return (size(row), format!("{} at every alpha and f0", gain_in_words(gain).0));
+    }
     let elsewhere = match least > good.max(0.5 * size(row)) {
         true => format!(" (at least {:.1} {unit} off at every alpha and f0)", scale * least),
         false => String::new(),

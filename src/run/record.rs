@@ -170,13 +170,6 @@ impl KeptCell {
     }
 }
 
-impl CellRecord {
-    /// Whether every metric has a score. A record of another program may lack some.
-    pub fn has_all_scores(&self) -> bool {
-        METRICS.iter().all(|metric| self.scores.contains_key(metric.name))
-    }
-}
-
 #[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
 pub struct FailureRecord {
     pub cell: String,

@@ -28,8 +28,9 @@ pub fn ratios(records: &[TimingRecord]) -> Vec<Ratio<'_>> {
     };
     for fixed in &frames {
         let is_pair = |record: &&&TimingRecord| {
-            let is_beside =
-                record.block == fixed.block && is_same_device(record, fixed) && is_alike(&record.axes, &fixed.axes);
+            // Shards may mix devices and drivers.
+            let is_same = record.device == fixed.device && record.driver == fixed.driver;
+            let is_beside = is_same && record.block == fixed.block && is_alike(&record.axes, &fixed.axes);
             let is_first = place(record) < place(fixed) && record.value(SAMPLES) == fixed.value(SAMPLES);
             is_beside && if draws(fixed) == draws(record) { is_first } else { draws(record) }
         };
@@ -41,9 +42,4 @@ pub fn ratios(records: &[TimingRecord]) -> Vec<Ratio<'_>> {
         }
     }
     found
-}
-
-/// Times of different devices or drivers, which shards may mix, are never compared.
-fn is_same_device(a: &TimingRecord, b: &TimingRecord) -> bool {
-    (&a.device, &a.driver) == (&b.device, &b.driver)
 }

@@ -151,8 +151,8 @@ fn files_that_are_not_bakes_are_refused() {
     let map = RgbImage::filled(16, 8, [1.0; 3]);
     exr::write_rgba(&dir.path().join("x.exr"), &map, &GrayImage::filled(16, 8, 1.0), &[]).unwrap();
     let commands = [
-        "x.ktx2", "empty", "no.dds", "x.exr --preset cmgne", "x.exr --alphas 0,1", "x.exr --alphas 2",
-        "x.exr --axes +x+x+z", "x.exr --scale 0",
+        "x.ktx2", "empty", "no.dds", "x.exr --preset cmgne", "x.exr --alphas 0,1", "x.exr x.exr --alphas 1,0",
+        "x.exr --alphas 2", "x.exr --axes +x+x+z", "x.exr --scale 0",
     ];
     let commands = commands.map(|line| format!("check-bake {line} --environment builtin:constant"));
     assert_refusals("commands_of_check_bake_that_are_refused", dir.path(), &commands.each_ref().map(String::as_str));

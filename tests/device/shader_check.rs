@@ -76,7 +76,9 @@ fn a_known_error_is_found_with_its_size() {
         let bright = rows_of_file(pipeline, "bright.glsl", &glsl("", "1.1"));
         assert_small(&bright, &plain, 1e-3, |_, own, base| (1.0 + own.errors[0]) / (1.0 + base.errors[0]) - 1.1);
         assert_small(&bright, &plain, 1e-2, |_, own, base| own.errors[2] - base.errors[2]);
-        assert!(verdict(&bright).starts_with("wrong: 10.") && verdict(&bright).contains("% too bright"));
+        assert!(verdict(&bright).starts_with("wrong: 10.") && verdict(&bright).contains("% too bright at every alpha"));
+        let pi = rows_of_file(pipeline, "pi.glsl", &glsl("", "3.14159265"));
+        assert!(verdict(&pi).starts_with("wrong: times pi at every alpha and f0"), "{}", verdict(&pi));
 
         // Towards the normal, in the plane of incidence.
         let turn = "vec3 side = normalize(n - dot(n, direction) * direction);

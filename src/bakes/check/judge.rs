@@ -88,7 +88,7 @@ impl Judging {
         let kernel = Kernel::new(self.brdf, convention.weight, convention.masking);
         let alphas = bake.specular.as_ref().map_or(Ok(Vec::new()), |map| convention.alphas(map.levels.len()))?;
         doing("integrating the exact maps");
-        let truth = &Truth::judging(environment, kernel, &alphas);
+        let truth = &mut Truth::judging(environment, kernel, &alphas);
         doing("comparing the axes");
         let mut axes = Vec::new();
         if let Some(map) = &bake.specular {
@@ -100,6 +100,7 @@ impl Judging {
         let fits = |map: &Map| guess::axes(truth, map, convention).is_ok_and(|fits| fits[0].correlation >= guess::SURE);
         let other = bake.specular.iter().filter(|_| axes[0].1[0].correlation < guess::SAME_LIGHT);
         let order = other.flat_map(Map::reordered).find(|(_, map)| fits(map)).map(|(words, _)| words);
+        truth.is_other = axes.iter().any(|(_, fits)| fits[0].correlation < guess::SAME_LIGHT);
         doing("scoring levels");
         let mut judged = scored(truth, self.brdf, bake, convention.clone())?;
         (judged.axes, judged.order) = (axes, order);
@@ -186,8 +187,7 @@ impl Judged {
     /// Describes why the axes or the light seem wrong, if they do.
     pub fn doubt(&self, what: &str, fits: &[AxesFit]) -> Option<Doubt> {
         let used: Axes = self.convention.axes;
-        let hint =
-            if what == IRRADIANCE { "; a cube of one level that holds the map itself is specular=FILE" } else { "" };
+        let hint = if what == IRRADIANCE { "; if it is the map itself, name it specular=FILE" } else { "" };
         // A good level proves the light, as does one that a slip explains. With a constant light nothing correlates.
         let is_wrong = self.maps().all(|score| !score.is_explained());
         let best: Vec<String> =
@@ -196,8 +196,7 @@ impl Judged {
         let is_like = fits[0].correlation >= guess::SAME_LIGHT && (is_sure || best.len() < guess::ALIKE_MAX);
         if is_wrong && !is_like || self.order.is_some() && what != IRRADIANCE {
             let AxesFit { axes, correlation: c } = fits[0];
-            let other =
-                format!("seems to be a bake of another map: the best axes, {axes}, only have correlation {c:.2}");
+            let other = format!("seems to be a bake of another map: its best axes, {axes}, have correlation {c:.2}");
             let words = self.order.map_or(other, str::to_owned);
             return Some(Doubt { words, more: hint.to_owned(), axes: None });
         }
@@ -205,8 +204,6 @@ impl Judged {
         let is_explained = !is_sure && (self.levels.iter().all(LevelScore::is_explained) || !is_like && !is_wrong);
         let is_doubtful = fits[0].axes != used && guess::is_clear(fits[0], own) && !is_explained;
         let (AxesFit { axes, correlation }, of_own) = (fits[0], own.correlation);
-        let presets = PRESETS.iter().filter(|preset| preset.convention().axes == axes);
-        let presets: String = presets.map(|preset| format!(", --preset {}", preset.name)).collect();
         let alike = if best.len() > 1 { format!("; as good: {}", best[1..].join(", ")) } else { String::new() };
         let turns_by = |degrees: &f64| {
             let turn = DQuat::from_rotation_y(degrees.to_radians());
@@ -219,7 +216,7 @@ impl Judged {
         );
         is_doubtful.then(|| Doubt {
             words: format!("{words}: --axes={axes}"),
-            more: format!("{presets}; correlation {correlation:.4}, not {of_own:.4}{alike}{hint}"),
+            more: format!("; correlation {correlation:.4}, not {of_own:.4}{alike}{hint}"),
             axes: Some(axes),
         })
     }

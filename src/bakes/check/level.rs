@@ -44,6 +44,8 @@ pub struct LevelScore {
 }
 
 pub fn score(truth: &Truth, map: &Map, convention: &Convention) -> Result<Vec<LevelScore>, String> {
+    // Of a map of another light, one unexplained level ends the long searches.
+    let mut is_lost = false;
     let alphas = convention.alphas(map.levels.len())?;
     let read = convention.mapping_levels(map.levels.len()) as usize;
     let sheets = map.levels.iter().map(|faces| level_texels(map, faces, convention.axes, convention.scale));
@@ -64,13 +66,14 @@ pub fn score(truth: &Truth, map: &Map, convention: &Convention) -> Result<Vec<Le
         let scale = ("--scale", convention.scale);
         let lit = |kind: usize| if kind == 0 { &sources[..] } else { &summed[..] };
         let (kernel, sources, before) = (truth.kernel, &lit, &alphas[..k]);
-        let own = Level { truth, kernel, sources, directions, found, alpha, before, scale };
+        let own = Level { truth, kernel, sources, directions, found, alpha, before, scale, is_lost };
         let mut score = own.score(true, |alpha| level_of(convention, alphas.len(), alpha));
         if let Some(before) = k.checked_sub(1).filter(|_| score.errors.relmse > GOOD)
             && is_mip(&map.levels[before], faces)
         {
             score.set(Cause { kind: "mips", words: "the mean of the level before it: plain mips".to_owned() });
         }
+        is_lost |= truth.is_other && has_width(alpha) && !score.is_explained();
         let is_read = k < read && has_width(alpha);
         score.between = is_read.then(|| between_texels(truth, map.layout, faces, convention, alpha));
         if let Some(relmse) = score.coarseness() {
@@ -230,7 +233,8 @@ pub fn score_irradiance(truth: &Truth, map: &Map, convention: &Convention) -> Le
     let scale = ("--irradiance-scale", convention.irradiance_scale);
     let lit = |kind: usize| if kind == 0 { &sources[..] } else { &summed[..] };
     let (sources, directions, found) = (&lit, &directions, &found);
-    Level { truth, kernel, sources, directions, found, alpha, before: &[], scale }.score(false, |_| None)
+    Level { truth, kernel, sources, directions, found, alpha, before: &[], scale, is_lost: false }
+        .score(false, |_| None)
 }
 
 fn level_texels(map: &Map, faces: &[RgbImage], axes: Axes, scale: f64) -> (Directions, Vec<DVec3>) {

@@ -73,6 +73,22 @@ pub fn sources(environment: &Environment, mean: DVec3, gains: &[f64]) -> Vec<Sou
         }
         sum / whole
     };
+    // A cut leaves dark texels as they are: sorted, only the bright ones count again.
+    let at = |x, y| DVec3::from_array(image.get(x, y).map(f64::from));
+    let row =
+        |y: u32| (0..image.width).map(move |x| ((PI * (f64::from(y) + 0.5) / f64::from(image.height)).sin(), at(x, y)));
+    let mut texels: Vec<(f64, DVec3)> = (0..image.height).flat_map(row).collect();
+    texels.sort_by(|(_, a), (_, b)| a.max_element().total_cmp(&b.max_element()));
+    let mut sums = vec![(0.0, DVec3::ZERO)];
+    sums.extend(texels.iter().scan(sums[0], |sum, (weight, x)| {
+        *sum = (sum.0 + weight, sum.1 + *weight * *x);
+        Some(*sum)
+    }));
+    let cut_mean = |cut: Cut, most: f64| {
+        let dark = texels.partition_point(|(_, x)| x.max_element() <= most);
+        let bright: DVec3 = texels[dark..].iter().map(|(weight, x)| *weight * cut(*x, most)).sum();
+        (sums[dark].1 + bright) / sums[texels.len()].0
+    };
     let largest: f64 = image.data.iter().flatten().fold(1e-3, |most: f32, x| most.max(*x)).into();
     let is_same = |own: DVec3, mean: DVec3| (own - mean).abs().cmple(SAME_MEAN * mean).all();
     let source = |words: String, change: &dyn Fn(DVec3, u32) -> DVec3| {
@@ -81,10 +97,10 @@ pub fn sources(environment: &Environment, mean: DVec3, gains: &[f64]) -> Vec<Sou
     };
     let cut_by = |gain: f64, (how, cut): &(&str, Cut)| {
         let value = mean.element_sum() / gain;
-        let most = solved([1e-3, largest], value, |most| mean_of(1, &|x, _| cut(x, most)).element_sum());
+        let most = solved([1e-3, largest], value, |most| cut_mean(*cut, most).element_sum());
         let ldr = if how.is_empty() && (most - 1.0).abs() < 0.05 { ": LDR" } else { "" };
         let change = |x: DVec3, _: u32| cut(x, most);
-        let is_cut = cut(DVec3::splat(largest), most).x < UNCUT * largest && is_same(mean_of(1, &change), mean / gain);
+        let is_cut = cut(DVec3::splat(largest), most).x < UNCUT * largest && is_same(cut_mean(*cut, most), mean / gain);
         is_cut.then(|| source(format!("source cut at {}{how}{ldr}", rounded(most)), &change))
     };
     let alike = |words: String, change: &dyn Fn(DVec3, u32) -> DVec3| {

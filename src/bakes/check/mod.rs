@@ -21,7 +21,7 @@ pub mod table;
 mod texel;
 
 pub use directions::{Directions, texels};
-pub use fit::Fit;
+pub use fit::{Fit, gain_in_words};
 pub use judge::{IRRADIANCE, Judged, Judging};
 pub use scores::{Limits, as_json};
 
@@ -56,6 +56,8 @@ pub struct Truth<'a> {
     harmonics: Harmonics,
     /// Multiple of the degree at which a bake is cut off.
     reach: usize,
+    /// Whether the bake's axes fit so badly that it seems to be of another light.
+    is_other: bool,
 }
 
 impl<'a> Truth<'a> {
@@ -74,7 +76,7 @@ impl<'a> Truth<'a> {
         let degree = widths.map(|alpha| harmonic::degree(*alpha)).max().unwrap_or_default();
         // A fit tries narrower lobes than the levels'.
         let degree = (reach * degree.max(harmonic::degree(1.0))).clamp(fit::DEGREE_MAX, harmonic::DEGREE_MAX);
-        Self { environment, kernel, harmonics: harmonic::harmonics(&environment.image, degree), reach }
+        Self { environment, kernel, harmonics: harmonic::harmonics(&environment.image, degree), reach, is_other: false }
     }
 
     fn factors(&self, kernel: Kernel, alpha: f64, degree: usize) -> Vec<f64> {

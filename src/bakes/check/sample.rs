@@ -71,6 +71,8 @@ pub struct Level<'t, 'd> {
     pub before: &'t [f64],
     /// The flag that scales the file, and its value.
     pub scale: (&'static str, f64),
+    /// Whether only the first slips are tried.
+    pub is_lost: bool,
 }
 
 /// Values that a file with some slips would have.

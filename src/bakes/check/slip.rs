@@ -56,7 +56,7 @@ impl Level<'_, '_> {
         let explains = |left: f64, most: f64| left <= EXPLAINED && left * own <= most;
         let left = |slip: &Option<Slip>| slip.as_ref().map_or(1.0, |slip| slip.left);
         // What takes longer is tried only if it is needed.
-        for stage in 0..4 {
+        for stage in 0..if self.is_lost { 1 } else { 4 } {
             let known = left(&one).min(left(&two)).min(fit_left);
             if explains(left(&one), ENOUGH) || fit_left * own <= SURE || stage == 3 && explains(known, GOOD) {
                 break;

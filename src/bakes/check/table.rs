@@ -179,9 +179,9 @@ static READINGS: &[Reading] = &[
     ("encoding", "encoded as sRGB: decode it", |at, texel| (at, texel.map(|x| srgb_decode(x as f32).into()))),
     ("encoding", "decoded with gamma 2.2 though linear", |at, texel| (at, texel.powf(1.0 / 2.2))),
     ("encoding", "decoded as sRGB though linear", |at, texel| (at, texel.map(srgb_curve))),
-    ("axis", "its lines are alpha; expected perceptual roughness", |at, texel| (DVec2::new(at.x, at.y.sqrt()), texel)),
-    ("axis", "its lines are the root of roughness", |at, texel| (DVec2::new(at.x, at.y * at.y), texel)),
-    ("axis", "its lines are the root of n·v", |at, texel| (DVec2::new(at.x * at.x, at.y), texel)),
+    ("axis", "spaced by alpha; expected perceptual roughness", |at, texel| (DVec2::new(at.x, at.y.sqrt()), texel)),
+    ("axis", "spaced by the root of roughness", |at, texel| (DVec2::new(at.x, at.y * at.y), texel)),
+    ("axis", "spaced by the root of n·v", |at, texel| (DVec2::new(at.x * at.x, at.y), texel)),
 ];
 
 /// Another integral: its masking, if it is not the expected one, the masking's width by roughness, and the factor and cosine of

@@ -11,6 +11,7 @@ pub use outcome::{Outcome, Progress, RunError, RunOptions};
 
 use crate::experiment::plan::{Cell, Plan, ReferenceGroup};
 use crate::files::holds;
+use crate::metrics::METRICS;
 use crate::run::environments;
 use crate::run::estimate::{Ahead, Forecast};
 use crate::run::images;
@@ -112,7 +113,8 @@ impl<'p> Run<'p> {
         let mut devices: BTreeMap<String, usize> = BTreeMap::new();
         for cell in plan.cells.iter().filter(|cell| is_own(&share, cell)) {
             match store.record::<CellRecord>(CELLS_FOLDER, &cell.id) {
-                Ok(Some(record)) if !record.has_all_scores() => {
+                // Of another program.
+                Ok(Some(record)) if !METRICS.iter().all(|metric| record.scores.contains_key(metric.name)) => {
                     unusable.push(format!("{}: lacks a score of some metric", store.cell_path(&cell.id).display()));
                 }
                 Ok(Some(record)) => {

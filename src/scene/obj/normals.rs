@@ -18,8 +18,8 @@ pub fn fill_missing(meshes: &mut [Mesh]) {
     let mut sums: HashMap<[u32; 3], Sum> = HashMap::new();
     for mesh in meshes.iter() {
         for triangle in mesh.triangles() {
-            let corners = triangle.map(|index| position(&mesh.positions, index));
-            let face = face_normal(corners);
+            let corners @ [a, b, c] = triangle.map(|index| position(&mesh.positions, index));
+            let face = (b - a).cross(c - a).normalize();
             for k in 0..3 {
                 let [p, next, last] = [corners[k], corners[(k + 1) % 3], corners[(k + 2) % 3]];
                 let sum = sums
@@ -50,10 +50,6 @@ impl Sum {
         let n = if self.weighted.length() < MIN_SUM { self.any } else { self.weighted.normalize() };
         n.as_vec3()
     }
-}
-
-fn face_normal([a, b, c]: [DVec3; 3]) -> DVec3 {
-    (b - a).cross(c - a).normalize()
 }
 
 /// Returns the bits of a position; -0 equals 0.

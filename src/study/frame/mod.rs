@@ -11,7 +11,7 @@ pub use crate::run::rows::Key;
 use crate::spelling::Listed;
 pub use shape::Shape;
 
-use super::finished::{Bin, Finished, FinishedCell};
+use super::finished::{Finished, FinishedCell};
 use super::names::Names;
 use super::table::axis_cells;
 use crate::experiment::axis::{
@@ -104,10 +104,6 @@ impl<'f> Frame<'f> {
             (Some(error), Some(floor)) => verdict(self.metric, error, floor) == Verdict::Resolved,
             (error, _) => error.is_some(),
         }
-    }
-
-    pub fn bin_error(&self, bin: &Bin) -> Option<f64> {
-        Some(self.metric.error(bin.scores.get(self.metric_name())?))
     }
 
     /// Swept axes that play one of these parts, in the order of [`AXES`].

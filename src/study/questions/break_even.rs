@@ -82,10 +82,6 @@ impl Pair {
         let [lo, hi] = ends.map(words);
         words(self.crossing.value) + &if lo == hi { String::new() } else { format!(" ({which} {lo} to {hi})") }
     }
-
-    fn is_of(&self, other: &Self) -> bool {
-        (&self.sampled, &self.fixed) == (&other.sampled, &other.fixed)
-    }
 }
 
 /// The axes whose values have their own answers: the row axis, the surface, and parameters of methods and tables.
@@ -235,7 +231,8 @@ fn sentence(frame: &Frame, axes: &[usize], all: &[Pair]) -> Option<String> {
     let by_method = grouped(fixed.iter().copied(), |row| row.text(METHOD));
     let (best, _) = by_method.iter().min_by(|a, b| mean(&a.1).total_cmp(&mean(&b.1)))?;
     let first = all.first()?;
-    let own: Vec<&Pair> = all.iter().filter(|own| own.is_of(first) && own.metric == first.metric).collect();
+    let is_like = |own: &&Pair| own.sampled == first.sampled && own.fixed == first.fixed && own.metric == first.metric;
+    let own: Vec<&Pair> = all.iter().filter(is_like).collect();
     let is_one = own.len() == 1;
     // "**8 to 16 samples per pixel** to beat `split-sum` in `relmse` and 4 in `flip`".
     let against = |fixed: &str, unit: &str, beat: &str| {

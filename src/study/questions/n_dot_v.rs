@@ -63,8 +63,8 @@ fn places<'r, 'f>(frame: &Frame, method: &str, rows: &[&'r Row<'f>]) -> Vec<Plac
         for &bin in &bins {
             let error = |row: &&Row| {
                 let known = row.cell.bins.iter().find(|known| known.lo == bin[0])?;
-                let error = frame.bin_error(known).filter(|error| error.is_finite())?;
-                Some((row.point[ENVIRONMENT].clone(), error))
+                let error = frame.metric.error(known.scores.get(frame.metric_name())?);
+                error.is_finite().then(|| (row.point[ENVIRONMENT].clone(), error))
             };
             let error = estimate(&own.iter().filter_map(error).collect::<Vec<_>>(), Middle::Median);
             let place =

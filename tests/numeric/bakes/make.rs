@@ -362,7 +362,7 @@ fn a_preset_is_read_from_its_own_fields() {
         (r#"{"product": {}, "alphas": [0, 1]}"#, "alphas"),
         (r#"{"product": {}, "scale": 2}"#, "scale"),
         (r#"{"product": {"texel": "rgba17f"}}"#, "rgba17f"),
-        (r#"{"product": {"last_side": 0}}"#, "last_side"),
+        (r#"{"product": {"last_side": 17}}"#, "last_side"),
         (r#"{"product": {"level_count": 1}}"#, "level_count"),
         (r#"{"product": {"language": "MSL"}}"#, "MSL"),
         (r#"{"product": {"specular": "../map.ktx2"}}"#, "../map.ktx2"),
