@@ -10,12 +10,15 @@ fn digest(text: &str) -> String {
     let (mut count, mut sum, mut words) = (0, 0.0, blake3::Hasher::new());
     let tokens = text.split(|c: char| !(c.is_ascii_alphanumeric() || "+-._".contains(c)));
     for token in tokens.filter(|token| !token.is_empty()) {
+        if token.len() == 16 && token.bytes().all(|c| c.is_ascii_hexdigit()) {
+            continue;
+        }
         if let Ok(x) = token.parse::<f64>() {
             count += 1;
             let size = if x.abs() > 1e-12 { x.signum() * (x.abs() / 1e-12).ln() } else { 0.0 };
             // The golden ratio gives each place another weight.
             sum += size * (1.0 + (0.618_034 * f64::from(count)).fract());
-        } else if token.len() < 16 || !token.bytes().all(|c| c.is_ascii_hexdigit()) {
+        } else {
             words.update(token.as_bytes()).update(b" ");
         }
     }

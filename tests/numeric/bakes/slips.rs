@@ -3,7 +3,7 @@
 use super::files::faces;
 use super::scores::{light_of, marked_light};
 use glam::{DVec3, Vec3Swizzles};
-use splitsum::bakes::check::{Judged, Judging, Truth};
+use splitsum::bakes::check::{Judged, Judging, Limits, Truth, as_json};
 use splitsum::bakes::convention::{Axes, Preset};
 use splitsum::bakes::{Bake, Map, Stated, sh};
 use splitsum::brdf::{Beckmann, Brdf, Ggx, Phong};
@@ -442,4 +442,17 @@ fn chains_of_other_levels_are_named() {
     judging.convention.axes = Axes::SAME;
     let bake = Bake { specular: Some(exact(&truth, &alphas)), ..Bake::default() };
     assert_named(&judging.judge(&light, &bake, |_| ()).unwrap(), "--level-mapping linear; nothing else");
+}
+
+/// Level 10 fails, level 1 does not.
+#[test]
+fn levels_fail_by_their_whole_number() {
+    let constant = |value: f32| vec![RgbImage::filled(4, 4, [value; 3]); 6];
+    let levels = (0..11).map(|k| constant(if k == 10 { 2.0 } else { 1.0 })).collect();
+    let alphas: Vec<f64> = (0..11).map(|k| f64::from(k) / 10.0).collect();
+    let judged =
+        judged(&Environment::from_image("even", RgbImage::filled(16, 8, [1.0; 3])), of_levels(levels), Some(&alphas));
+    let found = as_json("even", "own", &Limits { fail_above: Some(1e-4), ..Limits::default() }, &judged);
+    let passes = |k: usize| found["levels"][k]["passes"].as_bool().unwrap();
+    assert!(passes(0) && passes(1) && !passes(10), "{found}");
 }

@@ -74,21 +74,26 @@ fn set_error(set: u32) -> f32 {
 /// A number in [0, 1) of a text and of what a request asks for.
 fn dice(request: &RenderRequest, what: &str) -> f64 {
     let (shading, material) = (&request.shading, request.scene.materials.first());
-    let light = (&request.environment.name, shading.environment_scale, shading.placement.orientation);
-    let case = (shading.brdf.name(), shading.lod_bias, shading.frames.count, material.map(|m| (m.alpha, m.f0)));
-    let method = (shading.method.name, shading.diffuse.name, shading.samples, shading.point_set);
+    let light = (&request.environment.name, shading.environment_scale, shading.placement);
+    let case = (shading.brdf.name(), shading.masking_shadowing, shading.compensation, shading.frames, shading.frame);
+    let method = (shading.method.name, shading.diffuse.name, shading.samples, shading.sequence.name, shading.point_set);
+    let points = (shading.pixel_points, shading.lod_bias);
+    let layers =
+        (shading.coat_layering, shading.coat_renderer.name, shading.sheen_visibility, shading.sheen_lookup.name);
+    let lobes = (shading.widths, shading.bend.name, layers, points);
     let made = &shading.precompute;
-    let maps = (made.prefilter_size, made.prefilter_level_count, made.prefilter_sample_count, made.level_mapping.name);
+    let maps = (made.layout.name, made.prefilter_size, made.prefilter_level_count, made.prefilter_sample_count);
     let tables = (made.dfg_size, made.dfg_sample_count, made.irradiance_size, made.irradiance_sample_count);
-    let text = format!("{what} {:?} {light:?} {case:?} {method:?} {maps:?} {tables:?}", request.size);
+    let made = (maps, tables, made.level_mapping.name, made.prefilter_weight.name);
+    let text = format!("{what} {:?} {light:?} {case:?} {method:?} {material:?} {lobes:?} {made:?}", request.size);
     let hash = blake3::hash(text.as_bytes());
     f64::from(u32::from_le_bytes(hash.as_bytes()[..4].try_into().unwrap())) / 2.0_f64.powi(32)
 }
 
 /// The factor of an image whose error varies by pixel and channel, `error` times 0.1 to 4.
-fn scrambled(request: &RenderRequest, error: f32, [x, y]: [u32; 2], channel: usize) -> f32 {
-    let phase = 3.0 * f64::from(x) / 7.0 + 5.0 * f64::from(y) / 7.0 + 9.0 * dice(request, "phase") + channel as f64;
-    1.0 + error * (0.14 * 20.0_f64.powf(dice(request, "error")) * (1.0 + 0.3 * phase.sin())) as f32
+fn scrambled([turn, size]: [f64; 2], error: f32, [x, y]: [u32; 2], channel: usize) -> f32 {
+    let phase = 3.0 * f64::from(x) / 7.0 + 5.0 * f64::from(y) / 7.0 + 9.0 * turn + channel as f64;
+    1.0 + error * (0.14 * 20.0_f64.powf(size) * (1.0 + 0.3 * phase.sin())) as f32
 }
 
 impl Renderer for Fake {
@@ -139,8 +144,9 @@ impl Renderer for Fake {
         };
         let n_dot_v = GrayImage::from_fn(width, height, |x, y| n_z(x, y).unwrap_or(0.0));
         let mask = GrayImage::from_fn(width, height, |x, y| if n_z(x, y).is_some() { 1.0 } else { 0.0 });
+        let dice_of_image = ["phase", "error"].map(|what| dice(request, what));
         let factor = |at: [u32; 2], k: usize| match log.is_scrambled {
-            true => scrambled(request, factor - 1.0, at, k),
+            true => scrambled(dice_of_image, factor - 1.0, at, k),
             false => factor,
         };
         let radiance = RgbImage::from_fn(width, height, |x, y| {
@@ -152,7 +158,8 @@ impl Renderer for Fake {
         let mut convergences = vec![convergence(request)];
         if log.is_scrambled {
             let sample_count = 2 * convergences[0].sample_count;
-            convergences.push(Convergence { term: "shade-diffuse", sample_count, relative_error: 2e-3, is_met: true });
+            let is_met = dice(request, "diffuse") < 0.5;
+            convergences.push(Convergence { term: "shade-diffuse", sample_count, relative_error: 2e-3, is_met });
         }
         let without_noise = radiance.map(|texel| texel.map(|c| 0.5 * c));
         Ok(Frame {

@@ -8,6 +8,7 @@ use crate::run::runs::{finished, invoke, plan};
 use crate::scratch::scratch;
 use crate::snapshot::assert_snapshot;
 use splitsum::experiment::axis::{Named, Point};
+use splitsum::experiment::plan::Plan;
 use splitsum::experiment::value::Value;
 use splitsum::figure::Figure;
 use splitsum::figure::svg::{WIDTHS, svg};
@@ -15,121 +16,28 @@ use splitsum::study::finished::Finished;
 use splitsum::study::frame::{Frame, Shape};
 use splitsum::study::questions::{Finding, QUESTIONS, Question, question};
 use std::cell::RefCell;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::rc::Rc;
 use std::sync::OnceLock;
 
-/// Experiments that together serve every question: the name, the text before the axes, the axes and the text after
-/// them. Seven environments are enough for intervals.
-const EXPERIMENTS: [[&str; 3]; 9] = [
-    [
-        "methods",
-        REFERENCE,
-        r#"environment = ["builtin:constant", "builtin:sky", "builtin:studio", "builtin:checker", "builtin:cap", "builtin:gradient", "builtin:sky:elevation_deg=8"]
-method = ["sampled", "split-sum"]
-samples = [1, 4, 16]
-alpha = [0.1, 0.5]
-exposure = [1, 10]
-diffuse = ["none"]
-[timing]
-warmup = 1
-rounds = 7"#,
-    ],
-    [
-        "parameters",
-        REFERENCE,
-        r#"environment = ["builtin:sky"]
-environment_scale = [1, 3]
-method = ["sampled", "split-sum", "sampled-unfiltered"]
-samples = [4, 16]
-alpha = [0.1, 0.5]
-lod_bias = [0, 1]
-prefilter = ["sampled"]
-prefilter_sample_count = [16, 64]
-dfg_size = [16, 32]
-diffuse = ["none"]
-[timing]
-warmup = 1
-rounds = 7"#,
-    ],
-    [
-        "one-case",
-        REFERENCE,
-        r#"method = ["sampled", "split-sum"]
-samples = [1, 4, 16]
-contrast = [1, 2]
-diffuse = ["none"]"#,
-    ],
-    [
-        "diffuse",
-        REFERENCE,
-        r#"environment = ["builtin:sky", "builtin:studio"]
-method = ["none"]
-diffuse = ["sh9", "irradiance-map"]
-irradiance_size = [[16, 16], [32, 32]]
-prefilter = ["sampled"]
-irradiance_sample_count = [[32, 8], [64, 16]]"#,
-    ],
-    [
-        "tables",
-        "reference = { method = \"ladder-view\", samples = 64 }",
-        r#"environment = ["builtin:sky", "builtin:studio"]
-method = ["split-sum", "reference"]
-samples = [64]
-alpha = [0.1, 0.5]
-prefilter_size = [[64, 64], [128, 128]]
-level_mapping = ["linear", "quadratic"]
-dfg_size = [16, 32]
-diffuse = ["none"]"#,
-    ],
-    [
-        "ladder",
-        "scene = \"design\"\nreference = { samples = 64 }\n[ladder]\nsamples = 64",
-        r#"environment = ["builtin:constant", "builtin:sky", "builtin:studio", "builtin:checker", "builtin:cap", "builtin:gradient"]
-method = ["split-sum"]
-alpha = [0.1, 0.5]
-diffuse = ["none"]"#,
-    ],
-    [
-        "split-sums",
-        REFERENCE,
-        r#"environment = ["builtin:constant", "builtin:sky", "builtin:studio", "builtin:checker", "builtin:cap", "builtin:gradient"]
-environment_orientation = [1, 2]
-method = ["split-sum", "split-sum-one", "split-sum-two", "sampled"]
-samples = [4, 16]
-f0 = [0.04, 1]
-alpha = [0.1, 0.5]
-diffuse = ["none"]
-compensation = ["turquin"]"#,
-    ],
-    [
-        "frames",
-        REFERENCE,
-        r#"environment = ["builtin:constant", "builtin:sky", "builtin:studio", "builtin:checker", "builtin:cap", "builtin:gradient"]
-method = ["split-sum", "split-sum-two", "sampled"]
-samples = [1, 4]
-frames = [1, 4, 16]
-motion = ["still", "light"]
-alpha = [0.1, 0.5]
-diffuse = ["none"]"#,
-    ],
-    [
-        "furnace",
-        "reference = { method = \"none\", samples = 64, terms = \"all\" }",
-        r#"environment = ["builtin:constant"]
-brdf = ["ggx", "phong"]
-masking = ["separable", "correlated"]
-method = ["reference"]
-samples = [64]
-alpha = [0.1, 0.5]
-f0 = [1]
-albedo = [1]
-metallic = [0]
-diffuse = ["none"]"#,
-    ],
-];
+/// Texts of the experiments in a folder, by name.
+fn experiments(folder: &str) -> Vec<(String, String)> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join(folder);
+    let files = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
+    let files = files.filter(|path| path.extension().is_some_and(|extension| extension == "toml"));
+    let named = |path: PathBuf| {
+        let name = path.file_stem().unwrap().to_string_lossy().into_owned();
+        (name, std::fs::read_to_string(path).unwrap())
+    };
+    let mut all: Vec<_> = files.map(named).collect();
+    all.sort();
+    all
+}
 
-const REFERENCE: &str = "reference = { samples = 64 }";
+/// Experiments that together serve every question. Seven environments are enough for intervals.
+const SYNTHETIC: &str = "tests/golden/questions";
+const SHIPPED: &str = "experiments";
+const LIGHTS: &str = "builtin:constant,builtin:sky,builtin:studio";
 
 /// The runs of the experiments, and each again with errors that depend on alpha, environment and method.
 fn runs() -> &'static [Finished] {
@@ -137,10 +45,10 @@ fn runs() -> &'static [Finished] {
     RUNS.get_or_init(|| {
         let mut runs = Vec::new();
         let folder = scratch();
-        for [name, head, axes] in EXPERIMENTS {
+        for (name, text) in experiments(SYNTHETIC) {
             // Some questions read the images of their run, so the folder must live longer.
             let dir = folder.join(name);
-            finished(&plan(&format!("name = \"{name}\"\nsize = [16, 16]\n{head}\n[axes]\n{axes}\n")), &dir);
+            finished(&plan(&text), &dir);
             runs.push(Finished::read(&dir).unwrap());
             let mut varied = Finished::read(&dir).unwrap();
             scaled(&mut varied, factor);
@@ -291,27 +199,50 @@ fn a_failed_cell_does_not_prevent_an_answer() {
     }
 }
 
+fn scrambled(plan: &Plan) -> String {
+    let (dir, log) = (tempfile::tempdir().unwrap(), Log { is_scrambled: true, ..Log::default() });
+    invoke(plan, dir.path(), &Rc::new(RefCell::new(log)), usize::MAX).unwrap();
+    kept::folder(dir.path())
+}
+
 /// Errors, shares and times differ in every cell, three times, so a slip in a table, an answer or a figure moves a number.
 #[test]
 fn numbers_of_scrambled_runs_are_kept() {
-    for [name, head, axes] in EXPERIMENTS {
-        let kept = ["20, 14", "22, 15", "24, 17"].map(|size| {
-            let (dir, log) = (tempfile::tempdir().unwrap(), Log { is_scrambled: true, ..Log::default() });
-            let plan = plan(&format!("name = \"{name}\"\nsize = [{size}]\n{head}\n[axes]\n{axes}\n"));
-            invoke(&plan, dir.path(), &Rc::new(RefCell::new(log)), usize::MAX).unwrap();
-            kept::folder(dir.path())
-        });
+    for (name, text) in experiments(SYNTHETIC) {
+        let kept = ["20, 14", "22, 15", "24, 17"].map(|size| scrambled(&plan(&text.replacen("16, 16", size, 1))));
         assert_snapshot(&format!("run_{name}"), &kept.join("\n"));
+    }
+}
+
+/// The shipped experiments under three environments, at two values of each axis that is not zipped.
+#[test]
+fn numbers_of_scrambled_experiments_are_kept() {
+    for (name, text) in experiments(SHIPPED) {
+        let root: toml::Table = text.parse().unwrap();
+        let zipped = root.get("zip").map(ToString::to_string).unwrap_or_default();
+        let short = |(axis, values): (&String, &toml::Value)| match values {
+            toml::Value::Array(all)
+                if all.len() > 2 && axis != "method" && !zipped.contains(&format!("\"{axis}\"")) =>
+            {
+                let short = all[..2].iter().map(|value| value.to_string().replace('"', "")).collect::<Vec<_>>();
+                Some(format!("{axis}={}", short.join(",")))
+            }
+            _ => None,
+        };
+        let mut set: Vec<String> = root["axes"].as_table().unwrap().iter().filter_map(short).collect();
+        set.retain(|set| !set.starts_with("environment="));
+        set.extend((!zipped.contains("size\"")).then(|| "size=24x17".to_owned()));
+        set.push(format!("environment={LIGHTS}"));
+        let plan = Plan::from_text(Path::new("experiments/own.toml"), &text, &set);
+        let kept = scrambled(&plan.unwrap_or_else(|error| panic!("{name}: {error}")));
+        assert_snapshot(&format!("experiment_{name}"), &kept);
     }
 }
 
 /// A question that no experiment asks would never be answered.
 #[test]
 fn every_question_is_asked_by_an_experiment() {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("experiments");
-    let files = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
-    let files: Vec<_> = files.filter(|path| path.extension().is_some_and(|extension| extension == "toml")).collect();
-    let asked: Vec<String> = files.iter().flat_map(|path| asks(&std::fs::read_to_string(path).unwrap())).collect();
+    let asked: Vec<String> = experiments(SHIPPED).iter().flat_map(|(_, text)| asks(text)).collect();
     for question in QUESTIONS {
         assert!(asked.iter().any(|asked| asked == question.name), "no experiment asks {}", question.name);
     }
