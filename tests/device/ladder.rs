@@ -44,6 +44,7 @@ fn rungs_have_the_error_of_the_methods_frames() {
                 prefilter_size: size,
                 prefilter_level_count: 3,
                 prefilter_sample_count: 32,
+                prefilter_lod_bias: 1.5,
                 dfg_size: 8,
                 ..PrecomputeSettings::default()
             };
