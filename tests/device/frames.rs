@@ -2,9 +2,11 @@
 
 use crate::harness::{golden_environment, lobe_sphere, render_by_seeds, request, with_pipeline};
 use crate::symmetry::smooth_environment;
+use glam::DVec3;
 use splitsum::environment::Environment;
 use splitsum::environment::layout::LAYOUTS;
 use splitsum::math::sequence::{FramePoints, PixelPoints};
+use splitsum::metrics::tone_mapped_curve;
 use splitsum::pipeline::{Frame, Pipeline, RenderRequest};
 use splitsum::pixels::RgbImage;
 use splitsum::scene::{CameraKind, Orbit};
@@ -152,5 +154,25 @@ fn flicker_falls_with_the_length_of_the_mean() {
         };
         let [short, long] = [16, 64].map(&mut flicker);
         assert!(long > 0.0 && long < 0.2 * short, "{short}, {long}");
+    });
+}
+
+/// Flicker is the variance of the last eight results, each of which ends a shorter sequence.
+#[test]
+fn flicker_is_the_variance_of_eight_results() {
+    with_pipeline(|pipeline| {
+        let of = |count| sequence(24, Frames { count, ..Frames::default() });
+        let ends: Vec<Frame> = (5..=12).map(|count| pipeline.render(&of(count)).unwrap()).collect();
+        let curve = tone_mapped_curve(of(12).epsilon());
+        let mask = &ends[0].mask.data;
+        let shown = |frame: &Frame, i: usize| DVec3::from_array(curve.apply(frame.radiance.data[i].map(f64::from)));
+        let variance = |i: usize| {
+            let mean = ends.iter().map(|frame| shown(frame, i)).sum::<DVec3>() / 8.0;
+            ends.iter().map(|frame| (shown(frame, i) - mean).length_squared()).sum::<f64>() / (3.0 * 7.0)
+        };
+        let whole: Vec<usize> = (0..mask.len()).filter(|i| mask[*i] == 1.0).collect();
+        let expected = whole.iter().map(|i| variance(*i)).sum::<f64>() / whole.len() as f64;
+        let found = ends[7].steadiness.as_ref().unwrap().flicker;
+        assert!((found / expected - 1.0).abs() < 1e-5, "{found}, {expected}");
     });
 }

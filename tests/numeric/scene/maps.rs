@@ -51,10 +51,13 @@ fn a_texture_transform_shows_the_quadrant_of_its_specification() {
     let scene = square(transform, json!({}), png(4, 4, places));
     // Turned clockwise, the picture's left column is its top row, the lowest texel first.
     assert_eq!(texels(&scene, [2, 2], 4), [[0, 3], [0, 2], [1, 3], [1, 2]]);
-    // (u, v) -> (v/2, 1 - u/2): corners at u, v 0, 0; 0, 1; 1, 1; 1, 0, of which the mesh keeps 1 - v.
-    let expected = [[0.0, 0.0], [0.5, 0.0], [0.5, 0.5], [0.0, 0.5]];
-    for (uv, expected) in scene.meshes[0].uvs.iter().zip(expected) {
-        assert!((0..2).all(|c| (f64::from(uv[c]) - expected[c]).abs() < F32), "{uv:?} for {expected:?}");
+    // (u, v) -> (height v, 1 - u/2): corners at u, v 0, 0; 0, 1; 1, 1; 1, 0, of which the mesh keeps 1 - v.
+    for height in [0.5, 0.25] {
+        let transform = json!({ "offset": [0, 1], "rotation": std::f64::consts::FRAC_PI_2, "scale": [0.5, height] });
+        let expected = [[0.0, 0.0], [height, 0.0], [height, 0.5], [0.0, 0.5]];
+        for (uv, expected) in square(transform, json!({}), png(4, 4, places)).meshes[0].uvs.iter().zip(expected) {
+            assert!((0..2).all(|c| (f64::from(uv[c]) - expected[c]).abs() < F32), "{uv:?} for {expected:?}");
+        }
     }
     // The transform selects the set of coordinates, and the maps of a material must agree.
     let with = |normal: Value| {
