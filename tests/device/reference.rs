@@ -192,6 +192,12 @@ fn the_stated_error_has_its_stated_coverage() {
                 pipeline.render(&RenderRequest { reference_samples: 1 << 16, seed: 1000, ..base.clone() }).unwrap();
             let epsilon = base.epsilon().beside_square();
             let hit: Vec<usize> = (0..24 * 24).filter(|&i| truth.mask.data[i] > 0.0).collect();
+            // The error that stops a reference is the same, over all pixels and channels.
+            let noise = truth.standard_error.as_ref().unwrap().data.iter().flatten();
+            let known = noise.zip(truth.radiance.data.iter().flatten());
+            let squares = known.map(|(se, r)| base.epsilon().relative(f64::from(*se).powi(2), f64::from(*r)));
+            let stated = (squares.sum::<f64>() / (3 * hit.len()) as f64).sqrt();
+            assert!((truth.convergences[0].relative_error / stated - 1.0).abs() < 1e-3, "{stated}");
             // How often each pixel is covered, and its squared error; the stated and the true error of each image.
             let (mut covered, mut squares, mut images) = (vec![0; hit.len()], vec![0.0; hit.len()], Vec::new());
             for seed in 0..SEEDS {
