@@ -167,17 +167,17 @@ fn compare_reads_the_files_of_render() {
         ok(dir.path(), &[arguments.as_slice(), &["--out", out]].concat());
     };
     render("sampled", "a.exr");
-    render("split-sum", "b.exr");
+    render("split-sum", "b.EXR");
     render("sampled", "c.png");
     let scores = |arguments: &[&str]| -> serde_json::Value {
         serde_json::from_str(&ok(dir.path(), &[&["compare", "--json"], arguments].concat())).unwrap()
     };
     let equal = scores(&["a.exr", "a.exr"]);
     assert_eq!((&equal["rmse"], &equal["flip"]), (&serde_json::json!(0.0), &serde_json::json!(0.0)));
-    let different = scores(&["b.exr", "a.exr"]);
+    let different = scores(&["b.EXR", "a.exr"]);
     assert_eq!(different.as_object().unwrap().len(), splitsum::metrics::METRICS.len());
     // Brighter light has a larger ε; without contrast all is white.
-    let bright = scores(&["b.exr", "a.exr", "--environment-mean", "3", "--contrast", "0.01"]);
+    let bright = scores(&["b.EXR", "a.exr", "--environment-mean", "3", "--contrast", "0.01"]);
     assert!(bright["flip"].as_f64().unwrap() < 0.05 * different["flip"].as_f64().unwrap(), "{bright}");
     for (name, is_less) in [("relmse", true), ("rmse", false)] {
         assert_eq!(bright[name].as_f64().unwrap() < different[name].as_f64().unwrap(), is_less, "{name}");
