@@ -127,17 +127,13 @@ pub fn swept_axes<'k>(keys: impl IntoIterator<Item = &'k Key>) -> Vec<&'static s
     AXES.iter().map(|axis| axis.name).filter(is_swept).collect()
 }
 
-/// Whether an axis is the method or its sample count.
-pub fn is_of_method(name: &str) -> bool {
-    [METHOD, SAMPLES].iter().any(|&axis| AXES[axis].name == name)
-}
-
 /// Whether two keys agree on all axes that both use, except method and sample count.
 pub fn is_alike(a: &Key, b: &Key) -> bool {
     let is_same = |value: &str, other: Option<&String>| {
         value.is_empty() || other.is_none_or(|other| other.is_empty() || other == value)
     };
-    a.iter().filter(|(name, _)| !is_of_method(name)).all(|(name, value)| is_same(value, b.get(name)))
+    let of_method = [METHOD, SAMPLES].map(|axis| AXES[axis].name);
+    a.iter().filter(|(name, _)| !of_method.contains(&name.as_str())).all(|(name, value)| is_same(value, b.get(name)))
 }
 
 /// Passes may sum to slightly more than the host's time: the clocks differ.

@@ -10,7 +10,7 @@ fn digest(text: &str) -> String {
     let (mut count, mut sum, mut words) = (0, 0.0, blake3::Hasher::new());
     let tokens = text.split(|c: char| !(c.is_ascii_alphanumeric() || "+-._".contains(c)));
     for token in tokens.filter(|token| !token.is_empty()) {
-        if token.len() == 16 && token.bytes().all(|c| c.is_ascii_hexdigit()) {
+        if token.len() >= 16 && token.bytes().all(|c| c.is_ascii_hexdigit()) {
             continue;
         }
         if let Ok(x) = token.parse::<f64>() {

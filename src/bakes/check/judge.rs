@@ -97,10 +97,15 @@ impl Judging {
         if let Some(map) = &bake.irradiance {
             axes.push((IRRADIANCE, guess::irradiance_axes(truth, map)));
         }
+        truth.is_other = bake.specular.is_some() && axes[0].1[0].correlation < guess::SAME_LIGHT;
         let fits = |map: &Map| guess::axes(truth, map, convention).is_ok_and(|fits| fits[0].correlation >= guess::SURE);
-        let other = bake.specular.iter().filter(|_| axes[0].1[0].correlation < guess::SAME_LIGHT);
-        let order = other.flat_map(Map::reordered).find(|(_, map)| fits(map)).map(|(words, _)| words);
-        truth.is_other = axes.iter().any(|(_, fits)| fits[0].correlation < guess::SAME_LIGHT);
+        let order = bake
+            .specular
+            .iter()
+            .filter(|_| truth.is_other)
+            .flat_map(Map::reordered)
+            .find(|(_, map)| fits(map))
+            .map(|(words, _)| words);
         doing("scoring levels");
         let mut judged = scored(truth, self.brdf, bake, convention.clone())?;
         (judged.axes, judged.order) = (axes, order);

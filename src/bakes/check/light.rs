@@ -63,36 +63,35 @@ pub fn exposed(words: &str, exposure: f64) -> String {
 /// Lists changed maps whose mean is a bake's over a gain: convolutions keep the mean.
 pub fn sources(environment: &Environment, mean: DVec3, gains: &[f64]) -> Vec<Source> {
     let image = &environment.image;
+    let at = |x, y| DVec3::from_array(image.get(x, y).map(f64::from));
+    let weight_of = |y: u32| (PI * (f64::from(y) + 0.5) / f64::from(image.height)).sin();
     let mean_of = |step: u32, change: &dyn Fn(DVec3, u32) -> DVec3| {
         let (mut sum, mut whole) = (DVec3::ZERO, 0.0);
         for y in (0..image.height).step_by(step as usize) {
-            let weight = (PI * (f64::from(y) + 0.5) / f64::from(image.height)).sin();
+            let weight = weight_of(y);
             whole += weight * f64::from(image.width);
-            let texel = |x| DVec3::from_array(image.get(x, y).map(f64::from));
-            sum += weight * (0..image.width).map(|x| change(texel(x), y)).sum::<DVec3>();
+            sum += weight * (0..image.width).map(|x| change(at(x, y), y)).sum::<DVec3>();
         }
         sum / whole
     };
     // A cut leaves dark texels as they are: sorted, only the bright ones count again.
-    let at = |x, y| DVec3::from_array(image.get(x, y).map(f64::from));
-    let row =
-        |y: u32| (0..image.width).map(move |x| ((PI * (f64::from(y) + 0.5) / f64::from(image.height)).sin(), at(x, y)));
+    let row = |y: u32| (0..image.width).map(move |x| (weight_of(y), at(x, y)));
     let mut texels: Vec<(f64, DVec3)> = (0..image.height).flat_map(row).collect();
     texels.sort_by(|(_, a), (_, b)| a.max_element().total_cmp(&b.max_element()));
-    let mut sums = vec![(0.0, DVec3::ZERO)];
-    sums.extend(texels.iter().scan(sums[0], |sum, (weight, x)| {
-        *sum = (sum.0 + weight, sum.1 + *weight * *x);
-        Some(*sum)
-    }));
+    let whole: f64 = texels.iter().map(|(weight, _)| weight).sum();
+    let mut sums = vec![DVec3::ZERO];
+    for (place, (weight, x)) in texels.iter().enumerate() {
+        sums.push(sums[place] + *weight * *x);
+    }
     let cut_mean = |cut: Cut, most: f64| {
         let dark = texels.partition_point(|(_, x)| x.max_element() <= most);
         let bright: DVec3 = texels[dark..].iter().map(|(weight, x)| *weight * cut(*x, most)).sum();
-        (sums[dark].1 + bright) / sums[texels.len()].0
+        (sums[dark] + bright) / whole
     };
     let largest: f64 = image.data.iter().flatten().fold(1e-3, |most: f32, x| most.max(*x)).into();
     let is_same = |own: DVec3, mean: DVec3| (own - mean).abs().cmple(SAME_MEAN * mean).all();
     let source = |words: String, change: &dyn Fn(DVec3, u32) -> DVec3| {
-        let texel = |x, y| change(DVec3::from_array(image.get(x, y).map(f64::from)), y).as_vec3().to_array();
+        let texel = |x, y| change(at(x, y), y).as_vec3().to_array();
         Source::new(environment, words, RgbImage::from_fn(image.width, image.height, texel), None)
     };
     let cut_by = |gain: f64, (how, cut): &(&str, Cut)| {

@@ -56,7 +56,7 @@ pub struct Truth<'a> {
     harmonics: Harmonics,
     /// Multiple of the degree at which a bake is cut off.
     reach: usize,
-    /// Whether the bake's axes fit so badly that it seems to be of another light.
+    /// Whether the axes of the prefiltered map fit so badly that it seems to be of another light.
     is_other: bool,
 }
 
