@@ -23,7 +23,8 @@ fn assert_near(what: &str, found: &str, kept: &str, within: f64) {
     }
 }
 
-/// Cells with a value of their own on every axis. Other drivers draw other edges, and another version rounds otherwise.
+/// Cells with a value of their own on every axis, and images by all options. Other drivers draw other edges, and another
+/// version rounds otherwise.
 #[test]
 fn errors_over_every_axis_are_kept() {
     let dir = tempfile::tempdir().unwrap();
@@ -39,13 +40,18 @@ fn errors_over_every_axis_are_kept() {
         let found: Vec<&str> = places.iter().map(|place| found[*place].as_str()).collect();
         assert_near(&format!("row {row}"), &found.join(","), &kept.join(","), 0.02);
     }
+    assert_kept("renders", 0.02);
 }
 
 /// Commands that need no device, on queries and settings drawn at random.
 #[test]
 fn answers_of_commands_are_kept() {
+    assert_kept("commands", 1e-3);
+}
+
+fn assert_kept(folder: &str, within: f64) {
     let dir = tempfile::tempdir().unwrap();
-    for file in std::fs::read_dir(golden().join("commands")).unwrap().map(|file| file.unwrap().path()) {
+    for file in std::fs::read_dir(golden().join(folder)).unwrap().map(|file| file.unwrap().path()) {
         std::fs::copy(&file, dir.path().join(file.file_name().unwrap())).unwrap();
     }
     for (number, command) in std::fs::read_to_string(dir.path().join("commands.txt")).unwrap().lines().enumerate() {
@@ -58,10 +64,10 @@ fn answers_of_commands_are_kept() {
             let mean = |c: usize| texels.iter().map(|texel| f64::from(texel[c])).sum::<f64>() / texels.len() as f64;
             found += &format!("taps {:.5} {:.5} {:.5}\n", mean(0), mean(1), mean(2));
         }
-        let path = golden().join(format!("commands/answer_{number}.txt"));
+        let path = golden().join(format!("{folder}/answer_{number}.txt"));
         if std::env::var_os("INSTA_UPDATE").is_some_and(|update| update == "always") {
             std::fs::write(&path, &found).unwrap();
         }
-        assert_near(command, &found, &std::fs::read_to_string(&path).unwrap(), 1e-3);
+        assert_near(command, &found, &std::fs::read_to_string(&path).unwrap(), within);
     }
 }
