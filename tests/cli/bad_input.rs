@@ -1,6 +1,6 @@
 //! Bad input ends with one clear message, the documented exit code and no output. No test needs a device.
 
-use super::{assert_ends, assert_refusals, command, published, splitsum, stderr, stdout};
+use super::{assert_ends, assert_refusals, command, copied, golden, published, splitsum, stderr, stdout};
 use splitsum::pixels::{GrayImage, RgbImage, exr};
 use std::path::Path;
 use std::process::Command;
@@ -11,157 +11,25 @@ pub(super) fn folder(files: &[(&str, &str)]) -> tempfile::TempDir {
     dir
 }
 
+/// Commands kept in a file, beside the files that they name.
 #[test]
-fn wrong_flags_of_render_and_compare_are_refused() {
-    let dir = folder(&[
-        ("nothing.glsl", "vec3 specular_radiance(Surface s) {\n    return nothing;\n}\n"),
-        ("include.glsl", "#include \"lib/no_such.glsl\"\n"),
-        ("name.glsl", "vec3 reflected(Surface s) { return s.f0; }\n"),
-    ]);
+fn wrong_commands_are_refused() {
+    let dir = copied("refused");
     let write = |name: &str, size: [u32; 2], color: f32, alpha: f32| {
         let (rgb, alpha) = (RgbImage::filled(size[0], size[1], [color; 3]), GrayImage::filled(size[0], size[1], alpha));
         exr::write_rgba(&dir.path().join(name), &rgb, &alpha, &[]).unwrap();
     };
     write("a.exr", [4, 2], 1.0, 0.5);
     write("m.exr", [4, 2], 0.25, 1.0);
+    write("x.exr", [16, 8], 1.0, 1.0);
     write("large.exr", [8192, 1025], 0.5, 1.0);
-    std::fs::create_dir(dir.path().join("folder.exr")).unwrap();
-    assert_refusals(
-        "commands_of_render_and_compare_that_are_refused",
-        dir.path(),
-        &[
-            "render --alpha 1.4 --out x.png",
-            // It would be shaded as 0.001 but labelled 0.0005.
-            "render --alpha 0.0005 --out x.png",
-            "render --alpha -1 --out x.png",
-            "render --samples -1 --out x.png",
-            "render --samples many --out x.png",
-            "render --size 256x --out x.png",
-            "render --size -64x64 --out x.png",
-            "render --orbit 30 --out x.png",
-            "render --method file:nope.glsl --out x.png",
-            "render --f0 1,2 --out x.png",
-            // Flags without effect, and counts that the reference would round.
-            "render --method split-sum --samples 40 --lod-bias 1 --exposure 2 --out x.exr",
-            "render --relative-error 0.1 --out x.exr",
-            "render --method reference --samples 44 --out x.exr",
-            "render --method split-sum --diffuse reference --samples 44 --out x.exr",
-            "render --brdf phong --anisotropy 0.5 --out x.png",
-            "render --sheen-color 1 --sheen-alpha 0.001 --out x.png",
-            "render --method reference --sheen-color 1 --sheen-lookup three --out x.png",
-            "render --anisotropy-widths kulla --out x.png",
-            "render --method sampled --frames 0 --out x.exr",
-            "render --method split-sum --frames 8 --history clamp --out x.exr",
-            "render --method sampled --frames 8 --accumulation ema --ema-factor 0 --out x.exr",
-            "render --method sampled --frames 8 --ema-factor 1.5 --out x.exr",
-            "render --method sampled --history clamp --out x.exr",
-            "render --method sampled --frames 8 --motion light --scene design --out x.exr",
-            "render --method sampled --frames 8 --motion orbit --antialias --out x.exr",
-            "render --method sampled --frames 8 --pixel-points owen --ema-factor 0.2 --prefilter-size 64x64 --out x.exr",
-            "render --method splitsum --out x.png",
-            "render --environment builtin:ski --out x.png",
-            "render --scene sphear --out x.png",
-            "render --scene cathedral --out x.png",
-            "render --scene name.glsl --out x.png",
-            "render --environment no.hdr --scene no.obj --out x.png",
-            "render --method file:nothing.glsl --out x.exr",
-            "render --method file:include.glsl --out x.exr",
-            "render --method file:name.glsl --out x.exr",
-            "render --out x.jpg",
-            "render --out no/x.png",
-            "render --out folder.exr",
-            // Files that the command reads.
-            "render --environment a.exr --out a.exr",
-            "render --method file:name.glsl --scene m.exr --out m.exr",
-            "cost --out name.glsl",
-            #[cfg(target_os = "linux")]
-            "render --out /proc/x.png",
-            "compare a.exr b.exr",
-            "compare a.exr a.exr",
-            "compare a.exr a.exr --mask m.exr",
-            "compare a.exr a.exr --exposure -1",
-            "compare a.exr a.exr --environment-mean 0",
-            "compare large.exr large.exr",
-            "rendr",
-            "list metrix",
-            #[cfg(not(feature = "view"))]
-            "view x",
-        ],
-    );
-}
-
-#[test]
-fn wrong_experiments_and_folders_are_refused() {
-    let dir = folder(&[
-        ("e.toml", "name = \"e\"\n[axes]\nalpha = [0.5, 1.4]\nbrdv = [\"ggx\"]\n"),
-        ("empty.toml", "name = \"e\"\n[axes]\nalpha = [0.5]\n[[exclude]]\nalpha = 0.5\nwhy = \"nothing is left\"\n"),
-        (
-            "asks.toml",
-            "name = \"x\"\nasks = [\"tables\"]\nreference = { method = \"reference\", samples = 64 }\n[axes]\nalpha = [0.5]\n\
-             method = [\"reference\"]\nsamples = [7]\n",
-        ),
-        (
-            "by.toml",
-            "name = \"x\"\nasks = [\"unknown\", { question = \"effect\", by = \"brdf\" }, { question = \"error\", by = \"samples\" }, \
-             { question = \"visibility\", by = \"f0\" }, { question = \"n-dot-v\", by = \"environment\" }]\n[axes]\nsamples = [1, 4]\n\
-             method = [\"sampled\", \"sampled-vndf\"]\nf0 = [1, 0.04]\nexposure = [1, 2]\n",
-        ),
-        (
-            "weights.toml",
-            "name = \"x\"\nweights = [\"pictur\", \"sphere\", \"design\"]\n[axes]\nscene = [\"design\"]\n",
-        ),
-        (
-            "pictures.toml",
-            "name = \"x\"\nasks = [\"pictures\"]\n[axes]\nmethod = [\"split-sum\", \"split-sum-one\"]\nenvironment_orientation = [1]\n",
-        ),
-        ("method.toml", "name = \"x\"\n[axes]\nmethod = [\"split-sum\", \"file:my.glsl\"]\n"),
-        ("my.glsl", "vec3 specular_radiance(Surface s) {\n    return nothing;\n}\n"),
-        ("gone.toml", "name = \"x\"\n[axes]\nmethod = [\"file:gone.glsl\"]\n"),
-        ("x.toml", "name = \"x\"\n[axes]\nenvironment = [\"builtin:constant\"]\nmethod = [\"split-sum\"]\n"),
-        ("errors.csv", ""),
-    ]);
+    ["folder.exr", "empty"].iter().for_each(|name| std::fs::create_dir(dir.path().join(name)).unwrap());
+    std::fs::copy(golden().join("env_analytic.exr"), dir.path().join("env_analytic.exr")).unwrap();
     published(dir.path(), "run");
-    let emptied = published(dir.path(), "emptied");
-    std::fs::write(emptied.join("errors.csv"), "").unwrap();
-    assert_refusals(
-        "commands_of_run_and_report_that_are_refused",
-        dir.path(),
-        &[
-            "run e.toml",
-            "plan e.toml",
-            "run empty.toml",
-            "plan empty.toml",
-            // Contradicting values do not hide a question that cannot be answered.
-            "plan asks.toml",
-            "plan by.toml",
-            "plan weights.toml",
-            "plan pictures.toml",
-            "plan method.toml",
-            "plan gone.toml",
-            "run no.toml",
-            "run x.toml --device -1",
-            "run x.toml --cache-limit -5",
-            "run x.toml --cache errors.csv",
-            "run x.toml --set rougness=1",
-            "bake builtin:sky --for filamnt --out x",
-            "run x.toml --out errors.csv",
-            #[cfg(target_os = "linux")]
-            "run x.toml --out /proc/splitsum-run",
-            #[cfg(target_os = "linux")]
-            "bake builtin:constant --out /proc/splitsum-bake",
-            "run x.toml --shard 1/2",
-            "run x.toml --shard 3/2 --out x",
-            "merge x",
-            "merge",
-            "answers nowhere",
-            "answers errors.csv",
-            "answers emptied",
-            "report errors.csv",
-            "report run --out errors.csv",
-            "report run --out no/x.html",
-            "answers run --publish errors.csv",
-        ],
-    );
+    std::fs::write(published(dir.path(), "emptied").join("errors.csv"), "").unwrap();
+    let commands = std::fs::read_to_string(dir.path().join("commands.txt")).unwrap();
+    let commands: Vec<&str> = commands.lines().filter(|line| !line.starts_with('#')).collect();
+    assert_refusals("commands_that_are_refused", dir.path(), &commands);
 }
 
 /// Deep nesting of any kind ends in a message, not in a stack overflow.

@@ -2,7 +2,7 @@
 
 use super::bad_input::folder;
 use super::end_to_end::has_device;
-use super::{assert_ends, assert_refusals, ok, splitsum};
+use super::{assert_ends, ok, splitsum};
 use serde_json::Value;
 
 const TEXTBOOK: &str = "#include \"lib/split_sum.glsl\"\nvec3 specular_radiance(Surface s) {\n    \
@@ -30,24 +30,4 @@ fn limits_decide_the_exit_code() {
     assert!(text.contains("\nVerdict: wrong: the light's direction has no effect"), "{text}");
     let refused = &["nan.glsl: 64 pixels", "are not finite"];
     assert_ends(&splitsum(dir.path(), &["check-shader", "nan.glsl", "--entry", "f"]), 2, refused);
-}
-
-#[test]
-fn wrong_functions_are_refused() {
-    let dir = folder(&[
-        ("nothing.glsl", "vec3 f(vec3 n, vec3 v, float r, vec3 f0) {\n    return nothing;\n}\n"),
-        ("my.glsl", TEXTBOOK),
-        ("nothing.wgsl", "fn f(n: vec3f, v: vec3f, r: f32, f0: vec3f) -> vec3f {\n    return nothing;\n}\n"),
-        ("type.wgsl", "fn f(n: vec3f) -> vec3f {\n    return 1.0;\n}\n"),
-        ("short.wgsl", "fn f(n: vec3f) -> vec3f { return n; }\n"),
-    ]);
-    assert_refusals(
-        "commands_of_check_shader_that_are_refused",
-        dir.path(),
-        &[
-            "check-shader", "check-shader no.glsl", "check-shader nothing.glsl", "check-shader nothing.glsl --entry f",
-            "check-shader my.glsl --entry g", "check-shader nothing.wgsl --entry f",
-            "check-shader type.wgsl --entry f", "check-shader short.wgsl", "check-shader my.glsl --fail-above 5",
-        ],
-    );
 }

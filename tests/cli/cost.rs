@@ -1,6 +1,6 @@
 //! `splitsum cost` and the compiler for GPUs that the machine lacks. Without Mesa's RADV the tests skip with a line.
 
-use super::{assert_ends, assert_refusals, command, ok};
+use super::{assert_ends, command, ok};
 use splitsum::brdf::MaskingShadowing;
 use splitsum::cost::child::{CompileFault, Job, available, compile};
 use splitsum::cost::family::Family;
@@ -159,14 +159,6 @@ fn options_compile_what_they_name() {
 #[test]
 fn bad_names_and_a_missing_compiler_are_reported() {
     let dir = tempfile::tempdir().unwrap();
-    assert_refusals(
-        "commands_of_cost_that_are_refused",
-        dir.path(),
-        &[
-            "cost --family navi12", "cost --method reference", "cost --method file:none.glsl", "cost --samples 4",
-            "cost --alpha 0.3", "cost --out none/costs.csv",
-        ],
-    );
     let mut blind = command(dir.path(), &["cost"]);
     blind.env("VK_DRIVER_FILES", "/nonexistent").env("VK_ICD_FILENAMES", "/nonexistent");
     assert_ends(&blind.output().unwrap(), 2, &["RADV", "mesa-vulkan-drivers", "VK_DRIVER_FILES"]);

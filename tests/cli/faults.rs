@@ -48,6 +48,14 @@ fn memory_that_runs_out_fails_cells_and_a_later_run_finishes_them() {
     assert_ends(&output, 4, &["cells failed", "out of device memory"]);
     let table = String::from_utf8(errors(dir.path(), "full")).unwrap();
     assert!(table.lines().count() > 1, "what was done before is kept");
+    // Failed cells take as long as cells that were never tried.
+    let predicted = || {
+        let plan = ok(dir.path(), &["plan", "tiny.toml", "--out", "full", "--json"]);
+        serde_json::from_str::<serde_json::Value>(&plan).unwrap()["estimate"]["seconds"].as_f64().unwrap()
+    };
+    let before = predicted();
+    std::fs::remove_dir_all(dir.path().join("full/failed")).unwrap();
+    assert!(before > 0.0 && (predicted() / before - 1.0).abs() < 1e-9, "{before}");
     ok(dir.path(), &arguments);
     assert!(errors(dir.path(), "full") == errors(dir.path(), "whole"));
 

@@ -1,6 +1,6 @@
 //! `splitsum integrate` through the binary: independent answers, every fault of a table, outputs that stay complete.
 
-use super::{assert_refusals, entries, splitsum, stderr, stdout};
+use super::{entries, splitsum, stderr, stdout};
 use splitsum::table::csv::Table;
 use std::path::Path;
 
@@ -151,61 +151,6 @@ fn irradiance_and_coefficients_agree() {
     let irradiance = numbers(&found, "irradiance_g");
     assert!((irradiance[0] / (2.0 * std::f64::consts::PI) - 1.0).abs() < 1e-7, "{irradiance:?}");
     assert!(numbers(&found, "irradiance_error_g").iter().zip(&irradiance).all(|(e, x)| *e <= 1e-7 * x));
-}
-
-const HEADER: &str = "environment,brdf,alpha,f0,nx,ny,nz,vx,vy,vz";
-
-/// Each fault of a table has its line and column; the output of an earlier run stays.
-#[test]
-fn wrong_tables_are_refused() {
-    let row = "env_analytic.exr,ggx,9,0.04,0,1,0,0,1,0";
-    let dir = folder("x");
-    for (name, text) in [
-        ("a.csv", "old".to_owned()),
-        ("rows.csv", include_str!("../golden/refused_queries.csv").to_owned()),
-        ("slip.csv", format!("{}\n{row}\n", HEADER.replace("alpha", "alhpa"))),
-        ("columns.csv", format!("{HEADER},n_dot_v,masking,masking,colour\n{row},1,a,b,red\n")),
-        // An extra column does not hide the faults of rows.
-        ("colour.csv", format!("{HEADER},colour\n{row},red\n")),
-        // Lobes of one width, and a turn of nothing.
-        ("phong.csv", format!("{HEADER},anisotropy\n{},0.5\n", row.replace("ggx", "phong"))),
-        ("turn.csv", format!("{HEADER},anisotropy_rotation_deg\n{row},30\n")),
-        ("empty.csv", String::new()),
-        ("header.csv", format!("{HEADER}\n\n")),
-        ("dfg.csv", "brdf,alpha,n_dot_v,masking\nggx,0.5,0,smith\n".to_owned()),
-        ("weight.csv", "environment,brdf,alpha,rx,ry,rz,weight\nenv_analytic.exr,ggx,0.5,0,1,0,g1\n".to_owned()),
-        // Widths and cosines that f64 cannot answer.
-        ("narrow.csv", "brdf,alpha,n_dot_v\nggx,0.5,0.5\nggx,1e-300,0.5\n".to_owned()),
-        ("grazing.csv", "brdf,alpha,n_dot_v\nggx,0.5,0.5\nggx,0.5,1e-300\n".to_owned()),
-    ] {
-        std::fs::write(dir.path().join(name), text).unwrap();
-    }
-    assert_refusals(
-        "tables_of_queries_that_are_refused",
-        dir.path(),
-        &[
-            "integrate rows.csv --out a.csv",
-            "integrate rows.csv --out rows.csv",
-            #[cfg(target_os = "linux")]
-            "integrate rows.csv --out /proc/a.csv",
-            "integrate slip.csv --out a.csv",
-            "integrate columns.csv --out a.csv",
-            "integrate colour.csv --out a.csv",
-            "integrate phong.csv --out a.csv",
-            "integrate turn.csv --out a.csv",
-            "integrate empty.csv --out a.csv",
-            "integrate header.csv --out a.csv",
-            "integrate dfg.csv --kind dfg --out a.csv",
-            "integrate weight.csv --kind prefilter --out a.csv",
-            "integrate narrow.csv --kind dfg --out a.csv",
-            "integrate grazing.csv --kind dfg --out a.csv",
-            "integrate no.csv",
-            "integrate env_analytic.exr",
-            "integrate q.csv --out no/a.csv",
-            "integrate q.csv --kind shade",
-            "integrate q.csv --tolerance 2",
-        ],
-    );
 }
 
 #[test]

@@ -1,13 +1,8 @@
 //! What commands answer, against kept answers: a slip in a term, a table, a column or a key moves one.
 
-use super::{ok, splitsum, stdout};
+use super::{copied, golden, ok, splitsum, stderr, stdout};
 use splitsum::bakes::container::read_texture;
 use splitsum::table::csv::Table;
-use std::path::{Path, PathBuf};
-
-fn golden() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/golden")
-}
 
 /// Compares two texts word by word, numbers within a share of themselves. Ids of cells, which are hexadecimal, do not count.
 fn assert_near(what: &str, found: &str, kept: &str, within: f64) {
@@ -50,13 +45,13 @@ fn answers_of_commands_are_kept() {
 }
 
 fn assert_kept(folder: &str, within: f64) {
-    let dir = tempfile::tempdir().unwrap();
-    for file in std::fs::read_dir(golden().join(folder)).unwrap().map(|file| file.unwrap().path()) {
-        std::fs::copy(&file, dir.path().join(file.file_name().unwrap())).unwrap();
-    }
+    let dir = copied(folder);
     for (number, command) in std::fs::read_to_string(dir.path().join("commands.txt")).unwrap().lines().enumerate() {
         let words: Vec<&str> = command.split(' ').collect();
-        let mut found = ok(dir.path(), &words);
+        let output = splitsum(dir.path(), &words);
+        assert!(output.status.success(), "{command}: {}", stderr(&output));
+        let warnings = |line: &&str| line.starts_with("warning");
+        let mut found = stderr(&output).lines().filter(warnings).fold(stdout(&output), |all, line| all + line + "\n");
         // The table of taps is in no other answer.
         let out = words.iter().position(|word| *word == "--out").map(|at| dir.path().join(words[at + 1]));
         if let Some(taps) = out.map(|out| out.join("taps.ktx2")).filter(|path| path.exists()) {

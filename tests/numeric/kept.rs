@@ -1,6 +1,7 @@
 //! Files in a few numbers each, so that one snapshot holds a whole folder.
 
 use crate::run::runs::snapshot;
+use splitsum::report::page::PAGE_FILE;
 use splitsum::table::csv::Table;
 use std::path::Path;
 
@@ -36,9 +37,12 @@ pub fn folder(dir: &Path) -> String {
                 let values: Vec<&str> = table.rows.iter().map(|row| row[place].as_str()).collect();
                 kept += &format!("  {column}: {}\n", digest(&values.join(" ")));
             }
-        } else if name.ends_with(".svg") || name == "summary.md" {
-            // Without the pictures of a sheet.
+        } else if name.ends_with(".svg") || name == "summary.md" || name == PAGE_FILE {
+            // Without pictures, the report's menu and data, and its line of device and date.
             let text = String::from_utf8(bytes).unwrap();
+            let page = text.split_once("<main").map(|(_, page)| page.split("id=\"view-images\"").next().unwrap());
+            let lines = page.unwrap_or(&text).lines().filter(|line| !line.contains("class=\"fine\""));
+            let text = lines.collect::<Vec<_>>().join("\n");
             let parts = text.split("base64,").enumerate();
             let text: String =
                 parts.map(|(i, part)| if i == 0 { part } else { part.split_once('"').unwrap().1 }).collect();

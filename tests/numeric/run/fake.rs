@@ -145,6 +145,8 @@ impl Renderer for Fake {
         let n_dot_v = GrayImage::from_fn(width, height, |x, y| n_z(x, y).unwrap_or(0.0));
         let mask = GrayImage::from_fn(width, height, |x, y| if n_z(x, y).is_some() { 1.0 } else { 0.0 });
         let dice_of_image = ["phase", "error"].map(|what| dice(request, what));
+        // Some errors are within the noise.
+        let noise = if log.is_scrambled { 0.1 * dice(request, "noise").powi(2) as f32 } else { NOISE };
         let factor = |at: [u32; 2], k: usize| match log.is_scrambled {
             true => scrambled(dice_of_image, factor - 1.0, at, k),
             false => factor,
@@ -154,12 +156,12 @@ impl Renderer for Fake {
             n_z(x, y).map_or([0.0; 3], of)
         });
         let standard_error =
-            (request.shading.method.name == "reference").then(|| radiance.map(|texel| texel.map(|c| c * NOISE)));
+            (request.shading.method.name == "reference").then(|| radiance.map(|texel| texel.map(|c| c * noise)));
         let mut convergences = vec![convergence(request)];
         if log.is_scrambled {
             let sample_count = 2 * convergences[0].sample_count;
-            let is_met = dice(request, "diffuse") < 0.5;
-            convergences.push(Convergence { term: "shade-diffuse", sample_count, relative_error: 2e-3, is_met });
+            let (is_met, relative_error) = (dice(request, "diffuse") < 0.5, 2e-3 * dice(request, "stop"));
+            convergences.push(Convergence { term: "shade-diffuse", sample_count, relative_error, is_met });
         }
         let without_noise = radiance.map(|texel| texel.map(|c| 0.5 * c));
         Ok(Frame {
@@ -188,7 +190,15 @@ impl Renderer for Fake {
             };
             let own = |i: usize| varied("own", i);
             let error = (0..STEPS.len()).map(own).sum();
-            let noise = |what: &str, i: usize| if is_scrambled { 0.02 * dice(what, i) } else { 0.0 };
+            // A band has fewer views than all.
+            let noise_of_band = if !is_scrambled {
+                0.0
+            } else if seen_at == [0.0, 1.0] {
+                0.02
+            } else {
+                0.05
+            };
+            let noise = |what: &str, i: usize| noise_of_band * dice(what, i);
             let step = |i: usize| StepNumbers {
                 step: STEPS[i].name,
                 share: own(i) / error,

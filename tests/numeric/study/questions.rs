@@ -1,5 +1,6 @@
 //! What every question keeps to, asked of made runs. A new question is tested by being listed.
 
+use super::page::read;
 use super::paper::scaled;
 use super::sentences::{sentences, unfounded, word_count};
 use crate::kept;
@@ -12,6 +13,7 @@ use splitsum::experiment::plan::Plan;
 use splitsum::experiment::value::Value;
 use splitsum::figure::Figure;
 use splitsum::figure::svg::{WIDTHS, svg};
+use splitsum::report::page::{PageOptions, PageRun, write};
 use splitsum::study::finished::Finished;
 use splitsum::study::frame::{Frame, Shape};
 use splitsum::study::questions::{Finding, QUESTIONS, Question, question};
@@ -202,6 +204,7 @@ fn a_failed_cell_does_not_prevent_an_answer() {
 fn scrambled(plan: &Plan) -> String {
     let (dir, log) = (tempfile::tempdir().unwrap(), Log { is_scrambled: true, ..Log::default() });
     invoke(plan, dir.path(), &Rc::new(RefCell::new(log)), usize::MAX).unwrap();
+    write(&PageOptions::in_folder(dir.path()), &PageRun::of_runs(&[read(dir.path())])).unwrap();
     kept::folder(dir.path())
 }
 

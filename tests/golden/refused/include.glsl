@@ -1,0 +1,1 @@
+#include "lib/no_such.glsl"

@@ -1,0 +1,3 @@
+vec3 specular_radiance(Surface s) {
+    return nothing;
+}

@@ -1,0 +1,1 @@
+vec3 reflected(Surface s) { return s.f0; }

@@ -1,0 +1,1 @@
+fn f(n: vec3f) -> vec3f { return n; }

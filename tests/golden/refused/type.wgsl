@@ -1,0 +1,3 @@
+fn f(n: vec3f) -> vec3f {
+    return 1.0;
+}
