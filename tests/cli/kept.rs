@@ -50,8 +50,9 @@ fn assert_kept(folder: &str, within: f64) {
         let words: Vec<&str> = command.split(' ').collect();
         let output = splitsum(dir.path(), &words);
         assert!(output.status.success(), "{command}: {}", stderr(&output));
-        let warnings = |line: &&str| line.starts_with("warning");
-        let mut found = stderr(&output).lines().filter(warnings).fold(stdout(&output), |all, line| all + line + "\n");
+        // What a reference drew, and warnings.
+        let is_kept = |line: &&str| ["warning", "shade-"].iter().any(|start| line.starts_with(start));
+        let mut found = stderr(&output).lines().filter(is_kept).fold(stdout(&output), |all, line| all + line + "\n");
         // The table of taps is in no other answer.
         let out = words.iter().position(|word| *word == "--out").map(|at| dir.path().join(words[at + 1]));
         if let Some(taps) = out.map(|out| out.join("taps.ktx2")).filter(|path| path.exists()) {

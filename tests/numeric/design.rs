@@ -48,6 +48,8 @@ fn frames_are_orthonormal_where_they_must_be() {
 #[test]
 fn means_over_pixels_are_means_over_the_sphere_in_every_range_of_n_dot_v() {
     let frames = frames();
+    // The lattice has its heights at the middles of bands of equal area.
+    assert!(mean(frames.iter().map(|[.., r]| r.y)).abs() < 1e-9);
     let all = (0.0, 1.0, 1e-3);
     // A tenth of the pixels is a third as even.
     let tenths = (0..10).map(|k| (0.1 * f64::from(k), 0.1 * f64::from(k + 1), 0.02));
