@@ -265,8 +265,8 @@ impl Convention {
     pub fn alphas(&self, count: usize) -> Result<Vec<f64>, String> {
         match &self.alphas {
             Some(alphas) if alphas.len() == count && alphas.is_sorted() => Ok(alphas.clone()),
-            Some(alphas) if alphas.len() == count => Err("expected ascending widths".to_owned()),
-            Some(alphas) => Err(format!("{} widths; expected {count}, one for each level", alphas.len())),
+            Some(alphas) if alphas.len() == count => Err("--alphas: expected ascending widths".to_owned()),
+            Some(all) => Err(format!("widths: {}, levels: {count}; --level-mapping tells what is missing", all.len())),
             None if count == 1 => Ok(vec![0.0]),
             None => {
                 let last = self.mapping_levels(count);

@@ -74,14 +74,14 @@ impl Product {
                 return Err(format!("{name:?}: two files have this name"));
             }
         }
-        let ends = |name: &str, known: &[&str]| {
-            let end = Path::new(name).extension().map(|end| end.to_string_lossy().into_owned());
-            end.is_none_or(|end| !known.contains(&end.as_str())).then(|| not_one_of("format", name, known, ""))
+        let ends = |key: &str, name: &str, known: &[&str]| {
+            let is_known = Path::new(name).extension().is_some_and(|end| known.iter().any(|known| end == *known));
+            (!is_known).then(|| format!("{key}: {}", not_one_of("format", name, known, "")))
         };
-        let maps = [Some(self.specular), self.irradiance].into_iter().flatten().filter(|name| name.contains('.'));
-        let faults = maps.filter_map(|name| ends(name, &["ktx2", "ktx", "dds"]));
-        let tables = self.tables.iter().filter_map(|name| ends(name, &["exr", "ktx2", "dds", "png"]));
-        if let Some(fault) = faults.chain(tables).next() {
+        let of_map = |key, name: &str| name.contains('.').then(|| ends(key, name, &["ktx2", "ktx", "dds"]))?;
+        let maps = of_map("specular", self.specular).or_else(|| of_map("irradiance", self.irradiance?));
+        let mut tables = self.tables.iter().filter_map(|name| ends("tables", name, &["exr", "ktx2", "dds", "png"]));
+        if let Some(fault) = maps.or_else(|| tables.next()) {
             return Err(fault);
         }
         Texel::parse(self.texel).map_err(|fault| format!("texel: {fault}"))?;

@@ -106,9 +106,6 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let preset = arguments.preset.map_or_else(own, Ok).map_err(unknown)?;
     let judging = judging(arguments, preset, stated)?;
     let environment = arguments.inputs.environment(light)?;
-    if let Some(map) = &bake.specular {
-        judging.convention.alphas(map.levels.len()).map_err(|fault| Failure::input(format!("--alphas: {fault}")))?;
-    }
     let judged = judging.judge(&environment, &bake, progress::phase).map_err(Failure::input)?;
     if arguments.json {
         let scores = as_json(light, preset.name, &arguments.limits, &judged);

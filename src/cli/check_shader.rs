@@ -54,7 +54,8 @@ fn entry(text: &str) -> Result<String, String> {
 }
 
 fn limits(text: &str) -> Result<[f32; 3], String> {
-    coordinates(text).map_err(|_| "expected three numbers, such as 0.03,0.1,5".to_owned())
+    let limits = coordinates(text).ok().filter(|limits: &[f32; 3]| limits.iter().all(|limit| *limit >= 0.0));
+    limits.ok_or_else(|| "expected three numbers of at least 0, such as 0.03,0.1,5".to_owned())
 }
 
 pub fn execute(arguments: &Arguments) -> Result<(), Failure> {

@@ -118,9 +118,9 @@ pub fn verdict(rows: &[Row]) -> String {
     let worst = [0, 1, 2].map(|error| worst(rows, error));
     let faults = worst.iter().zip(ERRORS).filter(|((size, _), (_, good, ..))| size > good);
     let faults: Vec<&str> = faults.map(|((_, words), _)| words.as_str()).collect();
-    let [gain, width, direction] = worst.each_ref().map(|(size, _)| size);
+    let [gain, width, direction] = [0, 1, 2].map(|error| ERRORS[error].3 * worst[error].0);
     match faults.is_empty() {
-        true => format!("good: gain, width and direction within {gain:.3}, {width:.3} and {direction:.1} degrees"),
+        true => format!("good: gain within {gain:.1} %, width {width:.1} %, direction {direction:.1} degrees"),
         false => format!("wrong: {}", faults.join("; ")),
     }
 }

@@ -16,7 +16,7 @@ use rayon::prelude::*;
 use std::cell::LazyCell;
 
 /// The direction of a level's largest relative error.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Worst {
     /// In the world.
     pub direction: DVec3,
@@ -26,7 +26,7 @@ pub struct Worst {
     pub exact: DVec3,
 }
 
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct LevelScore {
     pub size: [u32; 2],
     pub alpha: f64,
@@ -34,11 +34,11 @@ pub struct LevelScore {
     /// relMSE of lookups between texels; `None` for a mirror level, a level that the engine does not read and irradiance.
     pub between: Option<f64>,
     pub worst: Worst,
-    /// Set if the level is not [`GOOD`].
+    /// Set if relMSE is above [`GOOD`].
     pub fit: Option<Fit>,
     /// Slip that explains the error, if the fit does not.
     pub slip: Option<Slip>,
-    /// What the verdict names; empty if the level is [`GOOD`].
+    /// What the verdict names; empty if the level is good.
     pub causes: Vec<Cause>,
     pub verdict: String,
 }
@@ -124,20 +124,18 @@ impl Level<'_, '_> {
                 (errors, exact) = (own, looked_up);
             }
         }
-        let worst = worst(truth, directions, found, &exact);
-        let (size, verdict) = (directions.size, GOOD_WORDS.to_owned());
-        let mut score = LevelScore {
-            size,
-            alpha,
-            errors,
-            between: None,
-            worst,
-            fit: None,
-            slip: None,
-            causes: Vec::new(),
-            verdict,
-        };
+        let (size, verdict, worst) = (directions.size, GOOD_WORDS.to_owned(), worst(truth, directions, found, &exact));
+        let mut score = LevelScore { size, alpha, errors, worst, verdict, ..LevelScore::default() };
         if errors.relmse <= GOOD {
+            let most = found.iter().map(|texel| texel.max_element()).fold(0.0, f64::max);
+            let cut: Vec<DVec3> = exact.iter().map(|texel| texel.min(DVec3::splat(most))).collect();
+            let [own, cut] = [found, &cut].map(|texels| mean(directions, texels).element_sum());
+            if errors.bias_rel.abs() > GOOD_BIAS {
+                let is_cut = (own / cut - 1.0).abs() < light::SAME_MEAN;
+                let how = if is_cut { format!("cut at {}: ", light::rounded(most)) } else { String::new() };
+                let kind = if is_cut { "cut" } else { "unknown" };
+                score.set(Cause { kind, words: format!("{how}its mean is off by {:+.0} %", 100.0 * errors.bias_rel) });
+            }
             return score;
         }
         // What is wrong besides black faces.
@@ -210,13 +208,13 @@ pub fn between_texels(
     truth: &Truth,
     layout: &'static MapLayout,
     faces: &[RgbImage],
-    convention: &Convention,
+    by: &Convention,
     alpha: f64,
 ) -> f64 {
-    let texel = |texel: [f32; 3]| convention.scale * DVec3::from_array(texel.map(f64::from));
+    let texel = |texel: [f32; 3]| by.scale * DVec3::from_array(texel.map(f64::from));
     let level = FilteredMap { layout, levels: vec![faces.iter().map(|face| face.map(texel)).collect()] };
-    let directions = Directions::new(layout, convention.axes, [2 * faces[0].width, 2 * faces[0].height]);
-    let found = directions.world.par_iter().map(|world| level.value(convention.axes.to_file(*world), 0.0));
+    let directions = Directions::new(layout, by.axes, [2 * faces[0].width, 2 * faces[0].height]);
+    let found = directions.world.par_iter().map(|world| level.value(by.axes.to_file(*world), 0.0));
     let exact = exact(truth, truth.kernel, &directions, alpha);
     errors(&directions, &found.collect::<Vec<_>>(), &exact, truth.epsilon(), 1.0).relmse
 }
@@ -253,6 +251,8 @@ fn level_of(convention: &Convention, count: usize, alpha: f64) -> Option<f64> {
     by_mapping.then(|| convention.mapping.mip_from_alpha(alpha, convention.mapping_levels(count)))
 }
 
+/// Largest bias of a good level: a few bright texels carry much of the light, and little of relMSE.
+const GOOD_BIAS: f64 = 0.03;
 /// Smallest shift in levels that a verdict mentions.
 const SHIFT: f64 = 0.05;
 
@@ -264,7 +264,7 @@ pub(super) const UNEXPLAINED: &str = "no known slip explains it";
 impl LevelScore {
     /// Returns relMSE between its good texels where it is not good: the level has few texels for its width.
     pub fn coarseness(&self) -> Option<f64> {
-        self.between.filter(|relmse| self.errors.relmse <= GOOD && *relmse > GOOD)
+        self.between.filter(|relmse| self.causes.is_empty() && *relmse > GOOD)
     }
 
     /// Returns the relMSE that is left without the causes; `None` if they are unknown or there are none.

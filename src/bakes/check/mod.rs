@@ -117,7 +117,7 @@ pub fn has_width(alpha: f64) -> bool {
     alpha >= harmonic::ALPHA_MIN
 }
 
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Errors {
     /// `mean d²/(r² + ε)` over directions and channels.
     pub relmse: f64,

@@ -156,7 +156,9 @@ fn factors(window: [f64; 3]) -> Option<Cause> {
         () if (window[0] - 1.0).abs() < 0.05 => {
             let words = match two {
                 0.0..0.005 if (one - 1.0).abs() < 0.005 => "degree 2 is missing".to_owned(),
-                _ if one.max(two) > 1.02 => format!("degree 1 times {one:.2}, degree 2 times {two:.2}"),
+                _ if one.max(two) > 1.02 || one.min(two) < 0.0 => {
+                    format!("degrees 1 and 2 times {one:.2} and {two:.2}")
+                }
                 _ => format!("windowed against ringing: degree 1 times {one:.2}, degree 2 times {two:.2}"),
             };
             Cause { kind: "window", words }

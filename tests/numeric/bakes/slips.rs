@@ -67,6 +67,22 @@ fn each_place(map: &mut Map, from: impl Fn(u32, u32) -> [u32; 2]) {
     }
 }
 
+/// A sun is few texels: relMSE hardly counts it, and it is most of the light.
+#[test]
+fn a_level_whose_mean_is_off_is_not_good() {
+    let sun = DVec3::new(0.9, 0.1, 0.4).normalize();
+    let light = light_of(|d| DVec3::splat(if d.angle_between(sun) < 0.03 { 1e4 } else { 1.0 }));
+    let right = of_levels(vec![faces(&LAYOUTS[0], [64; 2], |d| light.radiance(d))]);
+    let alphas = Some(&[0.0][..]);
+    assert_named(&judged(&light, right.clone(), alphas), "good");
+    let mut cut = right.clone();
+    each_texel(&mut cut, |rgb| rgb.map(|x| x.min(100.0)));
+    assert_named(&judged(&light, cut, alphas), "level 0: cut at 100: its mean is off by -");
+    let mut bright = right;
+    each_texel(&mut bright, |rgb| rgb.map(|x| if x > 100.0 { 1.2 * x } else { x }));
+    assert_named(&judged(&light, bright, alphas), "level 0: its mean is off by +");
+}
+
 #[test]
 fn slips_of_faces_and_texels_are_named() {
     let light = marked_light();
