@@ -8,19 +8,20 @@ use crate::run::fake::Log;
 use crate::run::runs::{finished, invoke, plan};
 use crate::scratch::scratch;
 use crate::snapshot::assert_snapshot;
-use splitsum::experiment::axis::{Named, Point};
+use splitsum::experiment::axis::{AXES, Named, Point};
 use splitsum::experiment::plan::Plan;
 use splitsum::experiment::value::Value;
 use splitsum::figure::Figure;
 use splitsum::figure::svg::{WIDTHS, svg};
 use splitsum::report::page::{PageOptions, PageRun, write};
-use splitsum::study::finished::Finished;
+use splitsum::study::finished::{Finished, FinishedCell, MetricValues};
 use splitsum::study::frame::{Frame, Shape};
 use splitsum::study::questions::{Finding, QUESTIONS, Question, question};
 use std::cell::RefCell;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
 
 /// Texts of the experiments in a folder, by name.
 fn experiments(folder: &str) -> Vec<(String, String)> {
@@ -239,6 +240,78 @@ fn numbers_of_scrambled_experiments_are_kept() {
         let plan = Plan::from_text(Path::new("experiments/own.toml"), &text, &set);
         let kept = scrambled(&plan.unwrap_or_else(|error| panic!("{name}: {error}")));
         assert_snapshot(&format!("experiment_{name}"), &kept);
+    }
+}
+
+/// Runs whose every error differs, so that nothing is tied.
+fn scrambled_runs() -> Vec<Finished> {
+    let read = |(name, text): (String, String)| {
+        let log = Log { is_scrambled: true, ..Log::default() };
+        let dir = scratch().join(format!("scrambled-{name}"));
+        invoke(&plan(&text), &dir, &Rc::new(RefCell::new(log)), usize::MAX).unwrap();
+        Finished::read(&dir).unwrap()
+    };
+    // Of `counts` some images are equal, whose errors the fake renderer makes unequal.
+    experiments(SYNTHETIC).into_iter().filter(|(name, _)| name != "counts").map(read).collect()
+}
+
+/// What a run answers, with the lines of tables in the order of their text.
+fn said(run: &Finished) -> Vec<(&'static str, String)> {
+    let frame = Frame::new(run, None);
+    let said = |question: &'static Question| {
+        let finding = (question.answer)(&frame)?;
+        let digest = finding.digest.as_ref().map(|digest| digest.markdown()).unwrap_or_default();
+        let mut lines: Vec<&str> = digest.lines().chain([finding.sentence.as_str()]).collect();
+        lines.sort_unstable();
+        Some((question.name, lines.join("\n")))
+    };
+    QUESTIONS.iter().copied().filter(|question| (question.lacks)(&frame.shape).is_none()).filter_map(said).collect()
+}
+
+/// Cells that bring a new value of an axis come first, because the first value is the base.
+#[test]
+fn order_and_failed_twins_of_cells_change_no_answer() {
+    for run in scrambled_runs() {
+        let (before, mut seen) = (said(&run), BTreeSet::new());
+        let is_first: BTreeMap<&str, bool> = (run.cells.iter())
+            .map(|cell| {
+                (cell.id.as_str(), (0..AXES.len()).any(|axis| seen.insert((axis, cell.point[axis].to_string()))))
+            })
+            .collect();
+        // A failed cell beside a finished one of its point is irrelevant.
+        let mut more = run.clone();
+        let failed =
+            |cell: &FinishedCell| FinishedCell { id: format!("{}-failed", cell.id), scores: None, ..cell.clone() };
+        more.cells.extend(run.cells.iter().map(failed));
+        assert_eq!(said(&more), before, "{} with failed cells", run.text("/name"));
+        for seed in 0..3 {
+            let mut shuffled = run.clone();
+            let hash = |id: &str| *blake3::hash(format!("{seed} {id}").as_bytes()).as_bytes();
+            shuffled.cells.sort_by_key(|cell| if is_first[cell.id.as_str()] { [0; 32] } else { hash(&cell.id) });
+            assert_eq!(said(&shuffled), before, "{} by seed {seed}", run.text("/name"));
+        }
+    }
+}
+
+/// Ratios and break-evens do not depend on the unit of an error.
+#[test]
+fn the_unit_of_the_metric_changes_no_ratio() {
+    for run in scrambled_runs() {
+        let mut quadrupled = run.clone();
+        scaled(&mut quadrupled, |_| 4.0);
+        let by_four = |floors: &mut MetricValues| {
+            let old = floors.clone();
+            *floors =
+                MetricValues::of(|name| old.get(name).map(|floor| if name == "flip" { floor } else { 4.0 * floor }));
+        };
+        for cell in &mut quadrupled.cells {
+            by_four(&mut cell.noise_floors);
+            Arc::make_mut(&mut cell.bins).iter_mut().for_each(|bin| by_four(&mut bin.noise_floors));
+        }
+        let ratios = |run: &Finished| {
+            said(run).into_iter().filter(|(name, _)| ["break-even", "effect"].contains(name)).collect::<Vec<_>>()
+        };
+        assert_eq!(ratios(&quadrupled), ratios(&run), "{}", run.text("/name"));
     }
 }
 
