@@ -5,8 +5,7 @@ use super::end_to_end::has_device;
 use super::{assert_ends, ok, splitsum};
 use serde_json::Value;
 
-const TEXTBOOK: &str = "#include \"lib/split_sum.glsl\"\nvec3 specular_radiance(Surface s) {\n    \
-    return prefiltered_radiance(reflect(-s.v, s.n), perceptual_roughness_from_alpha(s.alpha)) * reflectance(s);\n}\n";
+const TEXTBOOK: &str = include_str!("../golden/refused/textbook.glsl");
 
 #[test]
 fn limits_decide_the_exit_code() {

@@ -127,10 +127,10 @@ impl Level<'_, '_> {
         let (size, verdict, worst) = (directions.size, GOOD_WORDS.to_owned(), worst(truth, directions, found, &exact));
         let mut score = LevelScore { size, alpha, errors, worst, verdict, ..LevelScore::default() };
         if errors.relmse <= GOOD {
-            let most = found.iter().map(|texel| texel.max_element()).fold(0.0, f64::max);
-            let cut: Vec<DVec3> = exact.iter().map(|texel| texel.min(DVec3::splat(most))).collect();
-            let [own, cut] = [found, &cut].map(|texels| mean(directions, texels).element_sum());
             if errors.bias_rel.abs() > GOOD_BIAS {
+                let most = found.iter().map(|texel| texel.max_element()).fold(0.0, f64::max);
+                let cut: Vec<DVec3> = exact.iter().map(|texel| super::texel::CUTS[0].1(*texel, most)).collect();
+                let [own, cut] = [found, &cut].map(|texels| mean(directions, texels).element_sum());
                 let is_cut = (own / cut - 1.0).abs() < light::SAME_MEAN;
                 let how = if is_cut { format!("cut at {}: ", light::rounded(most)) } else { String::new() };
                 let kind = if is_cut { "cut" } else { "unknown" };
@@ -208,13 +208,13 @@ pub fn between_texels(
     truth: &Truth,
     layout: &'static MapLayout,
     faces: &[RgbImage],
-    by: &Convention,
+    convention: &Convention,
     alpha: f64,
 ) -> f64 {
-    let texel = |texel: [f32; 3]| by.scale * DVec3::from_array(texel.map(f64::from));
+    let texel = |texel: [f32; 3]| convention.scale * DVec3::from_array(texel.map(f64::from));
     let level = FilteredMap { layout, levels: vec![faces.iter().map(|face| face.map(texel)).collect()] };
-    let directions = Directions::new(layout, by.axes, [2 * faces[0].width, 2 * faces[0].height]);
-    let found = directions.world.par_iter().map(|world| level.value(by.axes.to_file(*world), 0.0));
+    let directions = Directions::new(layout, convention.axes, [2 * faces[0].width, 2 * faces[0].height]);
+    let found = directions.world.par_iter().map(|world| level.value(convention.axes.to_file(*world), 0.0));
     let exact = exact(truth, truth.kernel, &directions, alpha);
     errors(&directions, &found.collect::<Vec<_>>(), &exact, truth.epsilon(), 1.0).relmse
 }

@@ -191,14 +191,8 @@ impl Renderer for Fake {
             let own = |i: usize| varied("own", i);
             let error = (0..STEPS.len()).map(own).sum();
             // A band has fewer views than all.
-            let noise_of_band = if !is_scrambled {
-                0.0
-            } else if seen_at == [0.0, 1.0] {
-                0.02
-            } else {
-                0.05
-            };
-            let noise = |what: &str, i: usize| noise_of_band * dice(what, i);
+            let most = if seen_at == [0.0, 1.0] { 0.02 } else { 0.05 };
+            let noise = |what: &str, i: usize| if is_scrambled { most * dice(what, i) } else { 0.0 };
             let step = |i: usize| StepNumbers {
                 step: STEPS[i].name,
                 share: own(i) / error,

@@ -202,9 +202,14 @@ fn a_failed_cell_does_not_prevent_an_answer() {
     }
 }
 
+fn run_scrambled(plan: &Plan, dir: &Path) {
+    let log = Log { is_scrambled: true, ..Log::default() };
+    invoke(plan, dir, &Rc::new(RefCell::new(log)), usize::MAX).unwrap();
+}
+
 fn scrambled(plan: &Plan) -> String {
-    let (dir, log) = (tempfile::tempdir().unwrap(), Log { is_scrambled: true, ..Log::default() });
-    invoke(plan, dir.path(), &Rc::new(RefCell::new(log)), usize::MAX).unwrap();
+    let dir = tempfile::tempdir().unwrap();
+    run_scrambled(plan, dir.path());
     write(&PageOptions::in_folder(dir.path()), &PageRun::of_runs(&[read(dir.path())])).unwrap();
     kept::folder(dir.path())
 }
@@ -246,9 +251,8 @@ fn numbers_of_scrambled_experiments_are_kept() {
 /// Runs whose every error differs, so that nothing is tied.
 fn scrambled_runs() -> Vec<Finished> {
     let read = |(name, text): (String, String)| {
-        let log = Log { is_scrambled: true, ..Log::default() };
         let dir = scratch().join(format!("scrambled-{name}"));
-        invoke(&plan(&text), &dir, &Rc::new(RefCell::new(log)), usize::MAX).unwrap();
+        run_scrambled(&plan(&text), &dir);
         Finished::read(&dir).unwrap()
     };
     // Of `counts` some images are equal, whose errors the fake renderer makes unequal.
